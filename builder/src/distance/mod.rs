@@ -1,0 +1,1 @@
+//! Pose distances between all pairs of frames.

@@ -1,0 +1,1 @@
+//! Reads captures from files.

@@ -1,0 +1,10 @@
+//! The builder: reads 4D surface captures and packs them into `.reprise` bundles.
+//!
+//! The modules follow the pipeline: import -> distances -> transitions -> essential graph -> bundle.
+
+pub mod distance;
+pub mod essential;
+pub mod import;
+pub mod pack;
+pub mod performer;
+pub mod transitions;

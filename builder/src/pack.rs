@@ -1,0 +1,1 @@
+//! `builder pack`: the whole pipeline.

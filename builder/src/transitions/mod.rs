@@ -1,0 +1,1 @@
+//! Optimal transitions between all pairs of frames.

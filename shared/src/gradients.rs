@@ -1,0 +1,1 @@
+//! Deformation gradients of triangles between two poses.

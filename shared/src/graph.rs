@@ -1,0 +1,157 @@
+//! The essential graph: frames as nodes, recorded steps and the transitions worth keeping as edges.
+//!
+//! Boukhayma and Boyer, TVCG section 4.1; thesis 3.3.
+
+use thiserror::Error;
+
+use crate::align::Placement;
+use crate::timeline::Timeline;
+use crate::warp::Warp;
+
+/// Resolution of alpha: it is rounded to a multiple of this, so that sums of costs are exact in `f64` and comparisons
+/// of paths do not depend on the order of summation.
+pub const ALPHA_RESOLUTION: f64 = 1.0 / 16_777_216.0;
+
+/// The default weight of a frame's duration against surface deformation, per frame (thesis 3.3.2).
+pub const DEFAULT_ALPHA: f64 = 0.01;
+
+/// `alpha` as the graph uses it: rounded to a multiple of [`ALPHA_RESOLUTION`].
+#[must_use]
+pub fn rounded_alpha(alpha: f64) -> f64 {
+    (alpha / ALPHA_RESOLUTION).round() * ALPHA_RESOLUTION
+}
+
+/// An edge that was not recorded: a synthesised transition between two frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Transition {
+    /// Frame i that it leaves from.
+    pub from: u32,
+    /// Frame j that it arrives at.
+    pub to: u32,
+    /// Surface deformation cost D(i, j): the sum of pose distances along the warp, in radians.
+    pub deformation: f32,
+    /// How the segments [i, i + li - 1] and [j - lj + 1, j] are matched; its duration is L(i, j).
+    pub warp: Warp,
+    /// Placement of the destination's recorded frames once the source's stand as they were recorded (`Blend` of
+    /// algorithm 2 followed to its end): `source_from_destination`.
+    pub placement: Placement,
+}
+
+impl Transition {
+    /// E(i, j) = D + alpha L (TVCG equation 10).
+    #[must_use]
+    pub fn cost(&self, alpha: f64) -> f64 {
+        f64::from(self.deformation) + alpha * self.warp.duration() as f64
+    }
+}
+
+/// Why transitions are not a graph over a timeline.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GraphError {
+    /// Alpha is negative, not finite or absurdly large.
+    #[error("alpha is {0}, but must be between 0 and 1000")]
+    Alpha(f64),
+    /// A transition names a frame that does not exist.
+    #[error("transition {0} names a frame that does not exist")]
+    Frame(usize),
+    /// A transition's segment leaves its sequence.
+    #[error("a segment of transition {0} leaves its sequence")]
+    Segment(usize),
+    /// A transition's cost is negative or not finite.
+    #[error("the cost of transition {0} is negative or not a number")]
+    Cost(usize),
+    /// Transitions are not strictly ordered by (from, to).
+    #[error("transition {0} is out of order")]
+    Order(usize),
+}
+
+/// Frames joined by recorded steps (cost alpha each) and by transitions (cost D + alpha L each).
+#[derive(Clone, Debug, PartialEq)]
+pub struct EssentialGraph {
+    alpha: f64,
+    transitions: Vec<Transition>,
+    first_transition: Vec<u32>,
+}
+
+impl EssentialGraph {
+    /// A graph over `timeline`; `transitions` are strictly ordered by (from, to).
+    ///
+    /// # Errors
+    /// Anything that a walk through the graph could stumble over; see [`GraphError`].
+    pub fn new(alpha: f64, transitions: Vec<Transition>, timeline: &Timeline) -> Result<Self, GraphError> {
+        if !(0.0..=1000.0).contains(&alpha) {
+            return Err(GraphError::Alpha(alpha));
+        }
+        let frame_count = timeline.frame_count() as usize;
+        let mut first_transition = vec![0; frame_count + 1];
+        let mut before = None;
+        for (index, transition) in transitions.iter().enumerate() {
+            check(index, transition, timeline)?;
+            let ends = (transition.from, transition.to);
+            if before.is_some_and(|before| before >= ends) {
+                return Err(GraphError::Order(index));
+            }
+            before = Some(ends);
+            first_transition[transition.from as usize + 1] += 1;
+        }
+        for frame in 0..frame_count {
+            first_transition[frame + 1] += first_transition[frame];
+        }
+        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition })
+    }
+
+    /// Cost of a recorded step: the weight of a frame's duration.
+    #[must_use]
+    pub fn alpha(&self) -> f64 {
+        self.alpha
+    }
+
+    /// All transitions, ordered by (from, to).
+    #[must_use]
+    pub fn transitions(&self) -> &[Transition] {
+        &self.transitions
+    }
+
+    /// Indices of the transitions that leave from `frame`; none for a frame that does not exist.
+    #[must_use]
+    pub fn transitions_from(&self, frame: u32) -> std::ops::Range<usize> {
+        match self.first_transition.get(frame as usize..).and_then(|rest| rest.get(..2)) {
+            Some(&[start, end]) => start as usize..end as usize,
+            _ => 0..0,
+        }
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> u32 {
+        (self.first_transition.len() - 1) as u32
+    }
+
+    /// Edges, recorded and synthetic, over the possible n (n - 1) (thesis equation 3.4).
+    #[must_use]
+    pub fn density(&self, timeline: &Timeline) -> f64 {
+        let n = f64::from(self.frame_count());
+        let recorded = (0..self.frame_count()).filter(|&frame| timeline.next(frame).is_some()).count();
+        (recorded + self.transitions.len()) as f64 / (n * (n - 1.0)).max(1.0)
+    }
+}
+
+fn check(index: usize, transition: &Transition, timeline: &Timeline) -> Result<(), GraphError> {
+    let placement = transition.placement;
+    let numbers_hold = transition.deformation >= 0.0
+        && transition.deformation.is_finite()
+        && placement.heading.is_finite()
+        && placement.translation.is_finite();
+    if !numbers_hold {
+        return Err(GraphError::Cost(index));
+    }
+    let (Some(source), Some(destination)) =
+        (timeline.sequence_of(transition.from), timeline.sequence_of(transition.to))
+    else {
+        return Err(GraphError::Frame(index));
+    };
+    let (li, lj) = transition.warp.lengths();
+    let source_holds = source.offset(transition.from, li as i64 - 1).is_some();
+    let destination_holds = destination.offset(transition.to, 1 - lj as i64).is_some();
+    if source_holds && destination_holds { Ok(()) } else { Err(GraphError::Segment(index)) }
+}

@@ -1,0 +1,1 @@
+//! Synthesis of a walk, frame by frame.

@@ -1,0 +1,3 @@
+//! Builds, serves and checks Reprise: `cargo xtask demo`, `cargo xtask test`.
+
+fn main() {}
