@@ -89,6 +89,18 @@ pub struct ImportArguments {
     /// Metres per unit of length of the input, for example 0.01 for centimetres.
     #[arg(long, value_name = "METRES")]
     pub unit: Option<f32>,
+    /// Sequences whose end meets their beginning, by name.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub cyclic: Vec<String>,
+    /// A texture for all frames, or a folder, glob or pattern with one per frame.
+    #[arg(long, value_name = "FILE")]
+    pub texture: Option<String>,
+    /// A text file with one weight per vertex for the planar alignment; areas by default.
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
+    /// Vertices closer than this in every frame are one, in metres.
+    #[arg(long, value_name = "METRES")]
+    pub weld: Option<f32>,
 }
 
 /// The axis of the input that points up.
