@@ -2,6 +2,7 @@
 //!
 //! A kernel is plain Rust over fixed-size arrays; the compiler vectorises one copy of it for each level. Every kernel
 //! rounds in a fixed order (a fixed number of lanes, explicit `mul_add`), so that all levels give the same bits.
+//! Kernels have no closures: the compiler may leave one out of line, and then compiles it for the portable level only.
 
 /// A computation worth compiling for several instruction sets.
 pub(crate) trait Kernel {

@@ -172,7 +172,8 @@ fn degenerate_triangles_are_left_out() {
     triangles.extend([[3, 3, 5], [1, 2, 2]]);
     let padded = Topology::new(topology.vertex_count() as u32, triangles, topology.weights().to_vec()).unwrap();
     assert_eq!(distances(&padded, &poses, &DistanceOptions::default()), matrix);
-    let collapsed = Topology::new(topology.vertex_count() as u32, vec![[3, 3, 5]], topology.weights().to_vec()).unwrap();
+    let collapsed =
+        Topology::new(topology.vertex_count() as u32, vec![[3, 3, 5]], topology.weights().to_vec()).unwrap();
     let refused = pose_distances(&collapsed, &poses, &DistanceOptions::default(), &|_| ());
     assert!(refused.is_err());
 }

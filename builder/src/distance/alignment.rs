@@ -81,16 +81,19 @@ impl Kernel for Products<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { blocks, tile } = self;
-        Tile::for_each_pair(tile.bounds(), |i, j, slot| {
-            let (a, b) = (&blocks[i], &blocks[j]);
-            let (mut dot, mut cross) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for v in 0..BLOCK {
-                dot[v] = a.x[v].mul_add(b.x[v], a.z[v] * b.z[v]);
-                cross[v] = a.x[v].mul_add(b.z[v], -(a.z[v] * b.x[v]));
+        for i in tile.rows() {
+            for j in tile.columns(i) {
+                let slot = tile.slot(i, j);
+                let (a, b) = (&blocks[i], &blocks[j]);
+                let (mut dot, mut cross) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for v in 0..BLOCK {
+                    dot[v] = a.x[v].mul_add(b.x[v], a.z[v] * b.z[v]);
+                    cross[v] = a.x[v].mul_add(b.z[v], -(a.z[v] * b.x[v]));
+                }
+                tile.alignment[slot][0] += lane_sum(&dot);
+                tile.alignment[slot][1] += lane_sum(&cross);
             }
-            tile.alignment[slot][0] += lane_sum(&dot);
-            tile.alignment[slot][1] += lane_sum(&cross);
-        });
+        }
     }
 }
 

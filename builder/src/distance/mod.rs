@@ -115,7 +115,11 @@ fn distances_at(
     };
     let mut matrix = DistanceMatrix::zeros(poses.len());
     for tile in &tiles {
-        Tile::for_each_pair(tile.bounds(), |i, j, slot| matrix.set(i, j, (tile.sum[slot] / divisor) as f32));
+        for i in tile.rows() {
+            for j in tile.columns(i) {
+                matrix.set(i, j, (tile.sum[tile.slot(i, j)] / divisor) as f32);
+            }
+        }
     }
     Ok(matrix)
 }
@@ -161,11 +165,14 @@ impl Kernel for SumDeformation<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { blocks, weights, stretch_weight, tile } = self;
-        Tile::for_each_pair(tile.bounds(), |i, j, slot| {
-            let [cos, sin] = tile.alignment[slot];
-            let pair = deformation::Pair { cos: cos as f32, sin: sin as f32, stretch_weight };
-            tile.sum[slot] += deformation::deformation(&blocks[i], &blocks[j], weights, pair);
-        });
+        for i in tile.rows() {
+            for j in tile.columns(i) {
+                let slot = tile.slot(i, j);
+                let [cos, sin] = tile.alignment[slot];
+                let pair = deformation::Pair { cos: cos as f32, sin: sin as f32, stretch_weight };
+                tile.sum[slot] += deformation::deformation(&blocks[i], &blocks[j], weights, pair);
+            }
+        }
     }
 }
 
@@ -229,10 +236,13 @@ impl Kernel for SumResidual<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { blocks, tile } = self;
-        Tile::for_each_pair(tile.bounds(), |i, j, slot| {
-            let [cos, sin] = tile.alignment[slot];
-            tile.sum[slot] += euclidean::residual(&blocks[i], &blocks[j], cos as f32, sin as f32);
-        });
+        for i in tile.rows() {
+            for j in tile.columns(i) {
+                let slot = tile.slot(i, j);
+                let [cos, sin] = tile.alignment[slot];
+                tile.sum[slot] += euclidean::residual(&blocks[i], &blocks[j], cos as f32, sin as f32);
+            }
+        }
     }
 }
 

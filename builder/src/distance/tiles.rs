@@ -1,6 +1,8 @@
 //! All pairs of frames, cut into square tiles: what a tile touches stays in a core's second-level cache, and each tile
 //! is summed by one thread in a fixed order, whatever the number of threads.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 /// Frames along a tile's side.
@@ -18,22 +20,22 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    /// Calls `visit(i, j, slot)` for each pair of the tile; `slot` counts within the tile.
+    /// The frames i of the tile.
     #[inline(always)]
-    pub(super) fn for_each_pair(
-        (first_i, first_j, frame_count): (usize, usize, usize),
-        mut visit: impl FnMut(usize, usize, usize),
-    ) {
-        for i in first_i..(first_i + SIDE).min(frame_count) {
-            for j in first_j.max(i + 1)..(first_j + SIDE).min(frame_count) {
-                visit(i, j, (i - first_i) * SIDE + (j - first_j));
-            }
-        }
+    pub(super) fn rows(&self) -> Range<usize> {
+        self.first_i..(self.first_i + SIDE).min(self.frame_count)
     }
 
-    /// What [`Self::for_each_pair`] needs to know.
-    pub(super) fn bounds(&self) -> (usize, usize, usize) {
-        (self.first_i, self.first_j, self.frame_count)
+    /// The frames j > i of the tile.
+    #[inline(always)]
+    pub(super) fn columns(&self, i: usize) -> Range<usize> {
+        self.first_j.max(i + 1)..(self.first_j + SIDE).min(self.frame_count)
+    }
+
+    /// The place of the pair (i, j) in the tile's sums.
+    #[inline(always)]
+    pub(super) fn slot(&self, i: usize, j: usize) -> usize {
+        (i - self.first_i) * SIDE + (j - self.first_j)
     }
 }
 

@@ -60,8 +60,7 @@ impl TriangleBlock {
         let y_axis = z_axis.cross(x_axis);
         let (b, c) = (second.dot(x_axis), second.dot(y_axis));
         let frame = DQuat::from_mat3(&DMat3::from_cols(x_axis, y_axis, z_axis));
-        (self.w[m], self.x[m], self.y[m], self.z[m]) =
-            (frame.w as f32, frame.x as f32, frame.y as f32, frame.z as f32);
+        (self.w[m], self.x[m], self.y[m], self.z[m]) = (frame.w as f32, frame.x as f32, frame.y as f32, frame.z as f32);
         (self.a[m], self.b[m], self.c[m]) = (a as f32, b as f32, c as f32);
         (self.inverse_a[m], self.inverse_c[m]) = ((1.0 / a) as f32, (1.0 / c) as f32);
         self.log_det[m] = (a * c).ln() as f32;

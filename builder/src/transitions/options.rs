@@ -79,7 +79,7 @@ pub enum TransitionError {
 
 impl TransitionOptions {
     /// The largest slope limit; beyond it, take none.
-    pub const MAX_SLOPE: u8 = 8;
+    pub const MAX_SLOPE: u8 = 5;
 
     /// The segment lengths in frames.
     ///
