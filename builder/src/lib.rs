@@ -7,4 +7,5 @@ pub mod essential;
 pub mod import;
 pub mod pack;
 pub mod performer;
+mod simd;
 pub mod transitions;
