@@ -7,6 +7,7 @@
 mod alignment;
 mod deformation;
 mod euclidean;
+mod headings;
 mod lanes;
 mod matrix;
 mod tiles;
@@ -18,6 +19,7 @@ use shared::capture::Poses;
 use shared::topology::Topology;
 use thiserror::Error;
 
+pub use self::headings::HeadingMatrix;
 pub use self::matrix::DistanceMatrix;
 use self::tiles::Tile;
 use crate::simd::{Kernel, Level};
@@ -86,19 +88,41 @@ pub fn pose_distances(
     options: &DistanceOptions,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<DistanceMatrix, DistanceError> {
-    distances_at(Level::best(), topology, poses, options, progress)
+    Ok(measure(topology, poses, options, progress)?.distances)
+}
+
+/// What is known of all pairs of frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Their pose distances.
+    pub distances: DistanceMatrix,
+    /// How they were aligned.
+    pub headings: HeadingMatrix,
+}
+
+/// As [`pose_distances`], with the alignment of each pair, which later stages need too.
+///
+/// # Errors
+/// Poses of another mesh, or no triangle left.
+pub fn measure(
+    topology: &Topology,
+    poses: &Poses,
+    options: &DistanceOptions,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Measured, DistanceError> {
+    measure_at(Level::best(), topology, poses, options, progress)
 }
 
 /// The share of the progress that alignment gets.
 const ALIGNMENT_SHARE: f64 = 0.05;
 
-fn distances_at(
+fn measure_at(
     level: Level,
     topology: &Topology,
     poses: &Poses,
     options: &DistanceOptions,
     progress: &(dyn Fn(f64) + Sync),
-) -> Result<DistanceMatrix, DistanceError> {
+) -> Result<Measured, DistanceError> {
     if poses.vertex_count() != topology.vertex_count() {
         return Err(DistanceError::VertexCount { poses: poses.vertex_count(), mesh: topology.vertex_count() });
     }
@@ -113,15 +137,19 @@ fn distances_at(
             1.0
         }
     };
-    let mut matrix = DistanceMatrix::zeros(poses.len());
+    let mut distances = DistanceMatrix::zeros(poses.len());
+    let mut headings = HeadingMatrix::zeros(poses.len());
     for tile in &tiles {
         for i in tile.rows() {
             for j in tile.columns(i) {
-                matrix.set(i, j, (tile.sum[tile.slot(i, j)] / divisor) as f32);
+                let slot = tile.slot(i, j);
+                let [half_cos, half_sin] = tile.alignment[slot];
+                distances.set(i, j, (tile.sum[slot] / divisor) as f32);
+                headings.set(i, j, (2.0 * half_sin.atan2(half_cos)) as f32);
             }
         }
     }
-    Ok(matrix)
+    Ok(Measured { distances, headings })
 }
 
 /// Leaves each pair's weighted sum over the triangles in the tiles; returns the sum of the triangles' weights.
@@ -270,7 +298,7 @@ mod tests {
         let (topology, poses) = strip(40);
         for kind in [DistanceKind::Deformation, DistanceKind::Euclidean] {
             let options = DistanceOptions { kind, ..Default::default() };
-            let run = |level| distances_at(level, &topology, &poses, &options, &|_| ()).unwrap();
+            let run = |level| measure_at(level, &topology, &poses, &options, &|_| ()).unwrap();
             let mut results = Level::available().into_iter().map(run);
             let first = results.next().unwrap();
             assert!(first.row(0).iter().any(|&d| d > 0.01));

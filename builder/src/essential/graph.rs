@@ -25,6 +25,9 @@ pub enum BuildError {
         /// Why.
         cause: TransitionError,
     },
+    /// The options of the transitions make no sense.
+    #[error(transparent)]
+    Options(#[from] TransitionError),
     /// An edge has no transition.
     #[error("there is no transition from frame {from} to frame {to}")]
     NoTransition {
@@ -68,7 +71,7 @@ pub fn build_graph(
     let timeline = &capture.timeline;
     let weights = capture.topology.weights();
     let centres: Vec<Vec2> = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
-    let warps = WarpFinder::new(findings.distances, timeline, findings.options);
+    let warps = WarpFinder::new(findings.distances, timeline, findings.options)?;
     let transitions = edges
         .par_iter()
         .map(|&(from, to)| {

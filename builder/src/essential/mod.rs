@@ -7,6 +7,7 @@
 
 mod components;
 mod costs;
+mod graph;
 mod motion_graph;
 mod paths;
 
@@ -16,6 +17,7 @@ use shared::timeline::Timeline;
 use thiserror::Error;
 
 pub use self::components::{Components, strongly_connected};
+pub use self::graph::{BuildError, Findings, build_graph};
 use self::costs::Costs;
 pub use self::motion_graph::motion_graph;
 use self::paths::PathLengths;

@@ -52,6 +52,7 @@ use shared::capture::Capture;
 
 pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
+use crate::progress::Progress;
 
 /// Frames per second where nothing else is said.
 pub const DEFAULT_FPS: f32 = 30.0;
@@ -75,17 +76,6 @@ pub struct ImportOptions {
     pub weights: Option<PathBuf>,
     /// Vertices closer than this in every frame are welded, in metres; 1e-5 of the body's size by default.
     pub weld: Option<f32>,
-}
-
-/// How far an import has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// What is being done, for example `reading frames`.
-    pub what: &'static str,
-    /// Steps done.
-    pub done: u64,
-    /// Steps in all.
-    pub total: u64,
 }
 
 /// What an import yields.

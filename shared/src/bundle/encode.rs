@@ -1,6 +1,7 @@
 //! Writing a bundle.
 
 use glam::Vec3;
+use serde::Serialize;
 
 use super::error::EncodeError;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
@@ -36,7 +37,7 @@ pub struct BundleInput<'a> {
 }
 
 /// What was written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EncodeReport {
     /// Bytes of the whole file.
     pub bytes: u64,
@@ -53,7 +54,7 @@ pub struct EncodeReport {
 }
 
 /// Bytes of all sections of a kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct SectionSize {
     /// Name of the kind.
     pub name: &'static str,
