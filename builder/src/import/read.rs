@@ -46,7 +46,13 @@ pub(super) fn read(
     let counts: Vec<u64> = plan.sequences.iter().map(|s| s.source.frame_count(plan.fps)).collect();
     let (mut positions, total) = reserve(&counts, mesh.vertex_count, &reference_path)?;
 
-    let reference = Reference { path: &reference_path, vertex_count: mesh.vertex_count, faces: &mesh.faces };
+    let reference = Reference {
+        path: &reference_path,
+        vertex_count: mesh.vertex_count,
+        faces: &mesh.faces,
+        uvs: &mesh.uvs,
+        colours: &mesh.colours,
+    };
     let mut textures = Vec::new();
     let mut done = 0;
     let mut rest = positions.as_mut_slice();
