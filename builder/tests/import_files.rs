@@ -264,16 +264,19 @@ fn a_frame_that_closes_a_cycle_is_left_out() {
         for [px, py, pz] in [[0.0, 0.0, 0.0], [1.0, 0.2, 0.1], [0.2, 1.0 + lift, 0.6]] {
             writeln!(text, "v {} {} {}", cos * px + sin * pz + x, py, cos * pz - sin * px).unwrap();
         }
-        text + "f 1 2 3\n"
+        text + "vt 0 0\nf 1/1 2/1 3/1\n"
     };
     for k in 0..4 {
         write(f, &[(&format!("c/f{k}.obj"), &pose(k, 0.3 * k as f32, 2.0 * k as f32))]);
+        write_bytes(f, &format!("c/f{k}.png"), &png(1, [k as u8, 0, 0]));
     }
     let cyclic = ImportOptions { fps: Some(25.0), cyclic: vec!["c".into()], ..ImportOptions::default() };
     let closed = read(f, &["c"], &cyclic);
     assert_eq!(names(&closed), [("c", 3)]);
-    assert!(closed.capture.timeline.sequences()[0].cyclic);
     assert!(closed.warnings.iter().any(|w| w.contains("last frame repeats the first")));
+    assert!(closed.capture.timeline.sequences()[0].cyclic);
+    assert_eq!(closed.frame_textures.unwrap(), [0, 1, 2].map(|k| f.join(format!("c/f{k}.png"))));
+
     assert_eq!(names(&read_plain(f, &["c"])), [("c", 4)]);
     write(f, &[("c/f3.obj", &pose(2, 0.9, 6.0))]);
     assert_eq!(names(&read(f, &["c"], &cyclic)), [("c", 4)]);
