@@ -227,7 +227,7 @@ mod tests {
             assert!(row[..count].iter().all(|&slot| slot > 0 && slot as usize <= place));
             assert!(row[count..].iter().all(|&slot| slot == 0));
         }
-        assert!(traversal.parent_count.iter().filter(|&&count| count == 8).count() > 60);
+        assert!(traversal.parent_count.iter().filter(|&&count| count >= 4).count() > 80);
     }
 
     #[test]
