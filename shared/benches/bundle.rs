@@ -1,5 +1,7 @@
 //! Writing and reading a bundle: the real capture where it is there, and a cloth of 5,000 vertices.
 
+#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark may fail loudly")]
+
 #[path = "../tests/captures/mod.rs"]
 mod captures;
 

@@ -2,6 +2,8 @@
 //!
 //! `golden/v1.0.reprise` was written by version 1.0. Never replace it: a change of the format adds a file.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
 mod captures;
 
 use captures::{graph, timeline};

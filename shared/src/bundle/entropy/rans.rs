@@ -91,7 +91,7 @@ impl Encoder {
             *state = match step {
                 Step::Symbol { frequency, start } => {
                     let frequency = u32::from(frequency);
-                    (*state / frequency << FREQUENCY_BITS) + *state % frequency + u32::from(start)
+                    ((*state / frequency) << FREQUENCY_BITS) + *state % frequency + u32::from(start)
                 }
                 Step::Raw { value, count } => *state << count | u32::from(value),
             };

@@ -31,7 +31,7 @@ impl Grid {
         let steps = f64::from(largest) / f64::from(step);
         let fits = step.is_normal() && step > 0.0 && steps < f64::from(MAX_COORDINATE - 2);
         let radius = radius / f64::from(step);
-        fits.then(|| Self { step, radius_squared: radius * radius })
+        fits.then_some(Self { step, radius_squared: radius * radius })
     }
 
     /// `position` in steps, not yet rounded.
