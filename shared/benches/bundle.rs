@@ -1,6 +1,6 @@
 //! Writing and reading a bundle: the real capture where it is there, and a cloth of 5,000 vertices.
 
-#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark may fail loudly")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark may fail loudly")]
 
 #[path = "../tests/captures/mod.rs"]
 mod captures;
@@ -9,7 +9,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use shared::bundle::{BundleInput, BundleReader, default_max_error, encode};
+use shared::bundle::{BundleInput, BundleReader, EncodeReport, default_max_error, encode};
 use shared::capture::Capture;
 use shared::graph::EssentialGraph;
 use shared::pose_source::PoseSource;
@@ -24,13 +24,14 @@ fn bundle(criterion: &mut Criterion) {
     writing(criterion, &captures[0]);
 }
 
-fn bundle_of(capture: &Capture) -> Vec<u8> {
+fn bundle_of(capture: &Capture) -> (Vec<u8>, EncodeReport) {
     let graph = EssentialGraph::new(0.01, Vec::new(), &capture.timeline).unwrap();
     let max_error = default_max_error(capture, 0);
     let generator = "bench".into();
-    let (bytes, report) =
-        encode(&BundleInput { capture, graph: &graph, first_frame: 0, max_error, poisson_order: None, generator })
-            .unwrap();
+    encode(&BundleInput { capture, graph: &graph, first_frame: 0, max_error, poisson_order: None, generator }).unwrap()
+}
+
+fn print_sizes(capture: &Capture, report: &EncodeReport) {
     println!(
         "{}: {} vertices, {:.0} bytes a frame, model {} bytes, rms {:.3} mm, max {:.3} mm",
         capture.name,
@@ -40,11 +41,11 @@ fn bundle_of(capture: &Capture) -> Vec<u8> {
         report.rms_error * 1e3,
         report.max_error * 1e3,
     );
-    bytes
 }
 
 fn reading(criterion: &mut Criterion, capture: &Capture) {
-    let bytes = bundle_of(capture);
+    let (bytes, report) = bundle_of(capture);
+    print_sizes(capture, &report);
     let vertices = capture.poses.vertex_count();
     let frames = capture.poses.len() as u32;
     let mut pose = vec![Vec3::ZERO; vertices];
