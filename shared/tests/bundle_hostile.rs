@@ -1,5 +1,7 @@
 //! Damaged, cut off and forged bundles: a typed error or the same content, never a panic, a loop or a flood of memory.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
 mod captures;
 mod forge;
 

@@ -1,5 +1,7 @@
 //! A real capture through the bundle and back.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
 mod captures;
 
 use glam::Vec3;

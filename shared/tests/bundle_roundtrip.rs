@@ -1,5 +1,7 @@
 //! What goes into a bundle comes out of it.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
 mod captures;
 
 use captures::{cloth, graph};

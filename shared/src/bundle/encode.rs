@@ -282,7 +282,7 @@ fn check_surface(capture: &Capture) -> Result<(), EncodeError> {
         return wrong("has a texture coordinate or a colour that is not finite");
     }
     surface::check_parts(&surface.parts, &surface.materials, surface.images.len(), triangles.len() as u32)
-        .or_else(|what| wrong(what))
+        .or_else(wrong)
 }
 
 pub(super) fn is_permutation(order: &[u32], count: usize) -> bool {

@@ -4,27 +4,27 @@ use super::error::BundleError;
 use super::header::{Header, Kind};
 use super::meta::Meta;
 
-/// Checks the kinds of sections and their order.
+/// Checks the kinds of sections, their numbers and their order.
 pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
-    let mut seen: Vec<(Kind, u32)> = Vec::new();
+    // Linear in the number of sections: a forged header may have many.
+    let mut seen = Kind::ALL.map(|kind| (kind, vec![false; count(header, kind)]));
+    for (kind, which) in &seen {
+        let needed = matches!(*kind, Kind::Meta | Kind::Surface | Kind::Model | Kind::Graph);
+        if which.is_empty() && needed || which.len() > 1 && !kind.is_repeated() {
+            let reason = format!("has {} sections {}", which.len(), kind.name());
+            return Err(BundleError::header(reason));
+        }
+    }
     for section in &header.sections {
         let Some(kind) = section.kind else { continue };
-        if !kind.is_repeated() && section.ordinal != 0 {
-            return Err(BundleError::header("numbers a section of which there is only one"));
-        }
-        let has = |kind: Kind| seen.iter().any(|&(seen, _)| seen == kind);
-        if !needs(kind).iter().all(|&needed| has(needed)) {
+        let has = |kind: &Kind| seen.iter().any(|(seen, which)| seen == kind && which.contains(&true));
+        if !needs(kind).iter().all(has) {
             return Err(BundleError::header("has a section before another one that it needs"));
         }
-        seen.push((kind, section.ordinal));
-    }
-    seen.sort_unstable();
-    if seen.windows(2).any(|pair| pair[0] == pair[1]) {
-        return Err(BundleError::header("has the same section twice"));
-    }
-    for kind in [Kind::Meta, Kind::Surface, Kind::Model, Kind::Graph] {
-        if seen.binary_search(&(kind, 0)).is_err() {
-            return Err(BundleError::header(format!("has no section {}", kind.name())));
+        let which = seen.iter_mut().find(|(seen, _)| *seen == kind);
+        match which.and_then(|(_, which)| which.get_mut(section.ordinal as usize)) {
+            Some(arrived) if !*arrived => *arrived = true,
+            _ => return Err(BundleError::header("does not number its sections of a kind from 0 up")),
         }
     }
     Ok(())
@@ -32,20 +32,17 @@ pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
 
 /// Checks that there are as many chunks and images as `meta` declares.
 pub(super) fn check_counts(header: &Header, meta: &Meta) -> Result<(), BundleError> {
-    for (kind, count) in [(Kind::Geometry, meta.chunks.len()), (Kind::Image, meta.image_count as usize)] {
-        let sections = header.sections.iter().filter(|section| section.kind == Some(kind));
-        let (mut found, mut in_range) = (0, true);
-        for section in sections {
-            found += 1;
-            in_range &= (section.ordinal as usize) < count;
-        }
-        // No ordinal occurs twice, so this many in range are all of them.
-        if found != count || !in_range {
+    for (kind, declared) in [(Kind::Geometry, meta.chunks.len()), (Kind::Image, meta.image_count as usize)] {
+        if count(header, kind) != declared {
             let reason = format!("declares another number of {} sections than there are", kind.name());
             return Err(BundleError::section(Kind::Meta, reason));
         }
     }
     Ok(())
+}
+
+fn count(header: &Header, kind: Kind) -> usize {
+    header.sections.iter().filter(|section| section.kind == Some(kind)).count()
 }
 
 /// What must have arrived before a section of `kind` can be read.

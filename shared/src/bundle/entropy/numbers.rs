@@ -3,16 +3,10 @@
 use super::binary::{Bit, Decoder, Encoder};
 
 /// What has been learnt about one kind of number from 0 to 2^32 - 2.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Number {
     length: [Bit; 32],
     high: [[Bit; 4]; 32],
-}
-
-impl Default for Number {
-    fn default() -> Self {
-        Self { length: [Bit::default(); 32], high: [[Bit::default(); 4]; 32] }
-    }
 }
 
 impl Number {

@@ -62,11 +62,15 @@ impl Encoder {
 
     /// Appends the `count` (at most 32) low bits of `value` to `lane`, as they are.
     pub fn raw(&mut self, lane: usize, value: u32, count: u32) {
-        let low = count.min(16);
-        self.steps.push((lane as u8, Step::Raw { value: (value & ((1 << low) - 1)) as u16, count: low as u8 }));
+        self.raw_part(lane, value, count.min(16));
         if count > 16 {
-            self.steps.push((lane as u8, Step::Raw { value: (value >> 16) as u16, count: (count - 16) as u8 }));
+            self.raw_part(lane, value >> 16, count - 16);
         }
+    }
+
+    fn raw_part(&mut self, lane: usize, value: u32, count: u32) {
+        let value = (value & ((1 << count) - 1)) as u16;
+        self.steps.push((lane as u8, Step::Raw { value, count: count as u8 }));
     }
 
     /// The bytes of all that was appended.
@@ -87,7 +91,7 @@ impl Encoder {
             *state = match step {
                 Step::Symbol { frequency, start } => {
                     let frequency = u32::from(frequency);
-                    (*state / frequency << FREQUENCY_BITS) + *state % frequency + u32::from(start)
+                    ((*state / frequency) << FREQUENCY_BITS) + *state % frequency + u32::from(start)
                 }
                 Step::Raw { value, count } => *state << count | u32::from(value),
             };

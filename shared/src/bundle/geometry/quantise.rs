@@ -30,7 +30,8 @@ impl Grid {
         let step = (radius * (2.0 / 3.0_f64.sqrt()) * (1.0 - 1e-6)) as f32;
         let steps = f64::from(largest) / f64::from(step);
         let fits = step.is_normal() && step > 0.0 && steps < f64::from(MAX_COORDINATE - 2);
-        fits.then(|| Self { step, radius_squared: (radius / f64::from(step)).powi(2) })
+        let radius = radius / f64::from(step);
+        fits.then_some(Self { step, radius_squared: radius * radius })
     }
 
     /// `position` in steps, not yet rounded.
@@ -54,7 +55,8 @@ impl Grid {
         for axis in 0..3 {
             for offset in 0..3 {
                 let candidate = nearest[axis] + offset as i32 - 1;
-                squares[axis][offset] = (f64::from(candidate) - position[axis]).powi(2);
+                let distance = f64::from(candidate) - position[axis];
+                squares[axis][offset] = distance * distance;
                 costs[axis][offset] = cost(candidate.wrapping_sub(predicted[axis]));
             }
         }
@@ -81,7 +83,7 @@ pub fn position(steps: Steps, step: f32) -> Vec3 {
     Vec3::new(steps[0] as f32 * step, steps[1] as f32 * step, steps[2] as f32 * step)
 }
 
-/// About the bits that a residual costs: the square root of its size grows like them where it matters.
+/// About the bits that a residual costs.
 fn cost(residual: i32) -> f64 {
     // log2(1 + |residual|) without a logarithm, which need not be the same on every machine.
     const SMALL: [f64; 8] = [0.0, 1.0, 1.585, 2.0, 2.322, 2.585, 2.807, 3.0];
@@ -89,8 +91,8 @@ fn cost(residual: i32) -> f64 {
     match SMALL.get(size as usize) {
         Some(&cost) => cost,
         None => {
-            let length = f64::from(31 - size.leading_zeros());
-            length + f64::from(size) / length.exp2() - 1.0
+            let length = 31 - size.leading_zeros();
+            f64::from(length) + f64::from(size) / f64::from(1_u32 << length) - 1.0
         }
     }
 }
