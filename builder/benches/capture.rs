@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p reprise-builder --bench capture`. `RAYON_NUM_THREADS=1` for one thread; `REPRISE_FRAMES` for another
 //! number of frames than 2,633. Too long for repeats, so this does not use criterion.
-#![allow(clippy::print_stdout, reason = "prints its figures")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "prints its figures; nothing to recover")]
 
 mod synthetic;
 

@@ -1,4 +1,9 @@
 //! Pose distances against a plain version: 3x3 matrices, an eigenvalue decomposition, `f64`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that panics has failed; what it measured is printed"
+)]
 
 mod common;
 
