@@ -2,6 +2,8 @@
 //!
 //! `cargo bench -p reprise-builder --bench distance`. `RAYON_NUM_THREADS=1` for one thread.
 
+#![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]
+
 mod synthetic;
 
 use builder::distance::{DistanceOptions, pose_distances};

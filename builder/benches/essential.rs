@@ -2,6 +2,8 @@
 //!
 //! `cargo bench -p reprise-builder --bench essential`. `RAYON_NUM_THREADS=1` for one thread.
 
+#![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]
+
 mod synthetic;
 
 use builder::essential::essential_edges;

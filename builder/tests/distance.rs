@@ -1,4 +1,9 @@
 //! Pose distances against a plain version: 3x3 matrices, an eigenvalue decomposition, `f64`.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that panics has failed; what it measured is printed"
+)]
 
 mod common;
 
@@ -55,7 +60,7 @@ fn polar(t: DMat3) -> (f64, f64) {
 /// Jacobi's method.
 fn symmetric_eigen(mut m: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;
-    for _ in 0..30 {
+    for _ in 0..8 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let angle = 0.5 * (2.0 * m.col(q)[p]).atan2(m.col(q)[q] - m.col(p)[p]);
             let (sin, cos) = angle.sin_cos();
@@ -97,16 +102,16 @@ fn check_against_plain(topology: &Topology, poses: &Poses, options: &DistanceOpt
 fn matches_plain_matrices_on_random_meshes() {
     for (seed, noise) in [(1, 0.0), (2, 0.02), (3, 0.1)] {
         let (topology, poses) = common::random_tube(9, 11, 37, noise, seed);
-        check_against_plain(&topology, &poses, &DistanceOptions::default(), 1, 5e-6);
+        check_against_plain(&topology, &poses, &DistanceOptions::default(), 3, 5e-6);
         let options = DistanceOptions { stretch_weight: 1.0, area_weighted: true, ..Default::default() };
-        check_against_plain(&topology, &poses, &options, 1, 1e-5);
+        check_against_plain(&topology, &poses, &options, 3, 1e-5);
     }
 }
 
 #[test]
 fn matches_plain_matrices_on_a_real_capture() {
     let Some((topology, poses, _)) = common::real_capture(13) else { return };
-    check_against_plain(&topology, &poses, &DistanceOptions::default(), 7, 2e-6);
+    check_against_plain(&topology, &poses, &DistanceOptions::default(), 23, 2e-6);
 }
 
 #[test]

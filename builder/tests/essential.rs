@@ -1,4 +1,9 @@
 //! The essential graph against Floyd and Warshall's algorithm word for word.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that panics has failed; what it measured is printed"
+)]
 
 mod common;
 

@@ -1,4 +1,9 @@
 //! Optimal transitions against every path of small grids, and against a plain dynamic programme on larger input.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that panics has failed; what it measured is printed"
+)]
 
 mod common;
 

@@ -15,6 +15,8 @@ pub(super) struct Keys {
     multiples: f64,
     /// 2^b, more than the nodes of any path.
     nodes: f64,
+    /// 2^-b.
+    inverse_nodes: f64,
 }
 
 impl Keys {
@@ -31,7 +33,11 @@ impl Keys {
         let most_nodes = (2 * lengths.longest) as f64;
         let node_bits = exponent_above(most_nodes);
         let sum_bits = exponent_above(most_nodes * f64::from(largest.max(f32::MIN_POSITIVE)));
-        Ok(Self { multiples: 2.0_f64.powi((53 - node_bits - sum_bits).min(64)), nodes: 2.0_f64.powi(node_bits) })
+        Ok(Self {
+            multiples: 2.0_f64.powi((53 - node_bits - sum_bits).min(64)),
+            nodes: 2.0_f64.powi(node_bits),
+            inverse_nodes: 2.0_f64.powi(-node_bits),
+        })
     }
 
     /// The key of one node.
@@ -47,12 +53,12 @@ impl Keys {
         (multiples / self.multiples, self.nodes_of(key, multiples))
     }
 
-    /// D in multiples. The nodes are between 0 and 2^b, so that rounding takes them away.
+    /// D in multiples. The nodes are more than 0 and less than 2^b, so that rounding takes them away.
     #[inline(always)]
     pub(super) fn multiples_of(self, key: f64) -> f64 {
         /// Adding it leaves no fraction.
         const WHOLE: f64 = 6_755_399_441_055_744.0;
-        ((key - 0.5 * self.nodes) / self.nodes + WHOLE) - WHOLE
+        ((key * self.inverse_nodes - 0.5) + WHOLE) - WHOLE
     }
 
     /// L, given D in multiples.
@@ -68,7 +74,8 @@ impl Keys {
         let (multiples_a, multiples_b) = (self.multiples_of(a), self.multiples_of(b));
         let left = multiples_a * self.nodes_of(b, multiples_b);
         let right = multiples_b * self.nodes_of(a, multiples_a);
-        left < right || (left == right && a < b)
+        // No path has an infinite key, and no mean: neither comparison of products holds then.
+        left < right || (a < b && (left == right || b == f64::INFINITY))
     }
 }
 
@@ -92,6 +99,10 @@ mod tests {
         assert!(sum + 1.0 < 2.0_f64.powi(53));
         assert!(keys.smaller_mean(keys.of_distance(0.5) * 2.0, keys.of_distance(0.6)));
         assert!(!keys.smaller_mean(keys.of_distance(0.5) * 2.0, keys.of_distance(0.5)));
+        for (a, b) in [(f64::INFINITY, node), (f64::INFINITY, f64::INFINITY)] {
+            assert!(!keys.smaller_mean(a, b));
+        }
+        assert!(keys.smaller_mean(node, f64::INFINITY));
         let bad = DistanceMatrix::from_fn(3, |_, j| if j == 2 { f32::NAN } else { 1.0 });
         assert_eq!(Keys::new(&bad, lengths).unwrap_err(), TransitionError::Distance(0, 2));
     }

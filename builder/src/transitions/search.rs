@@ -113,7 +113,7 @@ impl<S: Slope> SearchRow<'_, S> {
         let nodes = Nodes { keys, width, rows };
         slope.reset(rows);
         for column in 0..columns {
-            let mut low = Low::<MEAN> { keys: [f64::INFINITY; LANES], numbers };
+            let mut low = Low::<MEAN>::new(numbers);
             // Columns of too short segments only lead to the others.
             let from = if column + 1 < shortest { rows } else { shortest - 1 };
             slope.fill(&nodes, block, column, from, &mut low);
@@ -156,7 +156,17 @@ impl<S: Slope> SearchRow<'_, S> {
 /// The best key of a column for each lane.
 struct Low<const MEAN: bool> {
     keys: Lanes,
+    /// The keys' sums and numbers of nodes, where means are compared.
+    multiples: Lanes,
+    nodes: Lanes,
     numbers: Keys,
+}
+
+impl<const MEAN: bool> Low<MEAN> {
+    #[inline(always)]
+    fn new(numbers: Keys) -> Self {
+        Self { keys: [f64::INFINITY; LANES], multiples: [f64::INFINITY; LANES], nodes: [1.0; LANES], numbers }
+    }
 }
 
 impl<const MEAN: bool> Lowest for Low<MEAN> {
@@ -164,7 +174,18 @@ impl<const MEAN: bool> Lowest for Low<MEAN> {
     fn visit(&mut self, least: Lanes) {
         for lane in 0..LANES {
             let (old, new) = (self.keys[lane], least[lane]);
-            self.keys[lane] = if better::<MEAN>(self.numbers, new, old) { new } else { old };
+            if MEAN {
+                // As `Keys::smaller_mean`, without taking the old key apart again.
+                let multiples = self.numbers.multiples_of(new);
+                let nodes = self.numbers.nodes_of(new, multiples);
+                let (left, right) = (multiples * self.nodes[lane], self.multiples[lane] * nodes);
+                let smaller = (left < right) | ((left == right) & (new < old));
+                self.keys[lane] = if smaller { new } else { old };
+                self.multiples[lane] = if smaller { multiples } else { self.multiples[lane] };
+                self.nodes[lane] = if smaller { nodes } else { self.nodes[lane] };
+            } else {
+                self.keys[lane] = if new < old { new } else { old };
+            }
         }
     }
 }
