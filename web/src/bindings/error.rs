@@ -1,5 +1,6 @@
 //! Errors as the page gets them: `Error` objects with a sentence and a `kind` from a closed set.
 
+use shared::bundle::BundleError;
 use wasm_bindgen::JsValue;
 
 use crate::player::PlayerError;
@@ -65,6 +66,18 @@ impl From<PlayerError> for JsValue {
         };
         error(kind, &failure.to_string())
     }
+}
+
+/// What is wrong with a bundle.
+#[must_use]
+pub fn bundle_error(failure: BundleError) -> JsValue {
+    let kind = match failure {
+        BundleError::NotOurs => Kind::NotReprise,
+        BundleError::TooNew { .. } | BundleError::UnknownSection { .. } => Kind::TooNew,
+        BundleError::Damaged { .. } | BundleError::Inconsistent { .. } => Kind::Damaged,
+        BundleError::Truncated { .. } => Kind::Truncated,
+    };
+    error(kind, &failure.to_string())
 }
 
 /// `value` as JSON.

@@ -4,16 +4,23 @@ use glam::Vec3;
 use js_sys::{Float32Array, Uint8Array};
 use wasm_bindgen::prelude::*;
 
-use super::error::{Kind, error, json};
+use super::error::{Kind, bundle_error, error, json};
 use crate::player::Player as Inner;
+use crate::player::loading::Loading;
 
 /// The actor and its clock, without any GPU.
 #[wasm_bindgen]
-#[derive(Default)]
 pub struct Player {
     #[wasm_bindgen(skip)]
     #[doc(hidden)]
     pub inner: Inner,
+}
+
+#[wasm_bindgen]
+extern "C" {
+    /// Milliseconds since the page was opened.
+    #[wasm_bindgen(js_namespace = performance, js_name = now)]
+    pub(super) fn now() -> f64;
 }
 
 fn array(points: &[Vec3]) -> Float32Array {
@@ -27,7 +34,29 @@ impl Player {
     #[must_use]
     pub fn new() -> Self {
         console_error_panic_hook::set_once();
-        Self::default()
+        Self { inner: Inner::new(Loading::default(), now) }
+    }
+
+    /// The next bytes of the bundle.
+    ///
+    /// # Errors
+    /// They are no bundle, one of a later version, or damaged.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), JsValue> {
+        Ok(self.inner.push(bytes).map_err(bundle_error)?)
+    }
+
+    /// No more bytes will come.
+    ///
+    /// # Errors
+    /// The bundle is cut off, or was wrong before.
+    pub fn finish(&self) -> Result<(), JsValue> {
+        Ok(self.inner.loading().finish().map_err(bundle_error)?)
+    }
+
+    /// Whether the positions of `frame` have arrived.
+    #[must_use]
+    pub fn loaded(&self, frame: u32) -> bool {
+        self.inner.loading().loaded(frame)
     }
 
     /// How much has arrived.
@@ -149,6 +178,32 @@ impl Player {
     /// It has not arrived.
     pub fn recorded_pose(&mut self, frame: u32) -> Result<Float32Array, JsValue> {
         Ok(array(&self.inner.recorded_pose(frame)?))
+    }
+
+    /// Placement [heading, x, z] of frame `to` if the actor goes there from the present.
+    ///
+    /// # Errors
+    /// There is no walk.
+    pub fn arrival(&mut self, to: u32) -> Result<Float32Array, JsValue> {
+        let placement = self.inner.arrival(to)?;
+        let [x, z] = placement.translation.to_array();
+        Ok(Float32Array::from([placement.heading, x, z].as_slice()))
+    }
+
+    /// All frames of the cheapest walk from `from`, as it was recorded, to `to`, one after another.
+    ///
+    /// # Errors
+    /// There is no walk.
+    pub fn synthesise(&mut self, from: u32, to: u32) -> Result<Float32Array, JsValue> {
+        Ok(array(&self.inner.synthesise(from, to)?))
+    }
+
+    /// Medians in milliseconds of what the player does most, as JSON.
+    ///
+    /// # Errors
+    /// None in practice.
+    pub fn bench(&mut self) -> Result<String, JsValue> {
+        json(&self.inner.bench(now)?)
     }
 
     /// The `max` cheapest transitions as [from, to, deformation, frames].

@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::{HtmlCanvasElement, ImageBitmap};
 
 use super::error::{Kind, error};
-use super::player::Player;
+use super::player::{Player, now};
 use crate::camera::{Camera, Subject};
 use crate::gpu::context::{Gpu, extent, view};
 use crate::gpu::pose::Numbered;
@@ -73,7 +73,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             camera,
             drawn: None,
             due: true,
-            time: js_sys::Date::now(),
+            time: now(),
         };
         Ok(stage.into())
     }))
@@ -162,7 +162,7 @@ impl Stage {
 
     /// Uploads what changed and draws; does nothing where nothing changed.
     pub fn draw(&mut self, player: &Player) {
-        let now = js_sys::Date::now();
+        let now = now();
         let seconds = ((now - self.time) / 1000.0) as f32;
         self.time = now;
         if self.lost() || !self.show(player) {

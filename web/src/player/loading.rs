@@ -3,10 +3,11 @@
 use std::rc::Rc;
 
 use glam::Vec3;
+use shared::bundle::{BundleError, BundleReader};
 use shared::capture::{Capture, Poses};
 use shared::graph::EssentialGraph;
 use shared::pose_source::{PoseError, PoseSource};
-use shared::surface::Surface;
+use shared::surface::{Image, Surface};
 use shared::timeline::Timeline;
 use shared::topology::Topology;
 
@@ -17,39 +18,41 @@ pub struct Actor {
     pub name: String,
     /// Welded connectivity.
     pub topology: Rc<Topology>,
-    /// What is drawn.
+    /// What is drawn; its images may have no bytes yet.
     pub surface: Rc<Surface>,
     /// The sequences.
     pub timeline: Rc<Timeline>,
+    /// The frame that it begins with.
+    pub first_frame: u32,
 }
 
 /// Where recorded poses come from.
 pub enum Source {
-    /// Nothing has arrived.
-    Nothing,
     /// All in memory.
     Memory(Poses),
+    /// A bundle that may still be arriving.
+    Bundle(Box<BundleReader>),
 }
 
 impl PoseSource for Source {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
         match self {
-            Self::Nothing => Err(PoseError::NotLoaded(frame)),
             Self::Memory(poses) => poses.read(frame, pose),
+            Self::Bundle(reader) => reader.read(frame, pose),
         }
     }
 }
 
 /// How much has arrived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Nothing.
+    /// Nothing that tells anything.
     Empty,
     /// The header.
     Header,
     /// The first pose: it can be drawn.
     FirstPose,
-    /// Some of the frames.
+    /// The graph too: it can be directed.
     Partial,
     /// All of it.
     Complete,
@@ -77,16 +80,15 @@ pub struct Loading {
     pub actor: Option<Actor>,
     /// Known once its section has arrived.
     pub graph: Option<Rc<EssentialGraph>>,
-    phase: Phase,
+}
+
+impl Default for Loading {
+    fn default() -> Self {
+        Self { source: Source::Bundle(Box::default()), actor: None, graph: None }
+    }
 }
 
 impl Loading {
-    /// Nothing yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self { source: Source::Nothing, actor: None, graph: None, phase: Phase::Empty }
-    }
-
     /// All of `capture` at once.
     #[must_use]
     pub fn of_capture(capture: Capture, graph: EssentialGraph) -> Self {
@@ -95,20 +97,87 @@ impl Loading {
             topology: Rc::new(capture.topology),
             surface: Rc::new(capture.surface),
             timeline: Rc::new(capture.timeline),
+            first_frame: 0,
         };
-        let graph = Some(Rc::new(graph));
-        Self { source: Source::Memory(capture.poses), actor: Some(actor), graph, phase: Phase::Complete }
+        Self { source: Source::Memory(capture.poses), actor: Some(actor), graph: Some(Rc::new(graph)) }
+    }
+
+    /// Takes the next bytes of the bundle.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, and the same again from then on.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
+        let Source::Bundle(reader) = &mut self.source else { return Ok(()) };
+        let outcome = reader.push(bytes);
+        if self.actor.is_none() {
+            self.actor = arrived(reader);
+        }
+        if self.graph.is_none() {
+            self.graph = reader.graph().map(|graph| Rc::new(graph.clone()));
+        }
+        outcome
+    }
+
+    /// Says that no more bytes will come.
+    ///
+    /// # Errors
+    /// The bundle is cut off, or was wrong before.
+    pub fn finish(&self) -> Result<(), BundleError> {
+        match &self.source {
+            Source::Memory(_) => Ok(()),
+            Source::Bundle(reader) => reader.finish(),
+        }
     }
 
     /// How much has arrived.
     #[must_use]
     pub fn phase(&self) -> Phase {
-        self.phase
+        let Source::Bundle(reader) = &self.source else { return Phase::Complete };
+        match (&self.actor, &self.graph) {
+            _ if reader.is_complete() => Phase::Complete,
+            (Some(_), Some(_)) => Phase::Partial,
+            (Some(_), None) => Phase::FirstPose,
+            (None, _) if reader.header().is_some() => Phase::Header,
+            (None, _) => Phase::Empty,
+        }
+    }
+
+    /// Whether the positions of `frame` have arrived.
+    #[must_use]
+    pub fn loaded(&self, frame: u32) -> bool {
+        match &self.source {
+            Source::Memory(poses) => (frame as usize) < poses.len(),
+            Source::Bundle(reader) => reader.frame_loaded(frame),
+        }
+    }
+
+    /// Texture `index`, once its bytes have arrived.
+    #[must_use]
+    pub fn image(&self, index: usize) -> Option<&Image> {
+        match &self.source {
+            Source::Memory(_) => self.actor.as_ref()?.surface.images.get(index),
+            Source::Bundle(reader) => reader.image(index),
+        }
+    }
+
+    /// The elimination order of the vertices, where the bundle has one.
+    #[must_use]
+    pub fn order(&self) -> Option<&[u32]> {
+        match &self.source {
+            Source::Memory(_) => None,
+            Source::Bundle(reader) => reader.order(),
+        }
     }
 }
 
-impl Default for Loading {
-    fn default() -> Self {
-        Self::new()
-    }
+fn arrived(reader: &BundleReader) -> Option<Actor> {
+    reader.first_pose()?;
+    let meta = reader.meta()?;
+    Some(Actor {
+        name: meta.name.clone(),
+        topology: Rc::new(reader.topology()?.clone()),
+        surface: Rc::new(reader.surface()?.clone()),
+        timeline: Rc::new(reader.timeline()?.clone()),
+        first_frame: meta.first_frame,
+    })
 }

@@ -3,6 +3,7 @@
 //! It stands at the bundle's first pose until told otherwise. A route (a walk under way) says which frame comes next;
 //! without a target the actor plays on, as far as the recording goes. Everything follows from the ticks: no wall clock.
 
+pub mod bench;
 pub mod clock;
 pub mod events;
 pub mod loading;
@@ -15,10 +16,12 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use shared::align::Placement;
+use shared::bundle::BundleError;
 use shared::capture::Capture;
-use shared::graph::EssentialGraph;
+use shared::graph::{DEFAULT_ALPHA, EssentialGraph, Transition};
 use shared::pose_source::{PoseError, PoseSource};
-use shared::search::{Leg, Walk};
+use shared::search::{Leg, Walk, cheapest_walk};
+use shared::synthesis::Synthesiser;
 use shared::timeline::Timeline;
 use thiserror::Error;
 
@@ -83,20 +86,14 @@ pub struct Player {
     changed: bool,
 }
 
-impl Default for Player {
-    fn default() -> Self {
-        Self::new(Loading::new())
-    }
-}
-
 impl Player {
-    /// A player of what `loading` has and will have.
+    /// A player of what `loading` has and will have. `now` tells milliseconds; only reports depend on it.
     #[must_use]
-    pub fn new(loading: Loading) -> Self {
+    pub fn new(loading: Loading, now: fn() -> f64) -> Self {
         let mut player = Self {
             loading,
             clock: Clock::new(25.0),
-            producer: Producer::default(),
+            producer: Producer::new(now),
             events: Events::default(),
             trail: VecDeque::new(),
             last: None,
@@ -115,14 +112,23 @@ impl Player {
     /// A player of a capture in memory.
     #[must_use]
     pub fn of_capture(capture: Capture, graph: EssentialGraph) -> Self {
-        Self::new(Loading::of_capture(capture, graph))
+        Self::new(Loading::of_capture(capture, graph), || 0.0)
     }
 
-    /// Puts the actor on the stage as soon as its first pose is there.
+    /// Takes the next bytes of the bundle. The actor stands on the stage as soon as its first pose is there.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, and the same again from then on.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
+        let outcome = self.loading.push(bytes);
+        self.stand_up();
+        outcome
+    }
+
     fn stand_up(&mut self) {
         let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
         self.clock = Clock::new(actor.timeline.fps());
-        if let Ok(frame) = self.recorded(0, Placement::IDENTITY) {
+        if let Ok(frame) = self.recorded(actor.first_frame, Placement::IDENTITY) {
             self.reference.clone_from(&frame.pose);
             self.show_at(frame, None, 0.0);
         }
@@ -193,7 +199,8 @@ impl Player {
 
     /// A way that was only played on is thought over; one towards a target stays.
     fn drop_free_route(&mut self) {
-        if let (Some(route), Some(graph)) = (&self.route, &self.loading.graph)
+        let graph = self.loading.actor.as_ref().and_then(|actor| self.graph(actor));
+        if let (Some(route), Some(graph)) = (&self.route, &graph)
             && route.goal == Goal::PlayOn
         {
             let start = route.departure(graph);
@@ -298,7 +305,7 @@ impl Player {
 
     /// Stops where it is, a transition under way at its end; the target is dropped.
     pub fn cancel(&mut self) {
-        let Some(graph) = self.loading.graph.clone() else { return };
+        let Some(graph) = self.loading.actor.as_ref().and_then(|actor| self.graph(actor)) else { return };
         let Some(route) = self.route.take() else { return };
         if route.inside().is_some() {
             let start = route.departure(&graph);
@@ -344,11 +351,10 @@ impl Player {
             return false;
         }
         let Some(step) = self.route.as_ref().and_then(|route| route.next(&actor.timeline)) else { return false };
-        match self.make(step) {
+        match self.make(&actor, step) {
             Ok(frame) => {
-                let graph = self.loading.graph.clone();
-                if let (Some(route), Some(graph)) = (&mut self.route, &graph) {
-                    route.take(graph, &actor.timeline);
+                if let (Some(graph), Some(route)) = (self.graph(&actor), &mut self.route) {
+                    route.take(&graph, &actor.timeline);
                 }
                 self.next = Some(frame);
                 self.stalled = None;
@@ -368,11 +374,25 @@ impl Player {
         }
     }
 
-    fn make(&mut self, step: Step) -> Result<Frame, PoseError> {
-        let placement = self.last.as_ref().map_or(Placement::IDENTITY, |last| last.placement);
-        match step {
-            Step::Recorded(frame) | Step::Back(frame) => self.recorded(frame, placement),
-            Step::Synthetic { .. } => Err(PoseError::OutOfRange(0)),
+    /// The graph; while it has not arrived, one of the recorded steps alone.
+    fn graph(&self, actor: &Actor) -> Option<Rc<EssentialGraph>> {
+        let recorded = || EssentialGraph::new(DEFAULT_ALPHA, vec![], &actor.timeline).ok().map(Rc::new);
+        self.loading.graph.clone().or_else(recorded)
+    }
+
+    fn make(&mut self, actor: &Actor, step: Step) -> Result<Frame, PoseError> {
+        let Some((at, placement)) = self.last.as_ref().map(|last| (last.at, last.placement)) else {
+            return Err(PoseError::NotLoaded(0));
+        };
+        match (step, &self.loading.graph) {
+            (Step::Recorded(_), _) => self.producer.next_recorded(&mut self.loading, actor, at.frame(), placement),
+            (Step::Back(frame), _) => self.recorded(frame, placement),
+            (Step::Synthetic { edge, node }, Some(graph)) => {
+                let graph = Rc::clone(graph);
+                let begin = (node == 1).then_some(placement);
+                self.producer.synthetic(&mut self.loading, actor, &graph, edge, begin)
+            }
+            (Step::Synthetic { edge, .. }, None) => Err(PoseError::NotLoaded(edge)),
         }
     }
 
@@ -407,17 +427,55 @@ impl Player {
     /// # Errors
     /// As [`Self::plan`].
     pub fn arrival(&mut self, to: u32) -> Result<Placement, PlayerError> {
-        self.plan_from_here(to)?;
-        Ok(self.last.as_ref().map_or(Placement::IDENTITY, |last| last.placement))
+        let (actor, graph) = self.ready(to)?;
+        let walk = self.plan_from_here(to)?.walk();
+        let inside = self.route.as_ref().is_some_and(|route| route.inside().is_some());
+        let end = if inside {
+            self.producer.transition_end(&mut self.loading, &actor.timeline, &graph)?
+        } else {
+            self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
+        };
+        let start = end.unwrap_or(Placement::IDENTITY);
+        Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
+    }
+
+    /// All frames of the cheapest walk from `from`, as it was recorded, to `to`, made as the player makes them.
+    ///
+    /// # Errors
+    /// No walk, or a frame that cannot be read.
+    pub fn synthesise(&mut self, from: u32, to: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
+        let (actor, graph) = self.ready(to)?;
+        let walk = cheapest_walk(&graph, &actor.timeline, from, to).ok_or(PlayerError::Unreachable { from, to })?;
+        let mut synthesiser =
+            Synthesiser::new(&actor.topology, self.loading.order()).map_err(|_| PlayerError::Damaged(from))?;
+        synthesiser.begin_walk(from, Placement::IDENTITY, &walk);
+        let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
+        let mut all = Vec::new();
+        while synthesiser.next_frame(&graph, &actor.timeline, &mut self.loading.source, &mut pose)?.is_some() {
+            all.extend_from_slice(&pose);
+        }
+        Ok(all)
     }
 
     /// The picture has come to the next frame.
     fn reach_next(&mut self) {
         let Some(frame) = self.next.take() else { return };
+        let left = self.last.as_ref().and_then(|last| last.at.edge());
+        let entered = frame.at.edge();
+        if left != entered {
+            self.tell_transition(left, false);
+            self.tell_transition(entered, true);
+        }
         self.last = Some(frame);
         self.clock.set_weight(0.0);
         self.leave_trail(false);
         self.finish_route();
+    }
+
+    fn tell_transition(&mut self, edge: Option<u32>, starts: bool) {
+        let (Some(edge), Some(graph)) = (edge, &self.loading.graph) else { return };
+        let Some(&Transition { from, to, .. }) = graph.transitions().get(edge as usize) else { return };
+        self.events.push(if starts { Event::TransitionStart { from, to } } else { Event::TransitionEnd { from, to } });
     }
 
     /// Arrives, or stops, where the route has come to its end.
@@ -436,11 +494,12 @@ impl Player {
 
     /// Finds a way on from where the route ended. False where there is none.
     fn play_on(&mut self, actor: &Actor) -> bool {
-        let from = match (&self.route, &self.loading.graph) {
-            (Some(route), Some(graph)) => route.departure(graph),
-            _ => self.last.as_ref().map_or(0, |last| last.at.frame()),
+        let Some(graph) = self.graph(actor) else { return false };
+        let from = match &self.route {
+            Some(route) => route.departure(&graph),
+            None => self.last.as_ref().map_or(0, |last| last.at.frame()),
         };
-        let plan = self.way_on(&actor.timeline, from);
+        let plan = self.way_on(&actor.timeline, &graph, from);
         if plan.duration > 0 {
             self.route = Some(Route::new(&plan, Goal::PlayOn));
             return true;
@@ -448,7 +507,7 @@ impl Player {
         let start = actor.timeline.sequence_of(from).map_or(0, |sequence| sequence.first_frame);
         // Nothing leads back: a cut, as in any player of recordings.
         if self.looping && start != from && self.seek(f64::from(start)).is_ok() {
-            let plan = self.way_on(&actor.timeline, start);
+            let plan = self.way_on(&actor.timeline, &graph, start);
             self.route = Some(Route::new(&plan, Goal::PlayOn));
             return plan.duration > 0;
         }
@@ -458,31 +517,27 @@ impl Player {
 
     /// Recorded frames from `from` on; when looping, up to the last one with a way back to the sequence's start, and
     /// then that way.
-    fn way_on(&self, timeline: &Timeline, from: u32) -> Plan {
-        let nothing = Plan { start: from, ..Plan::default() };
-        let Some(sequence) = timeline.sequence_of(from) else { return nothing };
+    fn way_on(&self, timeline: &Timeline, graph: &EssentialGraph, from: u32) -> Plan {
+        let Some(sequence) = timeline.sequence_of(from) else { return Plan { start: from, ..Plan::default() } };
         let recorded = |last: u32, steps: u32| Walk {
             legs: if steps > 0 { vec![Leg::Recorded { first: from, last, steps }] } else { vec![] },
-            duration: steps,
             ..Walk::default()
         };
         if sequence.cyclic {
-            return Plan::of_walk(from, &recorded(from, sequence.frame_count));
+            return Plan::of_walk(from, &recorded(from, sequence.frame_count), graph);
         }
         let end = sequence.end_frame() - 1;
-        let to_the_end = Plan::of_walk(from, &recorded(end, end - from));
-        let (true, Some(graph)) = (self.looping, &self.loading.graph) else { return to_the_end };
-        let inside = reach::main_component(graph, timeline);
-        let is_in = |frame: &u32| inside.get(*frame as usize).copied().unwrap_or(false);
-        let Some(start) = (sequence.first_frame..=end).find(is_in) else { return to_the_end };
-        let Some(exit) = (from..=end).rev().find(is_in) else { return to_the_end };
-        let Some(back) = shared::search::cheapest_walk(graph, timeline, exit, start) else { return to_the_end };
-        let mut walk = recorded(exit, exit - from);
-        walk.legs.extend(back.legs);
-        walk.duration += back.duration;
-        walk.deformation += back.deformation;
-        let way = Plan::of_walk(from, &walk);
-        if way.duration > 0 { way } else { to_the_end }
+        let way = if self.looping { way_back(timeline, graph, from) } else { None };
+        let walk = match way {
+            Some((exit, back)) => {
+                let mut walk = recorded(exit, exit - from);
+                walk.legs.extend(back.legs);
+                walk
+            }
+            None => recorded(end, end - from),
+        };
+        let plan = Plan::of_walk(from, &walk, graph);
+        if plan.duration > 0 { plan } else { Plan::of_walk(from, &recorded(end, end - from), graph) }
     }
 
     fn end(&mut self, frame: u32) {
@@ -499,6 +554,17 @@ impl Player {
             self.trail.pop_front();
         }
     }
+}
+
+/// The last frame of the recording, from `from` on, with a way back to its sequence's start, and that way. The start is
+/// the sequence's first frame in the largest component, where the actor never gets stuck.
+fn way_back(timeline: &Timeline, graph: &EssentialGraph, from: u32) -> Option<(u32, Walk)> {
+    let sequence = timeline.sequence_of(from)?;
+    let inside = reach::main_component(graph, timeline);
+    let is_in = |frame: &u32| inside.get(*frame as usize).copied().unwrap_or(false);
+    let start = (sequence.first_frame..sequence.end_frame()).find(is_in)?;
+    let exit = (from..sequence.end_frame()).rev().find(is_in)?;
+    Some((exit, cheapest_walk(graph, timeline, exit, start)?))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Plans: the walk from where the actor is to where it shall be, and what is left of it.
 
 use serde::Serialize;
-use shared::graph::EssentialGraph;
+use shared::graph::{EssentialGraph, Transition};
 use shared::search::{Leg, Walk, cheapest_walk};
 use shared::timeline::Timeline;
 
@@ -27,11 +27,14 @@ impl Stretch {
     pub fn length(&self, graph: &EssentialGraph) -> u32 {
         match *self {
             Self::Back { steps, .. } | Self::Walk(Leg::Recorded { steps, .. }) => steps,
-            Self::Walk(Leg::Synthetic(edge)) => {
-                graph.transitions().get(edge as usize).map_or(0, |transition| transition.warp.duration() as u32)
-            }
+            Self::Walk(Leg::Synthetic(edge)) => graph.transitions().get(edge as usize).map_or(0, steps_of),
         }
     }
+}
+
+/// Steps from the frame that `transition` leaves to the one that it arrives at: its first node is the frame left.
+fn steps_of(transition: &Transition) -> u32 {
+    (transition.warp.duration() as u32).saturating_sub(1).max(1)
 }
 
 /// A way from one frame to another.
@@ -45,16 +48,28 @@ pub struct Plan {
     pub cost: f64,
     /// Sum of the transitions' surface deformation costs.
     pub deformation: f64,
-    /// Duration in frames.
+    /// Steps from frame to frame.
     pub duration: u32,
 }
 
 impl Plan {
     /// `walk`, begun at frame `start`.
     #[must_use]
-    pub fn of_walk(start: u32, walk: &Walk) -> Self {
-        let stretches = walk.legs.iter().copied().map(Stretch::Walk).collect();
-        Self { start, stretches, cost: walk.cost, deformation: walk.deformation, duration: walk.duration }
+    pub fn of_walk(start: u32, walk: &Walk, graph: &EssentialGraph) -> Self {
+        let stretches: Vec<_> = walk.legs.iter().copied().map(Stretch::Walk).collect();
+        let duration = stretches.iter().map(|stretch| stretch.length(graph)).sum();
+        Self { start, stretches, cost: walk.cost, deformation: walk.deformation, duration }
+    }
+
+    /// The part of it that is a walk through the graph: all but steps back.
+    #[must_use]
+    pub fn walk(&self) -> Walk {
+        let leg = |stretch: &Stretch| match *stretch {
+            Stretch::Walk(leg) => Some(leg),
+            Stretch::Back { .. } => None,
+        };
+        let legs = self.stretches.iter().filter_map(leg).collect();
+        Walk { legs, cost: self.cost, deformation: self.deformation, duration: self.duration }
     }
 }
 
@@ -66,13 +81,13 @@ impl Plan {
 #[must_use]
 pub fn plan(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> Option<Plan> {
     if let Some(walk) = cheapest_walk(graph, timeline, from, to) {
-        return Some(Plan::of_walk(from, &walk));
+        return Some(Plan::of_walk(from, &walk, graph));
     }
     let sequence = timeline.sequence_of(from)?;
     let reaching = reaching(graph, timeline, to);
     let is_way = |frame: &u32| reaching.get(*frame as usize).copied().unwrap_or(false);
     let leave = (sequence.first_frame..from).rev().find(is_way)?;
-    let mut plan = Plan::of_walk(from, &cheapest_walk(graph, timeline, leave, to)?);
+    let mut plan = Plan::of_walk(from, &cheapest_walk(graph, timeline, leave, to)?, graph);
     let steps = from - leave;
     plan.stretches.insert(0, Stretch::Back { first: from, steps });
     plan.cost += f64::from(steps) * graph.alpha();
@@ -87,7 +102,7 @@ pub enum Step {
     Recorded(u32),
     /// Show this frame, recorded right before the present one.
     Back(u32),
-    /// Show node `node` (from 0) of transition `edge`.
+    /// Show node `node` of transition `edge`, from 1: node 0 is the frame that it leaves.
     Synthetic {
         /// Index of the transition in the graph.
         edge: u32,
@@ -132,7 +147,7 @@ impl Route {
         match *self.stretches.get(self.index)? {
             Stretch::Back { .. } => self.at.checked_sub(1).map(Step::Back),
             Stretch::Walk(Leg::Recorded { .. }) => timeline.next(self.at).map(Step::Recorded),
-            Stretch::Walk(Leg::Synthetic(edge)) => Some(Step::Synthetic { edge, node: self.taken }),
+            Stretch::Walk(Leg::Synthetic(edge)) => Some(Step::Synthetic { edge, node: self.taken + 1 }),
         }
     }
 
@@ -227,7 +242,7 @@ pub enum LegReport {
         from: u32,
         /// Frame reached.
         to: u32,
-        /// Its length.
+        /// Steps that it takes.
         frames: u32,
         /// Its surface deformation cost.
         deformation: f32,
@@ -269,7 +284,7 @@ pub fn report_legs(stretches: &[Stretch], graph: &EssentialGraph) -> Vec<LegRepo
             graph.transitions().get(edge as usize).map(|transition| LegReport::Synthetic {
                 from: transition.from,
                 to: transition.to,
-                frames: transition.warp.duration() as u32,
+                frames: steps_of(transition),
                 deformation: transition.deformation,
                 edge,
             })
@@ -327,8 +342,7 @@ mod tests {
         let timeline = timeline(&[(8, false), (8, false)]);
         let graph = graph(&timeline, &[(2, 11), (12, 4)]);
         let route = Route::new(&plan(&graph, &timeline, 0, 13).unwrap(), Goal::Target(13));
-        let wanted =
-            [Step::Recorded(1), Step::Recorded(2), node(0), node(1), node(2), Step::Recorded(12), Step::Recorded(13)];
+        let wanted = [Step::Recorded(1), Step::Recorded(2), node(1), node(2), Step::Recorded(12), Step::Recorded(13)];
         assert_eq!(steps(route, &graph, &timeline), wanted);
     }
 
@@ -339,7 +353,7 @@ mod tests {
         let from_end = plan(&graph, &timeline, 7, 12).unwrap();
         let report = from_end.report(12, &graph, &timeline);
         assert_eq!(report.legs[0], LegReport::Recorded { first: 7, last: 5, steps: 2, back: true });
-        assert_eq!(report.frames, 2 + 3 + 1);
+        assert_eq!(report.frames, 2 + 2 + 1);
         let all = steps(Route::new(&from_end, Goal::Target(12)), &graph, &timeline);
         assert_eq!(all[..2], [Step::Back(6), Step::Back(5)]);
         assert_eq!(all.last(), Some(&Step::Recorded(12)));
@@ -357,8 +371,8 @@ mod tests {
         assert_eq!((route.inside(), route.departure(&graph)), (Some(0), 11));
         let other = plan(&graph, &timeline, 11, 12).unwrap();
         let redirected = route.redirected(&other, Goal::Target(12));
-        assert_eq!(steps(redirected, &graph, &timeline), [node(1), node(2), Step::Recorded(12)]);
+        assert_eq!(steps(redirected, &graph, &timeline), [node(2), Step::Recorded(12)]);
         let stopped = route.redirected(&Plan { start: 11, ..Plan::default() }, Goal::Stop);
-        assert_eq!(steps(stopped, &graph, &timeline), [node(1), node(2)]);
+        assert_eq!(steps(stopped, &graph, &timeline), [node(2)]);
     }
 }

@@ -188,7 +188,7 @@ impl Player {
             x: ground.x,
             z: ground.y,
             heading: nearer.placement.heading,
-            synthesis_ms: 0.0,
+            synthesis_ms: self.producer.synthesis_ms(),
         })
     }
 
@@ -205,11 +205,11 @@ impl Player {
             cyclic: sequence.cyclic,
             labels: &sequence.labels,
         });
-        let images = actor.surface.images.iter().map(|image| ImageInfo {
+        let images = actor.surface.images.iter().enumerate().map(|(index, image)| ImageInfo {
             media_type: image.format.media_type(),
             width: image.width,
             height: image.height,
-            ready: !image.bytes.is_empty(),
+            ready: self.loading.image(index).is_some(),
         });
         let main = graph.map_or_else(Vec::new, |graph| reach::main_component(graph, timeline));
         Some(Info {
@@ -232,9 +232,7 @@ impl Player {
     /// # Errors
     /// It has not arrived, or does not exist.
     pub fn image(&self, image: usize) -> Result<&[u8], PlayerError> {
-        let actor = self.loading.actor.as_ref().ok_or(PlayerError::NotLoaded)?;
-        let image = actor.surface.images.get(image).ok_or(PlayerError::NotLoaded)?;
-        if image.bytes.is_empty() { Err(PlayerError::NotLoaded) } else { Ok(&image.bytes) }
+        self.loading.image(image).map(|image| image.bytes.as_slice()).ok_or(PlayerError::NotLoaded)
     }
 
     /// The `most` cheapest transitions as [from, to, deformation, frames], cheapest first.
