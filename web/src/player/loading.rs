@@ -1,0 +1,183 @@
+//! What has arrived of the actor: what stays the same for all frames, and where recorded poses come from.
+
+use std::rc::Rc;
+
+use glam::Vec3;
+use shared::bundle::{BundleError, BundleReader};
+use shared::capture::{Capture, Poses};
+use shared::graph::EssentialGraph;
+use shared::pose_source::{PoseError, PoseSource};
+use shared::surface::{Image, Surface};
+use shared::timeline::Timeline;
+use shared::topology::Topology;
+
+/// What stays the same for all frames.
+#[derive(Clone, Debug)]
+pub struct Actor {
+    /// Its name.
+    pub name: String,
+    /// Welded connectivity.
+    pub topology: Rc<Topology>,
+    /// What is drawn; its images may have no bytes yet.
+    pub surface: Rc<Surface>,
+    /// The sequences.
+    pub timeline: Rc<Timeline>,
+    /// The frame that it begins with.
+    pub first_frame: u32,
+}
+
+/// Where recorded poses come from.
+pub enum Source {
+    /// All in memory.
+    Memory(Poses),
+    /// A bundle that may still be arriving.
+    Bundle(Box<BundleReader>),
+}
+
+impl PoseSource for Source {
+    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
+        match self {
+            Self::Memory(poses) => poses.read(frame, pose),
+            Self::Bundle(reader) => reader.read(frame, pose),
+        }
+    }
+}
+
+/// How much has arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Nothing that tells anything.
+    Empty,
+    /// The header.
+    Header,
+    /// The first pose: it can be drawn.
+    FirstPose,
+    /// The graph too: it can be directed.
+    Partial,
+    /// All of it.
+    Complete,
+}
+
+impl Phase {
+    /// The page's word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Empty => "empty",
+            Self::Header => "header",
+            Self::FirstPose => "first-pose",
+            Self::Partial => "partial",
+            Self::Complete => "complete",
+        }
+    }
+}
+
+/// The bundle as far as it has arrived.
+pub struct Loading {
+    /// Recorded poses.
+    pub source: Source,
+    /// Known from [`Phase::FirstPose`] on.
+    pub actor: Option<Actor>,
+    /// Known once its section has arrived.
+    pub graph: Option<Rc<EssentialGraph>>,
+}
+
+impl Default for Loading {
+    fn default() -> Self {
+        Self { source: Source::Bundle(Box::default()), actor: None, graph: None }
+    }
+}
+
+impl Loading {
+    /// All of `capture` at once.
+    #[must_use]
+    pub fn of_capture(capture: Capture, graph: EssentialGraph) -> Self {
+        let actor = Actor {
+            name: capture.name,
+            topology: Rc::new(capture.topology),
+            surface: Rc::new(capture.surface),
+            timeline: Rc::new(capture.timeline),
+            first_frame: 0,
+        };
+        Self { source: Source::Memory(capture.poses), actor: Some(actor), graph: Some(Rc::new(graph)) }
+    }
+
+    /// Takes the next bytes of the bundle.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with it, and the same again from then on.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
+        let Source::Bundle(reader) = &mut self.source else { return Ok(()) };
+        let outcome = reader.push(bytes);
+        if self.actor.is_none() {
+            self.actor = arrived(reader);
+        }
+        if self.graph.is_none() {
+            self.graph = reader.graph().map(|graph| Rc::new(graph.clone()));
+        }
+        outcome
+    }
+
+    /// Says that no more bytes will come.
+    ///
+    /// # Errors
+    /// The bundle is cut off, or was wrong before.
+    pub fn finish(&self) -> Result<(), BundleError> {
+        match &self.source {
+            Source::Memory(_) => Ok(()),
+            Source::Bundle(reader) => reader.finish(),
+        }
+    }
+
+    /// How much has arrived.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        let Source::Bundle(reader) = &self.source else { return Phase::Complete };
+        match (&self.actor, &self.graph) {
+            _ if reader.is_complete() => Phase::Complete,
+            (Some(_), Some(_)) => Phase::Partial,
+            (Some(_), None) => Phase::FirstPose,
+            (None, _) if reader.header().is_some() => Phase::Header,
+            (None, _) => Phase::Empty,
+        }
+    }
+
+    /// Whether the positions of `frame` have arrived.
+    #[must_use]
+    pub fn loaded(&self, frame: u32) -> bool {
+        match &self.source {
+            Source::Memory(poses) => (frame as usize) < poses.len(),
+            Source::Bundle(reader) => reader.frame_loaded(frame),
+        }
+    }
+
+    /// Texture `index`, once its bytes have arrived.
+    #[must_use]
+    pub fn image(&self, index: usize) -> Option<&Image> {
+        match &self.source {
+            Source::Memory(_) => self.actor.as_ref()?.surface.images.get(index),
+            Source::Bundle(reader) => reader.image(index),
+        }
+    }
+
+    /// The elimination order of the vertices, where the bundle has one.
+    #[must_use]
+    pub fn order(&self) -> Option<&[u32]> {
+        match &self.source {
+            Source::Memory(_) => None,
+            Source::Bundle(reader) => reader.order(),
+        }
+    }
+}
+
+fn arrived(reader: &BundleReader) -> Option<Actor> {
+    reader.first_pose()?;
+    let meta = reader.meta()?;
+    Some(Actor {
+        name: meta.name.clone(),
+        topology: Rc::new(reader.topology()?.clone()),
+        surface: Rc::new(reader.surface()?.clone()),
+        timeline: Rc::new(reader.timeline()?.clone()),
+        first_frame: meta.first_frame,
+    })
+}
