@@ -1,9 +1,17 @@
 /** Draws transitions as arcs over the strips: the graph's in thin grey, the planned walk's bold, the walk under way in colour. */
 
-/** Corners of a cubic Bézier from one frame of the score to another. */
+/**
+ * Corners of a cubic Bézier from one frame of the score to another. Within a row it rises into the gap above; between
+ * rows it leaves and enters at the edges that face each other, so that it does not cross the poses of either.
+ */
 export function arcBetween(layout, from, to) {
-  const start = { x: layout.xOf(from), y: layout.stripOf(from).y };
-  const end = { x: layout.xOf(to), y: layout.stripOf(to).y };
+  const [source, target] = [layout.stripOf(from), layout.stripOf(to)];
+  const start = { x: layout.xOf(from), y: source.y < target.y ? source.y + source.height : source.y };
+  const end = { x: layout.xOf(to), y: target.y < source.y ? target.y + target.height : target.y };
+  if (source.y !== target.y) {
+    const bend = (end.y - start.y) * 0.8;
+    return { start, a: { x: start.x, y: start.y + bend }, b: { x: end.x, y: end.y - bend }, end };
+  }
   // Higher for a longer way, but never out of the row's own gap: a cubic reaches three quarters of its handles.
   const lift = Math.min(layout.gap - 4, 6 + Math.abs(end.x - start.x) * 0.1) / 0.75;
   return { start, a: { x: start.x, y: start.y - lift }, b: { x: end.x, y: end.y - lift }, end };
@@ -31,7 +39,7 @@ export function drawGraph(context, layout, quads, colour) {
   const last = Math.max(1, quads.length / 4 - 1);
   // The cheapest are the darkest, and on top.
   for (let at = quads.length / 4 - 1; at >= 0; at -= 1) {
-    context.globalAlpha = 0.5 - 0.36 * (at / last);
+    context.globalAlpha = 0.45 - 0.33 * (at / last);
     context.beginPath();
     trace(context, arcBetween(layout, quads[at * 4], quads[at * 4 + 1]));
     context.stroke();
@@ -54,8 +62,8 @@ export function drawWalk(context, layout, legs, colours, now) {
   });
 }
 
-function drawRecorded(context, layout, { first, last }, colour, done) {
-  for (const [from, to] of stretches(layout, first, last)) {
+function drawRecorded(context, layout, leg, colour, done) {
+  for (const [from, to] of stretches(layout, leg)) {
     const y = layout.stripOf(from).y + layout.stripOf(from).height - 1.5;
     const [x0, x1] = [layout.xOf(from), layout.xOf(to)];
     context.lineWidth = 3;
@@ -66,9 +74,9 @@ function drawRecorded(context, layout, { first, last }, colour, done) {
   }
 }
 
-/** A cyclic sequence may be left over its end: then the stretch has two pieces. */
-function stretches(layout, first, last) {
-  if (last >= first) return [[first, last]];
+/** A cyclic sequence may be left over its end: then the stretch has two pieces. Out of a dead end it runs backwards. */
+function stretches(layout, { first, last, steps }) {
+  if (last >= first || first - last === steps) return [[first, last]];
   const sequence = layout.timeline.sequenceOf(first);
   return [[first, sequence.first + sequence.count - 1], [sequence.first, last]];
 }

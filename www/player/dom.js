@@ -27,6 +27,8 @@ const ICONS = {
   flag: { fill: true, d: 'M3 1.5h1.3v13H3zM4.8 2h8.4l-2.4 3 2.4 3H4.8z' },
   tick: { d: 'M2.5 8.6l3.7 3.7 7.3-8.3', width: 2.2 },
   close: { d: 'M4 4l8 8M12 4l-8 8' },
+  /** The outline of somebody who is not there. */
+  absent: { d: 'M8 1.2a1.9 1.9 0 1 1 0 3.8a1.9 1.9 0 1 1 0-3.8M8 6.6c2.6 0 3.4 1.3 3.4 3v1.7M8 6.6c-2.6 0-3.4 1.3-3.4 3v1.7M6.1 9.5v5.3M9.9 9.5v5.3', width: 0.9 },
   chevron: { d: 'M3.5 6l4.5 4.5L12.5 6' },
 };
 

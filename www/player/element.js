@@ -15,7 +15,7 @@ import { suggestPoses } from './suggestions.js';
 import { buildView } from './view.js';
 
 /** Transitions that are drawn as arcs; more would be a grey wall. */
-const MOST_ARCS = 160;
+const MOST_ARCS = 120;
 /** A device lost this often within so many milliseconds is not tried again by itself. */
 const LOSSES = { most: 3, within: 30_000 };
 /** Milliseconds of decoding after which the page gets a turn. */
@@ -55,6 +55,7 @@ export class ReprisePlayer extends Base {
     this.#observe();
     this.#applyOptions();
     this.#view.showPoster(this.poster);
+    this.#attachTesting();
     if (this.src) this.reload();
   }
 
@@ -75,6 +76,13 @@ export class ReprisePlayer extends Base {
     if (name === 'src') this.reload();
     else if (name === 'poster') this.#view.showPoster(this.poster);
     else this.#applyOptions();
+  }
+
+  /** Tests look inside through `element.testing`; a page whose address does not ask for it has no such thing. */
+  async #attachTesting() {
+    if (this.testing || !new URLSearchParams(location.search).has('test')) return;
+    const { Testing } = await import('./testing.js');
+    this.testing = new Testing(() => ({ director: this.#director, view: this.#view, draw: () => this.#draw() }));
   }
 
   #build() {
@@ -331,6 +339,7 @@ export class ReprisePlayer extends Base {
     else if (action === 'copy') navigator.clipboard?.writeText(location.href);
     else if (this.#failed === 'device-lost' && this.#director) {
       this.#view.error.hide();
+      this.#view.showStage();
       this.#failed = null;
       this.#openStage(this.#loading.signal);
     } else this.reload();
@@ -425,6 +434,7 @@ export class ReprisePlayer extends Base {
     const dark = this.theme ? this.theme === 'dark' : this.#view.dark.matches;
     stage.setOptions({
       theme: dark ? 'dark' : 'light',
+      background: this.#view.background(),
       tint: this.tint,
       grid: true,
       path: true,

@@ -1,6 +1,6 @@
 /** What can go wrong, and what the page says about it: one sentence what happened, one what to do, a button that does it. */
 
-import { h } from './dom.js';
+import { h, icon } from './dom.js';
 
 /** An error with a kind from the closed set below; the wasm module throws errors of the same shape. */
 export class PlayerError extends Error {
@@ -46,7 +46,7 @@ const WORDS = {
   },
   'not-found': {
     happened: 'There is no actor at this address.',
-    todo: 'Check the address for a slip of the pen.',
+    todo: 'Check the address: it should be that of a .reprise file.',
     button: AGAIN,
   },
   'network': {
@@ -113,7 +113,7 @@ export class ErrorCard {
     this.happened = h('p', { class: 'happened' });
     this.todo = h('p', { class: 'todo' });
     this.button = h('button', { type: 'button', class: 'button' });
-    this.root = h('div', { class: 'error', role: 'alert', part: 'error', hidden: true }, this.happened, this.todo, this.button);
+    this.root = h('div', { class: 'error', role: 'alert', part: 'error', hidden: true }, icon('absent'), this.happened, this.todo, this.button);
     this.button.addEventListener('click', () => act(this.button.value));
   }
 

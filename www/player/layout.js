@@ -25,23 +25,23 @@ export function layoutScore(timeline, room) {
 
 /** The largest scale, in pixels a second, at which the longest sequence still fits into one row. */
 function longestScale(timeline, { width, labels }) {
-  const scales = timeline.sequences.map(
-    ({ count }, index) => (Math.max(60, width - labels[index] - LABEL_GAP) * timeline.fps) / count,
-  );
-  return Math.min(...scales);
+  const length = Math.max(60, width - Math.max(...labels) - LABEL_GAP);
+  return Math.min(...timeline.sequences.map(({ count }) => (length * timeline.fps) / count));
 }
 
 function pack(timeline, { width, labels }, scale) {
+  const widest = Math.max(...labels);
   const strips = [];
   let x = 0;
   let y = ROW_GAP;
   timeline.sequences.forEach(({ count }, index) => {
-    const label = labels[index] + LABEL_GAP;
     const length = (count * scale) / timeline.fps;
-    if (x > 0 && x + label + length > width + 0.5) {
+    if (x > 0 && x + labels[index] + LABEL_GAP + length > width + 0.5) {
       x = 0;
       y += THUMBNAIL.height + ROW_GAP;
     }
+    // The first strips of all rows begin at one line.
+    const label = (x === 0 ? widest : labels[index]) + LABEL_GAP;
     strips.push({ index, labelX: x, x: x + label, y, width: length, height: THUMBNAIL.height });
     x += label + length + STRIP_GAP;
   });
@@ -90,7 +90,7 @@ export class ScoreLayout {
   shown(index) {
     const all = this.timeline.thumbnails(index);
     const apart = this.strips[index].width / all.length;
-    const stride = Math.max(1, Math.ceil((THUMBNAIL.width - 8) / apart));
+    const stride = Math.max(1, Math.ceil((THUMBNAIL.width - 12) / apart));
     return all.filter((_, slot) => slot % stride === Math.floor((stride - 1) / 2) || all.length <= 1);
   }
 }

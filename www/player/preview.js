@@ -54,7 +54,7 @@ export class Preview {
 
   /**
    * Looks at a pose; -1 looks away.
-   * @param {{x: number, y: number} | null} place on the screen, for the tooltip; null: above its place in the score
+   * @param {{x: number, y: number} | null} place on the screen, for the tooltip; null: above the score
    * @param {boolean} focus whether the keyboard asked
    */
   at(frame, place = null, focus = false) {

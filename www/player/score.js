@@ -209,9 +209,9 @@ export class Score {
     this.flag.style.transform = `translate(${this.layout.xOf(frame)}px, ${this.layout.stripOf(frame).y}px)`;
   }
 
-  /** The middle of a pose on the screen, for the tooltip. */
+  /** Where the tooltip of a pose points: over its place, above all strips, so that it hides none. */
   screenPlace(frame) {
-    const box = this.sheet.getBoundingClientRect();
-    return { x: box.left + this.layout.xOf(frame), y: box.top + this.layout.stripOf(frame).y };
+    const { left } = this.sheet.getBoundingClientRect();
+    return { x: left + this.layout.xOf(frame), y: this.root.getBoundingClientRect().top + 6 };
   }
 }

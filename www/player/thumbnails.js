@@ -2,6 +2,9 @@
 
 import { THUMBNAIL } from './layout.js';
 
+/** Thumbnails that wait for the GPU together; more would hold up the stage's own frames. */
+const BATCH = 3;
+
 const idle = globalThis.requestIdleCallback
   ? (run) => requestIdleCallback(run, { timeout: 200 })
   : (run) => setTimeout(run, 16);
@@ -44,23 +47,28 @@ export class ThumbnailShelf {
     if (this.busy || this.queue.length === 0) return;
     this.busy = true;
     idle(async () => {
-      try {
-        const frame = this.queue[0];
-        if (frame !== undefined && (await this.draw(frame))) this.queue = this.queue.filter((one) => one !== frame);
-        else this.queue = [];
-      } finally {
-        this.busy = false;
-        this.next();
-      }
+      const batch = this.queue.splice(0, BATCH);
+      const drawn = await Promise.all(batch.map((frame) => this.draw(frame)));
+      // A stage that cannot draw now will be asked again when the score is told of a new one.
+      if (drawn.includes(false)) this.queue = [];
+      this.busy = false;
+      this.next();
     });
+  }
+
+  /** A device that is lost meanwhile throws or rejects; both mean: not now. */
+  async pixels(frame, width, height) {
+    try {
+      return await this.render(frame, width, height);
+    } catch {
+      return null;
+    }
   }
 
   /** Thumbnails are drawn at twice the size they are shown at, which serves every screen. */
   async draw(frame) {
     const [width, height] = [THUMBNAIL.width * 2, THUMBNAIL.height * 2];
-    const drawing = this.render(frame, width, height);
-    if (!drawing) return false;
-    const pixels = await drawing.catch(() => null);
+    const pixels = await this.pixels(frame, width, height);
     if (!pixels || pixels.length !== width * height * 4) return false;
     const canvas = document.createElement('canvas');
     canvas.width = width;

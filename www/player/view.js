@@ -77,7 +77,8 @@ class View {
       this.progress.root,
       this.error.root,
     );
-    root.append(h('div', { class: 'player', part: 'player' }, stageBox, this.scoreBox, this.preview.tooltip.root), this.keys.root);
+    this.player = h('div', { class: 'player', part: 'player', 'data-state': 'loading' }, stageBox, this.scoreBox, this.preview.tooltip.root);
+    root.append(this.player, this.keys.root);
     // Clicks on the stage leave the arrow keys with the score.
     this.stage.root.addEventListener('pointerdown', () => this.focusScore());
   }
@@ -102,6 +103,7 @@ class View {
     this.transport.say('', 'hint');
     this.transport.setPlaying(false);
     this.stage.root.removeAttribute('data-shown');
+    this.player.dataset.state = 'loading';
   }
 
   startLoading() {
@@ -115,6 +117,7 @@ class View {
 
   showStage() {
     this.stage.root.setAttribute('data-shown', '');
+    this.player.dataset.state = 'shown';
     this.poster.hidden = true;
     if (!this.transport.status.textContent) this.transport.say(HINT, 'hint');
   }
@@ -124,6 +127,7 @@ class View {
     this.progress.hide();
     this.preview.tooltip.hide();
     this.error.show(kind, over);
+    if (!over) this.player.dataset.state = 'failed';
   }
 
   /** Lays the score out anew in the next frame, once, however many reasons there are. */
@@ -133,6 +137,12 @@ class View {
       this.relaying = 0;
       this.score.relay();
     });
+  }
+
+  /** The page's colour behind the element, for the stage; undefined where the style gives it in another notation than rgb. */
+  background() {
+    const colour = getComputedStyle(this.host).backgroundColor.match(/^rgb\((\d+), (\d+), (\d+)\)$/);
+    return colour ? colour.slice(1).map((part) => Number(part) / 255) : undefined;
   }
 
   /** @param {import('./director.js').Director} director */

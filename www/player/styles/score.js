@@ -2,6 +2,8 @@
 
 export const scoreStyles = `
 .score { position: relative; background: var(--surface); }
+.player[data-state="loading"] .transport, .player[data-state="loading"] .chips { visibility: hidden; }
+.player[data-state="failed"] .score, .player[data-state="failed"] .chips { display: none; }
 :host(:not([controls])) .score, :host(:not([controls])) .chips { display: none; }
 
 .strips {
@@ -20,8 +22,9 @@ export const scoreStyles = `
 .blank:last-child { inset-block-start: 92px; inline-size: 78%; }
 
 .label {
-  block-size: 48px;
-  line-height: 48px;
+  block-size: 18px;
+  margin-block-start: 15px;
+  line-height: 18px;
   font-size: 12px;
   color: var(--muted);
   overflow: hidden;
@@ -29,7 +32,7 @@ export const scoreStyles = `
   white-space: nowrap;
   pointer-events: none;
 }
-.strip { border-radius: 4px; background: color-mix(in srgb, var(--strip) 78%, transparent); }
+.strip { border-radius: 4px; background: var(--strip); }
 .strip canvas { display: block; pointer-events: none; }
 .strip:focus-visible { outline-offset: 1px; }
 .graph, .walk { pointer-events: none; }
@@ -67,7 +70,7 @@ export const scoreStyles = `
 .transport { display: flex; align-items: center; gap: 4px; block-size: 40px; padding-inline: 10px 16px; }
 .where { display: flex; align-items: baseline; gap: 8px; min-inline-size: 150px; padding-inline: 4px; white-space: nowrap; }
 .where .name { color: var(--muted); overflow: hidden; text-overflow: ellipsis; }
-.speed { block-size: 28px; padding: 0 4px; border: 0; border-radius: 4px; background: none; cursor: pointer; }
+.speed { field-sizing: content; block-size: 28px; padding: 0 4px; border: 0; border-radius: 4px; background: none; cursor: pointer; }
 .speed option { background: var(--raised); }
 .status { flex: 1; min-inline-size: 0; padding-inline: 12px; color: var(--muted); text-align: end; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
 .status[data-kind="going"], .status[data-kind="arrived"] { color: var(--ink); }

@@ -76,6 +76,9 @@ export const stageStyles = `
   border-radius: 4px;
   background: color-mix(in srgb, var(--surface) 94%, transparent);
 }
+.error .icon { inline-size: 72px; block-size: 72px; margin-block-end: 16px; color: var(--muted); opacity: 0.6; }
+.error .icon path { stroke-dasharray: 0.8 1.5; }
+.error[data-over] .icon { display: none; }
 .error p { margin: 0; max-inline-size: 44ch; text-wrap: balance; }
 .error .happened { font-size: 17px; font-weight: 600; }
 .error .todo { margin-block: 6px 18px; color: var(--muted); font-size: 14px; }
