@@ -33,8 +33,18 @@ export class Browser {
     const browser = new Browser();
     mkdirSync(out, { recursive: true });
     browser.server = await serve(dist, bundle);
-    browser.chromium = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: FLAGS });
+    await browser.start();
     return browser;
+  }
+
+  async start() {
+    this.chromium = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: FLAGS });
+  }
+
+  /** Clears up after a test, however it ended: no page of one test may take time from the next. */
+  async tidy() {
+    if (!this.chromium.isConnected()) return this.start();
+    await Promise.all(this.chromium.contexts().map((context) => context.close()));
   }
 
   async close() {
@@ -73,8 +83,8 @@ function watchOver() {
   document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
   const types = ['ready', 'load', 'error', 'transitionstart', 'transitionend', 'arrive', 'stall', 'end', 'devicelost', 'devicerestored', 'progress'];
   for (const type of types) {
-    // In the capturing phase, for the player's events do not bubble; resource errors have no detail.
-    window.addEventListener(type, ({ detail }) => detail && typeof detail === 'object' && window.heard.push({ type, ...detail }), true);
+    // In the capturing phase, for the player's events do not bubble (and load never reaches the window).
+    document.addEventListener(type, ({ detail }) => detail && typeof detail === 'object' && window.heard.push({ type, ...detail }), true);
   }
 }
 
@@ -94,7 +104,7 @@ export class Player {
   }
 
   /** Waits until `work(player, argument)` is true in the page. Playwright's own waiting needs eval, which the policy forbids. */
-  async until(what, work, argument, timeout = 60_000) {
+  async until(what, work, argument, timeout = 30_000) {
     const end = Date.now() + timeout;
     while (!(await this.run(work, argument))) {
       if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain: ${what}`);

@@ -26,6 +26,7 @@ for (const [name, test] of chosen) {
     failed += 1;
     console.log(`FAILED  ${name}\n        ${String(error?.stack ?? error).replaceAll('\n', '\n        ')}`);
   }
+  await browser.tidy();
 }
 await browser.close();
 console.log(`${chosen.length - failed} passed, ${failed} failed`);

@@ -39,7 +39,7 @@ const ICONS = {
 export function icon(name) {
   const { d, fill = false, width = 1.5 } = ICONS[name];
   const svg = document.createElementNS(SVG, 'svg');
-  const attributes = { viewBox: '0 0 16 16', width: 16, height: 16, 'aria-hidden': 'true', class: `icon ${name}` };
+  const attributes = { viewBox: '0 0 16 16', width: 16, height: 16, 'aria-hidden': 'true', class: 'icon' };
   for (const [key, value] of Object.entries(attributes)) svg.setAttribute(key, String(value));
   const path = document.createElementNS(SVG, 'path');
   path.setAttribute('d', d);

@@ -10,13 +10,15 @@ const MOST_DENSITY = 2;
 
 export class StageView {
   /**
+   * @param {() => object | null} player whom the ghosts belong to
    * @param {object} events
    * @param {() => void} events.moved the picture has to be drawn again
    * @param {() => void} events.lost the device is gone
    * @param {(frame: number) => void} events.ghostClicked
    * @param {(frame: number, x: number, y: number) => void} events.ghostHovered -1 when there is none
    */
-  constructor(events) {
+  constructor(player, events) {
+    this.player = player;
     this.events = events;
     this.stage = null;
     this.canvas = h('canvas');
@@ -70,7 +72,7 @@ export class StageView {
 
   ghostAt(x, y) {
     if (!this.stage || this.ghosts.length === 0) return -1;
-    return this.stage.pick(x, y);
+    return this.stage.pick(this.player(), x, y);
   }
 
   hover(frame, x, y) {

@@ -44,7 +44,7 @@ class View {
     this.calm = matchMedia('(prefers-reduced-motion: reduce)');
     const { act } = on;
 
-    this.stage = new StageView({
+    this.stage = new StageView(() => on.director()?.player ?? null, {
       moved: on.moved,
       lost: on.lost,
       ghostClicked: on.go,

@@ -99,7 +99,7 @@ export const tests = {
     await player.loaded();
     const nameless = await player.run((element) => {
       const controls = element.shadowRoot.querySelectorAll('button, select, [tabindex], [role="img"]');
-      return [...controls].filter((one) => !(one.getAttribute('aria-label') || one.textContent.trim())).map(({ outerHTML }) => outerHTML);
+      return [...controls].filter((one) => one.checkVisibility() && !(one.getAttribute('aria-label') || one.textContent.trim())).map(({ outerHTML }) => outerHTML);
     });
     assert.deepEqual(nameless, []);
     assert.equal(await player.part('.status').getAttribute('aria-live'), 'polite');

@@ -40,7 +40,7 @@ export const tests = {
     const walk = await player.run((element) => element.state.walk);
     assert.ok(walk.some(({ kind }) => kind === 'synthetic'));
     assert.match(await player.part('.status').textContent(), /^goes there in \d+\.\d s, through \d+ transitions?$/);
-    assert.equal(await player.part('.flag').isVisible(), true);
+    assert.equal(await player.part('.flag svg').isVisible(), true);
     const placement = await player.run((element, frame) => element.testing.arrival(frame), target);
     await player.event('arrive');
     const [arrival] = await player.heard('arrive');
@@ -110,17 +110,18 @@ export const tests = {
     await player.keyboard.press('ArrowDown');
     await player.keyboard.press('ArrowRight');
     await player.keyboard.press('Shift+ArrowRight');
-    const { label, value, text } = await player.run((element) => {
+    const { fps, sequences: [here, there] } = await player.run((element) => element.info);
+    const value = Math.min(there.count - 1, Math.min(there.count - 1, Math.floor(here.count / 3)) + 1 + Math.round(fps / 2));
+    await player.until('the cursor', (element, wanted) => element.shadowRoot.activeElement?.getAttribute('aria-valuenow') === String(wanted), value);
+    const { label, text } = await player.run((element) => {
       const strip = element.shadowRoot.activeElement;
-      return { label: strip.getAttribute('aria-label'), value: Number(strip.getAttribute('aria-valuenow')), text: strip.getAttribute('aria-valuetext') };
+      return { label: strip.getAttribute('aria-label'), text: strip.getAttribute('aria-valuetext') };
     });
-    const [here, there] = await player.run((element) => element.info.sequences.slice(0, 2));
     assert.equal(label, there.name);
     assert.match(text, /goes there in|cannot be reached/);
     await player.keyboard.press('Enter');
     const target = await player.run((element) => element.state.target);
     assert.equal(target, there.first + value);
-    assert.ok(target > there.first && target < there.first + there.count, `${target} is not in ${there.name}`);
     assert.equal(await player.run((element) => element.playing), true);
     await player.event('arrive');
     await player.keyboard.press('Escape');
@@ -128,7 +129,6 @@ export const tests = {
     assert.equal(await player.run((element) => element.playing), true);
     await player.keyboard.press('Space');
     assert.equal(await player.run((element) => element.playing), false);
-    assert.ok(here.count > 0);
     await player.close();
   },
 
@@ -138,7 +138,7 @@ export const tests = {
     await player.mouse.move(5, 5);
     await player.keyboard.press('Escape');
     assert.equal(await player.run((element) => element.state.target), null);
-    assert.equal(await player.part('.flag').isVisible(), false);
+    assert.equal(await player.part('.flag svg').isVisible(), false);
     await player.close();
   },
 
