@@ -5,6 +5,9 @@
 pub mod distance;
 pub mod essential;
 pub mod import;
+pub mod memory;
 pub mod pack;
 pub mod performer;
+pub mod progress;
+mod simd;
 pub mod transitions;

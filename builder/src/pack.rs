@@ -1,1 +1,239 @@
-//! `builder pack`: the whole pipeline.
+//! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use shared::bundle::{self, BundleInput, EncodeReport, default_max_error};
+use shared::capture::Capture;
+use shared::cholesky::elimination_order;
+use shared::graph::EssentialGraph;
+use thiserror::Error;
+
+use crate::distance::{self, DistanceOptions};
+use crate::essential::{self, Findings};
+use crate::import::{self, ImportError, ImportOptions};
+use crate::memory;
+use crate::progress::{Progress, Report};
+use crate::transitions::{self, TransitionOptions};
+
+/// The frame that the player shows first.
+const FIRST_FRAME: u32 = 0;
+
+/// Everything that `builder pack` can be told.
+#[derive(Clone, Debug)]
+pub struct PackOptions {
+    /// How the input is read.
+    pub import: ImportOptions,
+    /// How pose distances are measured.
+    pub distance: DistanceOptions,
+    /// How transitions are chosen.
+    pub transition: TransitionOptions,
+    /// Weight of a frame's duration against surface deformation.
+    pub alpha: f64,
+    /// Largest error of a stored vertex position in metres; by the body's height where not given.
+    pub max_error: Option<f32>,
+}
+
+/// Why there is no bundle.
+#[derive(Debug, Error)]
+pub enum PackError {
+    /// The input cannot be read as a capture.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// An option makes no sense for this capture.
+    #[error("{0}")]
+    Option(String),
+    /// A stage contradicts the stage before it.
+    #[error("{0}")]
+    Ours(String),
+}
+
+/// What packing cost and what came out; what `--json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct PackReport {
+    /// Name of the actor.
+    pub name: String,
+    /// What the capture holds.
+    pub capture: CaptureSummary,
+    /// What the essential graph holds.
+    pub graph: GraphSummary,
+    /// Wall-clock seconds of each stage.
+    pub seconds: StageSeconds,
+    /// The most memory that the process held, in bytes, where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// What the bundle weighs and how exact it is.
+    pub bundle: EncodeReport,
+    /// What the user should know about the input.
+    pub warnings: Vec<String>,
+}
+
+/// What a capture holds.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaptureSummary {
+    /// Frames of all sequences.
+    pub frames: u32,
+    /// Sequences.
+    pub sequences: usize,
+    /// Welded vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Connected components of the mesh.
+    pub components: usize,
+    /// Frames per second.
+    pub fps: f32,
+}
+
+/// What an essential graph holds.
+#[derive(Clone, Debug, Serialize)]
+pub struct GraphSummary {
+    /// Transitions that were kept.
+    pub transitions: usize,
+    /// Edges over the possible ones.
+    pub density: f64,
+    /// Weight of a frame's duration, as it was used.
+    pub alpha: f64,
+    /// The same per second.
+    pub alpha_per_second: f64,
+    /// Pairs of frames with no way from the first to the second.
+    pub unreachable_pairs: u64,
+    /// Frames that nothing leads on from.
+    pub dead_ends: usize,
+    /// Frames among which every one can be reached from every other.
+    pub largest_component: usize,
+}
+
+/// Wall-clock seconds of each stage.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct StageSeconds {
+    /// Reading files.
+    pub import: f64,
+    /// Pose distances.
+    pub distances: f64,
+    /// Optimal transitions.
+    pub transitions: f64,
+    /// The essential graph, its warps and placements.
+    pub graph: f64,
+    /// Textures.
+    pub appearance: f64,
+    /// Encoding the bundle.
+    pub bundle: f64,
+}
+
+/// Reads a capture and returns the bytes of its bundle with a report.
+///
+/// # Errors
+/// Input that cannot be read, options that do not fit it, or stages that contradict each other.
+pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<(Vec<u8>, PackReport), PackError> {
+    let mut seconds = StageSeconds::default();
+    let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, &|step| report(step)))?;
+    let (bytes, mut pack_report) = pack_capture(&imported.capture, options, report)?;
+    pack_report.seconds.import = seconds.import;
+    pack_report.warnings = imported.warnings;
+    Ok((bytes, pack_report))
+}
+
+/// Returns the bytes of the bundle of a capture in memory, with a report.
+///
+/// # Errors
+/// Options that do not fit the capture, or stages that contradict each other.
+pub fn pack_capture(
+    capture: &Capture,
+    options: &PackOptions,
+    report: Report,
+) -> Result<(Vec<u8>, PackReport), PackError> {
+    let mut seconds = StageSeconds::default();
+    let (graph, graph_summary) = essential_graph(capture, options, &mut seconds, report)?;
+    report(Progress { what: "bundle", done: 0, total: 0 });
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, options))?;
+    let pack_report = PackReport {
+        name: capture.name.clone(),
+        capture: summary_of(capture),
+        graph: graph_summary,
+        seconds,
+        peak_memory_bytes: memory::peak_bytes(),
+        bundle,
+        warnings: Vec::new(),
+    };
+    Ok((bytes, pack_report))
+}
+
+/// What a capture holds.
+#[must_use]
+pub fn summary_of(capture: &Capture) -> CaptureSummary {
+    CaptureSummary {
+        frames: capture.timeline.frame_count(),
+        sequences: capture.timeline.sequences().len(),
+        vertices: capture.topology.vertex_count(),
+        triangles: capture.topology.triangles().len(),
+        components: capture.topology.component_count(),
+        fps: capture.timeline.fps(),
+    }
+}
+
+/// The essential graph of a capture: distances, transitions, edges, warps.
+fn essential_graph(
+    capture: &Capture,
+    options: &PackOptions,
+    seconds: &mut StageSeconds,
+    report: Report,
+) -> Result<(EssentialGraph, GraphSummary), PackError> {
+    let timeline = &capture.timeline;
+    let told = |what| move |share: f64| report(Progress { what, done: (share * 1000.0) as u64, total: 1000 });
+    let measured = timed(&mut seconds.distances, || {
+        distance::measure(&capture.topology, &capture.poses, &options.distance, &told("pose distances"))
+    });
+    let measured = measured.map_err(|error| PackError::Option(error.to_string()))?;
+    let transitions = timed(&mut seconds.transitions, || {
+        transitions::optimal_transitions(&measured.distances, timeline, &options.transition, &told("transitions"))
+    });
+    let transitions = transitions.map_err(|error| PackError::Option(error.to_string()))?;
+    report(Progress { what: "essential graph", done: 0, total: 0 });
+    let start = Instant::now();
+    let essential = essential::essential_edges(&transitions, timeline, options.alpha)
+        .map_err(|error| PackError::Option(error.to_string()))?;
+    let findings = Findings {
+        distances: &measured.distances,
+        headings: &measured.headings,
+        transitions: &transitions,
+        options: &options.transition,
+    };
+    let graph = essential::build_graph(capture, &findings, &essential.edges, options.alpha)
+        .map_err(|error| PackError::Ours(error.to_string()))?;
+    let components = essential::strongly_connected(timeline, &essential.edges);
+    seconds.graph = start.elapsed().as_secs_f64();
+    let summary = GraphSummary {
+        transitions: graph.transitions().len(),
+        density: graph.density(timeline),
+        alpha: graph.alpha(),
+        alpha_per_second: graph.alpha() * f64::from(timeline.fps()),
+        unreachable_pairs: essential.unreachable_pairs,
+        dead_ends: essential.dead_ends.len(),
+        largest_component: components.largest_frames().count(),
+    };
+    Ok((graph, summary))
+}
+
+fn encode(
+    capture: &Capture,
+    graph: &EssentialGraph,
+    options: &PackOptions,
+) -> Result<(Vec<u8>, EncodeReport), PackError> {
+    let order = elimination_order(&capture.topology).map_err(|error| PackError::Ours(error.to_string()))?;
+    let input = BundleInput {
+        capture,
+        graph,
+        first_frame: FIRST_FRAME,
+        max_error: options.max_error.unwrap_or_else(|| default_max_error(capture, FIRST_FRAME)),
+        poisson_order: Some(&order),
+        generator: format!("Reprise builder {}", env!("CARGO_PKG_VERSION")),
+    };
+    bundle::encode(&input).map_err(|error| PackError::Option(error.to_string()))
+}
+
+fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = stage();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}

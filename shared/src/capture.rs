@@ -38,6 +38,16 @@ impl Poses {
         Self { vertex_count, positions: Vec::new() }
     }
 
+    /// Frames of `vertex_count` vertices each that lie one after the other in `positions`; no copy is made.
+    ///
+    /// # Panics
+    /// Where `positions` are not whole frames.
+    #[must_use]
+    pub fn from_positions(vertex_count: usize, positions: Vec<Vec3>) -> Self {
+        assert!(positions.len().is_multiple_of(vertex_count), "positions must be whole frames");
+        Self { vertex_count, positions }
+    }
+
     /// Appends a frame.
     ///
     /// # Panics

@@ -1,1 +1,411 @@
-//! Sparse Cholesky factors of Laplacians.
+//! Sparse Cholesky factors of Laplacians: one elimination order and one symbolic factorisation per topology, a numeric
+//! factorisation per pose.
+//!
+//! faer orders (approximate minimum degree), analyses and factorises (supernodal, in double precision, sequentially).
+//! The factor is kept in single precision in an order of our own, made for three right sides at once: factorising in
+//! single precision would lose digits, solving in it does not.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::amd;
+use faer::sparse::linalg::cholesky::{simplicial, supernodal};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Par, Spec};
+use glam::Vec4;
+use thiserror::Error;
+
+use crate::laplacian::{Laplacian, LaplacianPattern};
+use crate::topology::Topology;
+
+/// Pivots below this fraction of the mean diagonal are replaced by the mean diagonal.
+const LEAST_PIVOT: f64 = 1e-9;
+
+/// Columns of the factor that are worked on together.
+const PANEL: usize = 4;
+
+/// Why numbers are not an elimination order, or a matrix has no factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum CholeskyError {
+    /// An order does not name every vertex once.
+    #[error("the elimination order does not name each of the {0} vertices once")]
+    Order(usize),
+    /// The factor does not fit into memory, or the analysis failed.
+    #[error("the Laplacian's factor would be too large")]
+    TooLarge,
+    /// The matrix holds something that is not a number.
+    #[error("the pose's Laplacian is not finite")]
+    NotFinite,
+}
+
+/// A fill-reducing order of elimination for the Laplacians of `topology`: all vertices, each once; the last vertex of
+/// each connected component in it becomes its anchor.
+///
+/// # Errors
+/// [`CholeskyError::TooLarge`].
+pub fn elimination_order(topology: &Topology) -> Result<Vec<u32>, CholeskyError> {
+    let n = topology.vertex_count();
+    let mut pairs = Vec::with_capacity(topology.triangles().len() * 6);
+    for &[a, b, c] in topology.triangles() {
+        for (k, l) in [(a, b), (b, c), (c, a)] {
+            if k != l {
+                pairs.extend([(k, l), (l, k)]);
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let (column_start, rows) = compressed(n, pairs.into_iter());
+    let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &column_start, None, &rows);
+    let mut order = vec![0; n];
+    let mut inverse = vec![0; n];
+    let mut memory = memory(amd::order_scratch::<u32>(n, rows.len()))?;
+    amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory))
+        .map_err(|_| CholeskyError::TooLarge)?;
+    Ok(order)
+}
+
+/// `order` with the anchor of each component, its last vertex, moved to the end.
+///
+/// # Errors
+/// [`CholeskyError::Order`] where `order` does not name every vertex once.
+pub(crate) fn anchors_last(topology: &Topology, order: &[u32]) -> Result<Vec<u32>, CholeskyError> {
+    let n = topology.vertex_count();
+    let mut seen = vec![false; n];
+    let mut last = vec![u32::MAX; topology.component_count()];
+    for &vertex in order {
+        match seen.get_mut(vertex as usize) {
+            Some(seen) if !*seen => *seen = true,
+            _ => return Err(CholeskyError::Order(n)),
+        }
+        last[topology.component_of_vertex()[vertex as usize] as usize] = vertex;
+    }
+    if order.len() != n {
+        return Err(CholeskyError::Order(n));
+    }
+    let is_anchor = |vertex: u32| last[topology.component_of_vertex()[vertex as usize] as usize] == vertex;
+    let mut free: Vec<u32> = order.iter().copied().filter(|&vertex| !is_anchor(vertex)).collect();
+    free.extend(last);
+    Ok(free)
+}
+
+/// The structure that the factors of all poses share.
+#[derive(Debug)]
+pub struct SymbolicCholesky {
+    structure: supernodal::SymbolicSupernodalCholesky<u32>,
+    /// Lower triangle, column by column: each column's diagonal first, then its edges.
+    column_start: Vec<u32>,
+    rows: Vec<u32>,
+    edge_of_entry: Vec<u32>,
+    panels: Vec<Panel>,
+    /// Panels of each supernode.
+    first_panel: Vec<u32>,
+    panel_values: usize,
+    tallest: usize,
+}
+
+/// Up to [`PANEL`] neighbouring columns of a supernode.
+#[derive(Clone, Copy, Debug)]
+struct Panel {
+    /// Its first column, counted within the supernode.
+    column: u32,
+    width: u32,
+    /// Where its numbers begin in [`Factor::values`]: the inverses of the diagonal, what is below it within the panel
+    /// row by row, then the rows below, `width` numbers each.
+    start: u32,
+}
+
+/// The Cholesky factor of a pose's Laplacian.
+#[derive(Clone, Debug, Default)]
+pub struct Factor {
+    values: Vec<f32>,
+    /// Pivots that had to be replaced because the Laplacian was not positive definite: 0 on good meshes.
+    pub regularised: usize,
+}
+
+/// Memory that factorising needs and keeps.
+#[derive(Default)]
+pub struct Workspace {
+    lower: Vec<f64>,
+    values: Vec<f64>,
+    memory: Option<MemBuffer>,
+}
+
+impl SymbolicCholesky {
+    /// Analyses a pattern.
+    ///
+    /// # Errors
+    /// [`CholeskyError::TooLarge`].
+    pub fn new(pattern: &LaplacianPattern) -> Result<Self, CholeskyError> {
+        let n = pattern.free_count();
+        let free = |&(_, [_, l]): &(usize, [u32; 2])| (l as usize) < n;
+        let edges = || pattern.edges().iter().copied().enumerate().filter(free).filter(|(_, [k, l])| k != l);
+
+        // Upper triangle for the analysis, lower triangle for the numbers.
+        let mut upper: Vec<(u32, u32)> = edges().map(|(_, [k, l])| (l, k)).chain(diagonal(n)).collect();
+        upper.sort_unstable();
+        let (upper_start, upper_rows) = compressed(n, upper.into_iter());
+        let upper = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &upper_start, None, &upper_rows);
+        let structure = analyse(upper)?;
+
+        let mut lower: Vec<(u32, u32, u32)> = edges()
+            .map(|(edge, [k, l])| (k, l, edge as u32))
+            .chain(diagonal(n).map(|(k, _)| (k, k, u32::MAX)))
+            .collect();
+        lower.sort_unstable();
+        let edge_of_entry = lower.iter().map(|&(_, _, edge)| edge).collect();
+        let (column_start, rows) = compressed(n, lower.into_iter().map(|(column, row, _)| (column, row)));
+
+        let mut symbolic = Self {
+            structure,
+            column_start,
+            rows,
+            edge_of_entry,
+            panels: Vec::new(),
+            first_panel: vec![0],
+            panel_values: 0,
+            tallest: 0,
+        };
+        symbolic.lay_out_panels();
+        Ok(symbolic)
+    }
+
+    /// Numbers in a factor.
+    #[must_use]
+    pub fn value_count(&self) -> usize {
+        self.panel_values
+    }
+
+    /// Factorises `laplacian`, of the same pattern.
+    ///
+    /// A matrix that is not positive definite is regularised where it fails to be, which [`Factor::regularised`] tells;
+    /// such a factor is still a good preconditioner.
+    ///
+    /// # Errors
+    /// [`CholeskyError::NotFinite`] or [`CholeskyError::TooLarge`].
+    pub fn factorise(&self, laplacian: &Laplacian, workspace: &mut Workspace) -> Result<Factor, CholeskyError> {
+        let n = self.structure.nrows();
+        let diagonal_sum: f64 = laplacian.diagonal.iter().map(|&d| f64::from(d)).sum();
+        let mean = (diagonal_sum / n.max(1) as f64).max(f64::from(f32::MIN_POSITIVE));
+        if !mean.is_finite() {
+            return Err(CholeskyError::NotFinite);
+        }
+        workspace.lower.clear();
+        for column in 0..n {
+            let entries = self.column_start[column] as usize..self.column_start[column + 1] as usize;
+            workspace.lower.extend(self.edge_of_entry[entries].iter().map(|&edge| match edge {
+                u32::MAX => f64::from(laplacian.diagonal[column]),
+                edge => -f64::from(laplacian.weights[edge as usize]),
+            }));
+        }
+        let memory = match &mut workspace.memory {
+            Some(memory) => memory,
+            none => none.insert(memory(supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(
+                &self.structure,
+                Par::Seq,
+                Spec::default(),
+            ))?),
+        };
+        workspace.values.resize(self.structure.len_val(), 0.0);
+        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.column_start, None, &self.rows);
+        let regularisation = LltRegularization {
+            dynamic_regularization_delta: mean,
+            dynamic_regularization_epsilon: mean * LEAST_PIVOT,
+        };
+        let info = supernodal::factorize_supernodal_numeric_llt(
+            &mut workspace.values,
+            SparseColMatRef::new(pattern, &workspace.lower),
+            regularisation,
+            &self.structure,
+            Par::Seq,
+            MemStack::new(memory),
+            Spec::default(),
+        )
+        .map_err(|_| CholeskyError::NotFinite)?;
+        Ok(Factor { values: self.pack(&workspace.values), regularised: info.dynamic_regularization_count })
+    }
+
+    /// Replaces `x` by `(L L^T)^-1 x`: three right sides, one per lane, in elimination order.
+    pub fn solve(&self, factor: &Factor, x: &mut [Vec4], scratch: &mut Vec<Vec4>) {
+        scratch.resize(self.tallest, Vec4::ZERO);
+        for supernode in 0..self.structure.n_supernodes() {
+            let (start, end, pattern) = self.supernode(supernode);
+            let columns = end - start;
+            let below = &mut scratch[..columns + pattern.len()];
+            below[..columns].copy_from_slice(&x[start..end]);
+            below[columns..].fill(Vec4::ZERO);
+            for (panel, values) in self.panels_of(supernode, factor) {
+                let rows = &mut below[panel.column as usize..];
+                match panel.width {
+                    4 => forward::<4>(values, rows),
+                    3 => forward::<3>(values, rows),
+                    2 => forward::<2>(values, rows),
+                    _ => forward::<1>(values, rows),
+                }
+            }
+            x[start..end].copy_from_slice(&below[..columns]);
+            for (&row, &sum) in pattern.iter().zip(&below[columns..]) {
+                x[row as usize] += sum;
+            }
+        }
+        for supernode in (0..self.structure.n_supernodes()).rev() {
+            let (start, end, pattern) = self.supernode(supernode);
+            let columns = end - start;
+            let below = &mut scratch[..columns + pattern.len()];
+            below[..columns].copy_from_slice(&x[start..end]);
+            for (value, &row) in below[columns..].iter_mut().zip(pattern) {
+                *value = x[row as usize];
+            }
+            for (panel, values) in self.panels_of(supernode, factor).rev() {
+                let rows = &mut below[panel.column as usize..];
+                match panel.width {
+                    4 => backward::<4>(values, rows),
+                    3 => backward::<3>(values, rows),
+                    2 => backward::<2>(values, rows),
+                    _ => backward::<1>(values, rows),
+                }
+            }
+            x[start..end].copy_from_slice(&below[..columns]);
+        }
+    }
+
+    /// First and past-the-last column of a supernode, and the rows below them that it reaches.
+    fn supernode(&self, supernode: usize) -> (usize, usize, &[u32]) {
+        let end = self.structure.supernode_end()[supernode] as usize;
+        let symbolic = self.structure.supernode(supernode);
+        (symbolic.start(), end, symbolic.pattern())
+    }
+
+    fn panels_of<'a>(
+        &'a self,
+        supernode: usize,
+        factor: &'a Factor,
+    ) -> impl DoubleEndedIterator<Item = (&'a Panel, &'a [f32])> {
+        let range = self.first_panel[supernode] as usize..self.first_panel[supernode + 1] as usize;
+        self.panels[range].iter().map(|panel| (panel, &factor.values[panel.start as usize..]))
+    }
+
+    fn lay_out_panels(&mut self) {
+        for supernode in 0..self.structure.n_supernodes() {
+            let (start, end, pattern) = self.supernode(supernode);
+            let (columns, height) = (end - start, end - start + pattern.len());
+            self.tallest = self.tallest.max(height);
+            for column in (0..columns).step_by(PANEL) {
+                let width = PANEL.min(columns - column);
+                self.panels.push(Panel {
+                    column: column as u32,
+                    width: width as u32,
+                    start: self.panel_values as u32,
+                });
+                self.panel_values += head(width) + (height - column - width) * width;
+            }
+            self.first_panel.push(self.panels.len() as u32);
+        }
+    }
+
+    /// The factor's numbers in the order of the panels.
+    fn pack(&self, values: &[f64]) -> Vec<f32> {
+        let mut packed = Vec::with_capacity(self.panel_values);
+        for supernode in 0..self.structure.n_supernodes() {
+            let (start, end, pattern) = self.supernode(supernode);
+            let height = end - start + pattern.len();
+            let first = self.structure.col_ptr_for_val()[supernode] as usize;
+            let range = self.first_panel[supernode] as usize..self.first_panel[supernode + 1] as usize;
+            for panel in &self.panels[range] {
+                let (column, width) = (panel.column as usize, panel.width as usize);
+                let entry = |row: usize, j: usize| values[first + (column + j) * height + row] as f32;
+                packed.extend((0..width).map(|j| (1.0 / values[first + (column + j) * height + column + j]) as f32));
+                for row in 1..width {
+                    packed.extend((0..row).map(|j| entry(column + row, j)));
+                }
+                for row in column + width..height {
+                    packed.extend((0..width).map(|j| entry(row, j)));
+                }
+            }
+        }
+        packed
+    }
+}
+
+/// Numbers at the head of a panel: the inverse diagonal and what lies below it within the panel.
+const fn head(width: usize) -> usize {
+    width * (width + 1) / 2
+}
+
+#[inline(always)]
+fn forward<const W: usize>(values: &[f32], rows: &mut [Vec4]) {
+    let (own, below) = rows.split_at_mut(W);
+    let (head, values) = values.split_at(head(W));
+    let mut y = [Vec4::ZERO; W];
+    let mut next = W;
+    for j in 0..W {
+        let mut sum = own[j];
+        for k in 0..j {
+            sum -= y[k] * head[next];
+            next += 1;
+        }
+        y[j] = sum * head[j];
+        own[j] = y[j];
+    }
+    for (row, entries) in below.iter_mut().zip(values.chunks_exact(W)) {
+        let mut sum = *row;
+        for j in 0..W {
+            sum -= y[j] * entries[j];
+        }
+        *row = sum;
+    }
+}
+
+#[inline(always)]
+fn backward<const W: usize>(values: &[f32], rows: &mut [Vec4]) {
+    let (own, below) = rows.split_at_mut(W);
+    let (head, values) = values.split_at(head(W));
+    let mut sums = [Vec4::ZERO; W];
+    for (&row, entries) in below.iter().zip(values.chunks_exact(W)) {
+        for j in 0..W {
+            sums[j] += row * entries[j];
+        }
+    }
+    for j in (0..W).rev() {
+        let mut sum = own[j] - sums[j];
+        for k in j + 1..W {
+            sum -= own[k] * head[W + k * (k - 1) / 2 + j];
+        }
+        own[j] = sum * head[j];
+    }
+}
+
+fn analyse(upper: SymbolicSparseColMatRef<'_, u32>) -> Result<supernodal::SymbolicSupernodalCholesky<u32>, CholeskyError> {
+    let n = upper.ncols();
+    let mut memory = memory(StackReq::any_of(&[
+        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, upper.row_idx().len()),
+        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n),
+    ]))?;
+    let stack = MemStack::new(&mut memory);
+    let mut tree = vec![0; n];
+    let mut counts = vec![0; n];
+    let tree = simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, stack);
+    supernodal::factorize_supernodal_symbolic_cholesky(upper, tree, &counts, stack, Default::default())
+        .map_err(|_| CholeskyError::TooLarge)
+}
+
+fn memory(request: StackReq) -> Result<MemBuffer, CholeskyError> {
+    MemBuffer::try_new(request).map_err(|_| CholeskyError::TooLarge)
+}
+
+fn diagonal(n: usize) -> impl Iterator<Item = (u32, u32)> {
+    (0..n as u32).map(|k| (k, k))
+}
+
+/// Compressed columns of (column, row) pairs in order.
+fn compressed(n: usize, pairs: impl Iterator<Item = (u32, u32)>) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0_u32; n + 1];
+    let mut rows = Vec::new();
+    for (column, row) in pairs {
+        start[column as usize + 1] += 1;
+        rows.push(row);
+    }
+    for column in 0..n {
+        start[column + 1] += start[column];
+    }
+    (start, rows)
+}

@@ -1,1 +1,189 @@
-//! Cotangent Laplacians.
+//! Cotangent Laplacians of poses over a topology's fixed sparsity.
+//!
+//! This work is based on: Boukhayma, thesis (2017), equation 2.40: `(L v)_k = sum over l of w_kl (v_k - v_l)` with
+//! `w_kl` half the sum of the cotangents opposite to the edge. Weights are not clamped.
+//!
+//! One vertex of each connected component, its *anchor*, is held, which takes the null vectors away. Everything lies in
+//! elimination order (see [`crate::cholesky`]), anchors last and left out.
+
+use glam::{Vec3, Vec4};
+
+use crate::gradients::{TriangleBatches, frame};
+use crate::lanes::{LANES, Lanes};
+
+/// Narrowest triangle that is weighted as it is, height over longest edge. Single precision cannot hold the weights of
+/// narrower ones (their three cotangents cancel); they are weighted as if they were this wide.
+const NARROWEST: f32 = 1e-3;
+
+/// Triangles below this fraction of the mean area have no weight.
+const DEGENERATE: f64 = 1e-12;
+
+/// Which entries the Laplacian of any pose has, and where each triangle's weights go.
+#[derive(Clone, Debug)]
+pub struct LaplacianPattern {
+    /// Place of each vertex in elimination order; anchors take the last ones.
+    position_of_vertex: Vec<u32>,
+    free_count: usize,
+    /// Edges as positions, each once.
+    edges: Vec<[u32; 2]>,
+    /// Edge opposite to each corner of each triangle, as the triangles' batches; the filling points to edge 0.
+    edge_of_corner: Vec<[[u32; LANES]; 3]>,
+    /// Compressed rows of the free vertices: their free neighbours.
+    row_start: Vec<u32>,
+    columns: Vec<u32>,
+    edge_of_entry: Vec<u32>,
+}
+
+/// The Laplacian of a pose.
+#[derive(Clone, Debug, Default)]
+pub struct Laplacian {
+    /// Half cotangents at the three corners of each triangle, by batch.
+    pub(crate) half_cotangents: Vec<[Lanes; 3]>,
+    /// Weight of each edge of the pattern.
+    pub(crate) weights: Vec<f32>,
+    /// Diagonal entries of the free vertices.
+    pub(crate) diagonal: Vec<f32>,
+    entries: Vec<f32>,
+}
+
+impl LaplacianPattern {
+    /// The pattern of `triangles`, whose vertices are eliminated in the order `order`, the last `anchor_count` not at all.
+    #[must_use]
+    pub(crate) fn new(triangles: &TriangleBatches, order: &[u32], anchor_count: usize) -> Self {
+        let mut position_of_vertex = vec![0; order.len()];
+        for (position, &vertex) in order.iter().enumerate() {
+            position_of_vertex[vertex as usize] = position as u32;
+        }
+        let (edges, edge_of_corner) = number_edges(triangles, &position_of_vertex);
+        let free_count = order.len() - anchor_count;
+        let (row_start, columns, edge_of_entry) = rows(&edges, free_count);
+        Self { position_of_vertex, free_count, edges, edge_of_corner, row_start, columns, edge_of_entry }
+    }
+
+    /// Number of vertices that are not anchors.
+    #[must_use]
+    pub fn free_count(&self) -> usize {
+        self.free_count
+    }
+
+    /// Place of each vertex in elimination order.
+    #[must_use]
+    pub fn position_of_vertex(&self) -> &[u32] {
+        &self.position_of_vertex
+    }
+
+    /// Edges, each once, as positions (smaller, larger).
+    #[must_use]
+    pub(crate) fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// Sets `laplacian` to that of `pose`, in metres.
+    pub fn assemble(&self, triangles: &TriangleBatches, pose: &[Vec3], laplacian: &mut Laplacian) {
+        set_half_cotangents(triangles, pose, &mut laplacian.half_cotangents);
+        laplacian.weights.clear();
+        laplacian.weights.resize(self.edges.len(), 0.0);
+        for (edges, cotangents) in self.edge_of_corner.iter().zip(&laplacian.half_cotangents) {
+            for corner in 0..3 {
+                for lane in 0..LANES {
+                    laplacian.weights[edges[corner][lane] as usize] += cotangents[corner].0[lane];
+                }
+            }
+        }
+        laplacian.diagonal.clear();
+        laplacian.diagonal.resize(self.position_of_vertex.len(), 0.0);
+        for (&[k, l], &weight) in self.edges.iter().zip(&laplacian.weights) {
+            laplacian.diagonal[k as usize] += weight;
+            laplacian.diagonal[l as usize] += weight;
+        }
+        laplacian.diagonal.truncate(self.free_count);
+        laplacian.entries.clear();
+        laplacian.entries.extend(self.edge_of_entry.iter().map(|&edge| laplacian.weights[edge as usize]));
+    }
+
+    /// `out = L x` for the free vertices, the anchors held at zero.
+    pub fn multiply(&self, laplacian: &Laplacian, x: &[Vec4], out: &mut [Vec4]) {
+        for row in 0..self.free_count {
+            let entries = self.row_start[row] as usize..self.row_start[row + 1] as usize;
+            let mut sum = x[row] * laplacian.diagonal[row];
+            for (&column, &weight) in self.columns[entries.clone()].iter().zip(&laplacian.entries[entries]) {
+                sum -= x[column as usize] * weight;
+            }
+            out[row] = sum;
+        }
+    }
+}
+
+/// Numbers the edges by the positions of their ends, and gives the edge opposite to each corner.
+fn number_edges(triangles: &TriangleBatches, position_of_vertex: &[u32]) -> (Vec<[u32; 2]>, Vec<[[u32; LANES]; 3]>) {
+    let mut sides = Vec::with_capacity(triangles.triangle_count() * 3);
+    for triangle in 0..triangles.triangle_count() {
+        let corners = triangles.batches()[triangle / LANES].corners();
+        let [a, b, c] = corners.map(|corner| position_of_vertex[corner[triangle % LANES] as usize]);
+        for (corner, (k, l)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
+            sides.push(([k.min(l), k.max(l)], triangle, corner));
+        }
+    }
+    sides.sort_unstable();
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    let mut edge_of_corner = vec![[[0; LANES]; 3]; triangles.batches().len()];
+    for (ends, triangle, corner) in sides {
+        if edges.last() != Some(&ends) {
+            edges.push(ends);
+        }
+        edge_of_corner[triangle / LANES][corner][triangle % LANES] = edges.len() as u32 - 1;
+    }
+    (edges, edge_of_corner)
+}
+
+fn rows(edges: &[[u32; 2]], free_count: usize) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    let mut entries = Vec::with_capacity(2 * edges.len());
+    for (edge, &[k, l]) in edges.iter().enumerate() {
+        // A triangle that names a vertex twice has an edge from it to itself, which says nothing.
+        if k != l && (l as usize) < free_count {
+            entries.push((k, l, edge as u32));
+            entries.push((l, k, edge as u32));
+        }
+    }
+    entries.sort_unstable();
+    let mut row_start = vec![0; free_count + 1];
+    for &(row, ..) in &entries {
+        row_start[row as usize + 1] += 1;
+    }
+    for row in 0..free_count {
+        row_start[row + 1] += row_start[row];
+    }
+    let columns = entries.iter().map(|&(_, column, _)| column).collect();
+    let edge_of_entry = entries.iter().map(|&(_, _, edge)| edge).collect();
+    (row_start, columns, edge_of_entry)
+}
+
+fn set_half_cotangents(triangles: &TriangleBatches, pose: &[Vec3], half_cotangents: &mut Vec<[Lanes; 3]>) {
+    half_cotangents.clear();
+    let mut areas = Vec::with_capacity(triangles.batches().len());
+    let mut sum = 0.0;
+    let half = Lanes::splat(0.5);
+    for batch in triangles.batches() {
+        let frame = frame(batch, pose);
+        let (a, b) = (frame.a, frame.b);
+        let area = a * frame.c * half;
+        sum += area.0.iter().map(|&area| f64::from(area)).sum::<f64>();
+        areas.push(area);
+        let longest = a.max((b * b + frame.c * frame.c).sqrt());
+        let longest = longest.max(((a - b) * (a - b) + frame.c * frame.c).sqrt());
+        let a = a.max(longest * Lanes::splat(NARROWEST));
+        let c = frame.c.max(longest * Lanes::splat(NARROWEST) * longest / a);
+        let half_inverse = half / c;
+        let first = b * half_inverse;
+        let second = (a - b) * half_inverse;
+        let third = (c * c - b * (a - b)) * half_inverse / a;
+        half_cotangents.push([first, second, third]);
+    }
+    let least = Lanes::splat((DEGENERATE * sum / triangles.triangle_count() as f64) as f32);
+    for (cotangents, &area) in half_cotangents.iter_mut().zip(&areas) {
+        for cotangent in cotangents {
+            // Not `area < least`: what is not a number has no weight either, and nor has the filling.
+            *cotangent = area.zip(*cotangent, |area, cotangent| if area > least.0[0] { cotangent } else { 0.0 });
+        }
+    }
+}

@@ -1,1 +1,55 @@
-//! The `.reprise` bundle.
+//! The bundle: everything that the player needs, in one file that can be drawn before all of it has arrived.
+//!
+//! `docs/bundle-format.md` describes the format. This module is pure: bytes to types and back, no input or output.
+//! [`encode`] writes a bundle; [`BundleReader`] reads one as it arrives and serves its poses; [`validate`] says what is
+//! wrong with one. Nothing here trusts a length, an index or a count, before or after decompression.
+
+pub mod entropy;
+pub mod geometry;
+
+mod encode;
+mod error;
+mod graph;
+mod header;
+mod integers;
+mod layout;
+mod meta;
+mod reader;
+mod sections;
+mod surface;
+mod triangles;
+mod validate;
+
+pub use encode::{BundleInput, EncodeReport, SectionSize, default_max_error, encode};
+pub use error::{BundleError, EncodeError};
+pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+pub use meta::{Chunk, Meta, SequenceMeta};
+pub use reader::BundleReader;
+pub use sections::SectionInfo;
+pub use validate::{Finding, Severity, validate};
+
+/// Limits that a reader enforces before it allocates anything. A writer refuses what exceeds them.
+pub mod limits {
+    /// Bytes of a bundle.
+    pub const MAX_BYTES: u64 = 1 << 32;
+    /// Sections of a bundle.
+    pub const MAX_SECTIONS: u32 = 1 << 16;
+    /// Bytes of one section, stored and raw.
+    pub const MAX_SECTION_BYTES: u64 = 1 << 30;
+    /// Welded vertices.
+    pub const MAX_VERTICES: u32 = 1 << 22;
+    /// Corners of the drawn mesh.
+    pub const MAX_CORNERS: u32 = 1 << 23;
+    /// Triangles.
+    pub const MAX_TRIANGLES: u32 = 1 << 23;
+    /// Images.
+    pub const MAX_IMAGES: u32 = 1 << 12;
+    /// Materials, and as many parts.
+    pub const MAX_MATERIALS: u32 = 1 << 16;
+    /// Transitions of the graph.
+    pub const MAX_TRANSITIONS: u32 = 1 << 24;
+    /// Frames of a chunk of geometry.
+    pub const MAX_CHUNK_FRAMES: u32 = 256;
+    /// Largest coordinate in steps of the quantisation.
+    pub const MAX_COORDINATE: i32 = 1 << 22;
+}

@@ -1,0 +1,185 @@
+//! What can be typed after `builder`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Turns 4D surface captures into actors that anyone can direct on a web page.
+#[derive(Debug, Parser)]
+#[command(name = "builder", version, about, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Number of threads; all cores by default. The output does not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print only errors on stderr.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Read a capture, compute its essential graph, and write a bundle.
+    Pack(PackArguments),
+    /// Write the built-in performer's capture, as files that `pack` reads like any other.
+    Performer(PerformerArguments),
+    /// Tell what a bundle or an input holds.
+    Inspect(InspectArguments),
+    /// Check a bundle and list what is wrong with it, with stable codes.
+    Validate(ValidateArguments),
+}
+
+/// Arguments of `builder pack`.
+#[derive(Debug, Args)]
+pub struct PackArguments {
+    /// glTF or GLB files, folders of OBJ or PLY frames, folders with a capture.toml, globs, or patterns such as
+    /// `frame_%05d.obj:0:174`.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// The bundle to write.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Weight of a frame's duration against surface deformation in the essential graph.
+    #[arg(long, default_value_t = shared::graph::DEFAULT_ALPHA, value_name = "COST")]
+    pub alpha: f64,
+    /// Weight w of stretch against rotation in the pose distance.
+    #[arg(long, default_value_t = 0.01, value_name = "WEIGHT")]
+    pub stretch_weight: f32,
+    /// Weigh triangles by their area in the pose distance, instead of all alike.
+    #[arg(long)]
+    pub area_weighted: bool,
+    /// Slope limit p of the temporal warps: at most p - 1 frames repeat in a row.
+    #[arg(long, default_value_t = 3, value_name = "P", value_parser = clap::value_parser!(u8).range(1..=16))]
+    pub slope: u8,
+    /// Shortest blended segment, in seconds.
+    #[arg(long, default_value_t = 0.3, value_name = "SECONDS")]
+    pub shortest: f32,
+    /// Longest blended segment, in seconds.
+    #[arg(long, default_value_t = 2.0, value_name = "SECONDS")]
+    pub longest: f32,
+    /// How the lengths of a transition's segments are chosen.
+    #[arg(long, value_enum, default_value_t = TransitionLength::Total)]
+    pub transition_length: TransitionLength,
+    /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
+    #[arg(long, value_name = "METRES")]
+    pub max_error: Option<f32>,
+    /// Print an object with times, sizes and errors on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments that say how an input is read.
+#[derive(Clone, Debug, Args)]
+pub struct ImportArguments {
+    /// Name of the actor; the input's by default.
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Frames per second: of the recorded frames, and what glTF animations are baked at.
+    #[arg(long, value_name = "RATE")]
+    pub fps: Option<f32>,
+    /// The axis that points up in the input.
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub up: Option<UpAxis>,
+    /// Metres per unit of length of the input, for example 0.01 for centimetres.
+    #[arg(long, value_name = "METRES")]
+    pub unit: Option<f32>,
+    /// Sequences whose end meets their beginning, by name.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub cyclic: Vec<String>,
+    /// A texture for all frames, or a folder, glob or pattern with one per frame.
+    #[arg(long, value_name = "FILE")]
+    pub texture: Option<String>,
+    /// A text file with one weight per vertex for the planar alignment; areas by default.
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
+    /// Vertices closer than this in every frame are one, in metres.
+    #[arg(long, value_name = "METRES")]
+    pub weld: Option<f32>,
+}
+
+/// The axis of the input that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// +Y, as in glTF.
+    Y,
+    /// +Z.
+    Z,
+}
+
+/// How the lengths of a transition's segments are chosen (TVCG equation 8 against thesis 2.5.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TransitionLength {
+    /// The least sum of pose distances.
+    Total,
+    /// The least mean of pose distances.
+    Mean,
+}
+
+/// Arguments of `builder performer`.
+#[derive(Debug, Args)]
+pub struct PerformerArguments {
+    /// The folder to write; it must not exist, or be empty.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Number of frames of all sequences together.
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u32>,
+    /// Number of vertices, roughly.
+    #[arg(long, value_name = "N")]
+    pub vertices: Option<u32>,
+    /// Width and height of the texture in pixels.
+    #[arg(long, value_name = "PIXELS")]
+    pub texture_size: Option<u32>,
+    /// Capture artefacts to add, with their truth.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub artefacts: Vec<Artefact>,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+}
+
+/// What real captures suffer from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Artefact {
+    /// Noise of the reconstructed surface.
+    Noise,
+    /// Texture that slides along the surface, as tracking drifts.
+    Drift,
+    /// Colour that depends on pose and facing.
+    Light,
+    /// Patches that no camera saw.
+    Holes,
+    /// All of them.
+    All,
+}
+
+/// Arguments of `builder inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArguments {
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Print an object on stdout instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArguments {
+    /// The bundle to check.
+    #[arg(value_name = "FILE")]
+    pub bundle: PathBuf,
+    /// Print an object on stdout instead of text.
+    #[arg(long)]
+    pub json: bool,
+}

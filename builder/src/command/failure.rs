@@ -1,0 +1,33 @@
+//! What an exit code means.
+
+use std::process::ExitCode;
+
+/// A command that did not do what was asked, by whose fault.
+pub enum Failure {
+    /// Something that was given cannot be used: exit code 1.
+    Input(anyhow::Error),
+    /// Something was typed wrong: exit code 2.
+    Usage(String),
+    /// We are wrong: exit code 3.
+    Ours(anyhow::Error),
+}
+
+impl Failure {
+    /// Prints what happened on stderr and returns the exit code.
+    pub fn report(&self) -> ExitCode {
+        match self {
+            Self::Input(error) => {
+                eprintln!("error: {error:#}");
+                ExitCode::from(1)
+            }
+            Self::Usage(message) => {
+                eprintln!("error: {message}\n\nFor more, try 'builder --help'.");
+                ExitCode::from(2)
+            }
+            Self::Ours(error) => {
+                eprintln!("error: {error:#}\nThis is a fault of builder itself; please report it.");
+                ExitCode::from(3)
+            }
+        }
+    }
+}

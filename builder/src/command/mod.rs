@@ -1,0 +1,54 @@
+//! The command line: arguments, terminal, exit codes. The work itself is the library's.
+
+mod args;
+mod failure;
+mod inspect;
+mod output;
+mod pack;
+mod performer;
+mod terminal;
+mod validate;
+
+use std::process::ExitCode;
+
+use anyhow::anyhow;
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use args::{Arguments, Command};
+use failure::Failure;
+use terminal::Terminal;
+
+/// Runs the command that was typed.
+pub fn run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version come as errors too. Nothing is left to do where even this cannot be printed.
+            let _ = error.print();
+            let asked_for = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            return if asked_for { ExitCode::SUCCESS } else { ExitCode::from(2) };
+        }
+    };
+    // The panic's own message is already on stderr.
+    let result = std::panic::catch_unwind(|| dispatch(&arguments))
+        .unwrap_or_else(|_| Err(Failure::Ours(anyhow!("builder stopped in the middle of its work"))));
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        pool.map_err(|error| Failure::Ours(error.into()))?;
+    }
+    let terminal = Terminal::new(arguments.quiet);
+    match &arguments.command {
+        Command::Pack(arguments) => pack::run(arguments, &terminal),
+        Command::Performer(arguments) => performer::run(arguments, &terminal),
+        Command::Inspect(arguments) => inspect::run(arguments, &terminal),
+        Command::Validate(arguments) => validate::run(arguments),
+    }
+}

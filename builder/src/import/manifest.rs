@@ -1,0 +1,65 @@
+//! The capture manifest, a TOML file; every key is described in `docs/capture-manifest.md`.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::error::ImportError;
+use super::images::read_file;
+
+/// Which axis of the input points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// +Y, as in glTF.
+    #[default]
+    Y,
+    /// +Z; +Y then points away from the viewer.
+    Z,
+}
+
+/// A manifest as written.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Manifest {
+    pub name: Option<String>,
+    pub fps: Option<f32>,
+    pub up: Option<UpAxis>,
+    pub unit: Option<f32>,
+    pub weights: Option<PathBuf>,
+    pub texture: Option<String>,
+    #[serde(rename = "sequence", default)]
+    pub sequences: Vec<ManifestSequence>,
+}
+
+/// One `[[sequence]]` of a manifest.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ManifestSequence {
+    pub name: Option<String>,
+    pub input: String,
+    pub clip: Option<String>,
+    #[serde(default, alias = "behaviours")]
+    pub labels: Vec<String>,
+    #[serde(default)]
+    pub cyclic: bool,
+    pub texture: Option<String>,
+}
+
+impl Manifest {
+    /// Reads the manifest at `path`.
+    pub fn read(path: &Path) -> Result<Self, ImportError> {
+        let wrong = |reason: String| ImportError::Manifest { path: path.to_owned(), reason };
+        let text = String::from_utf8(read_file(path)?).map_err(|_| wrong("it is not UTF-8 text".into()))?;
+        let manifest: Self = toml::from_str(&text).map_err(|e| wrong(e.to_string().trim_end().to_owned()))?;
+        if manifest.sequences.is_empty() {
+            return Err(wrong("there is no [[sequence]]".into()));
+        }
+        let mut names: Vec<&String> = manifest.sequences.iter().filter_map(|s| s.name.as_ref()).collect();
+        names.sort();
+        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(wrong(format!("two sequences are named \"{}\"", twice[0])));
+        }
+        Ok(manifest)
+    }
+}

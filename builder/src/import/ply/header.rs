@@ -1,0 +1,170 @@
+//! The header of a PLY file.
+
+use std::path::Path;
+
+use crate::import::error::ImportError;
+use crate::import::text::{shorten, syntax};
+
+/// Type of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Kind {
+    fn parse(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in a binary file.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// A number, or a list of numbers, that every item of an element has.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Property {
+    pub name: String,
+    /// Type of the number, or of each number of the list.
+    pub kind: Kind,
+    /// Type of the list's length; `None` for a single number.
+    pub list_count: Option<Kind>,
+}
+
+/// A table of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Element {
+    pub name: String,
+    pub count: u64,
+    pub properties: Vec<Property>,
+    /// Line of the header that announces it.
+    pub line: usize,
+}
+
+/// How the tables are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// What the header says.
+#[derive(Clone, Debug)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// Files named by `comment TextureFile`, as MeshLab writes them.
+    pub textures: Vec<String>,
+    /// Where the tables begin.
+    pub body_start: usize,
+}
+
+/// No header is longer than this many lines.
+const MAX_LINES: usize = 10_000;
+
+impl Header {
+    /// Reads the header of `bytes`; `path` is for messages.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, ImportError> {
+        let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), textures: Vec::new(), body_start: 0 };
+        let mut format_given = false;
+        for line in 1..MAX_LINES {
+            let rest = bytes.get(header.body_start..).unwrap_or_default();
+            let Some(length) = rest.iter().position(|&b| b == b'\n') else {
+                let reason = "the header does not end with end_header".into();
+                return Err(ImportError::Truncated { path: path.to_owned(), reason });
+            };
+            header.body_start += length + 1;
+            let text = String::from_utf8_lossy(&rest[..length]);
+            let text = text.trim();
+            if line == 1 {
+                if text != "ply" {
+                    return Err(syntax(path, line, "a PLY file begins with the line \"ply\""));
+                }
+                continue;
+            }
+            let words: Vec<&str> = text.split_ascii_whitespace().collect();
+            match words[..] {
+                ["end_header"] if format_given => return Ok(header),
+                ["format", encoding, _version] => {
+                    format_given = true;
+                    header.encoding = match encoding {
+                        "ascii" => Encoding::Ascii,
+                        "binary_little_endian" => Encoding::LittleEndian,
+                        "binary_big_endian" => Encoding::BigEndian,
+                        _ => return Err(syntax(path, line, format!("unknown format \"{}\"", shorten(encoding)))),
+                    };
+                }
+                ["comment", "TextureFile", ..] => {
+                    let name = text.split_once("TextureFile").map_or("", |(_, name)| name).trim();
+                    header.textures.push(name.replace('\\', "/"));
+                }
+                ["comment" | "obj_info", ..] | [] => {}
+                ["element", name, count] => {
+                    let count = count.parse().map_err(|_| syntax(path, line, "an element needs a count"))?;
+                    let name = name.to_owned();
+                    header.elements.push(Element { name, count, properties: Vec::new(), line });
+                }
+                ["property", ..] => header.property(&words[1..]).map_err(|reason| syntax(path, line, reason))?,
+                _ => return Err(syntax(path, line, format!("\"{}\" is no PLY header line", shorten(text)))),
+            }
+        }
+        Err(syntax(path, MAX_LINES, "the header does not end with end_header"))
+    }
+
+    fn property(&mut self, words: &[&str]) -> Result<(), String> {
+        let element = self.elements.last_mut().ok_or("a property before any element")?;
+        let kind = |name: &str| Kind::parse(name).ok_or_else(|| format!("unknown type \"{}\"", shorten(name)));
+        let property = match *words {
+            ["list", count, item, name] => {
+                Property { name: name.to_owned(), kind: kind(item)?, list_count: Some(kind(count)?) }
+            }
+            [item, name] => Property { name: name.to_owned(), kind: kind(item)?, list_count: None },
+            _ => return Err("a property is \"property TYPE NAME\" or \"property list TYPE TYPE NAME\"".into()),
+        };
+        element.properties.push(property);
+        Ok(())
+    }
+
+    /// Refuses counts that a file of `file_size` bytes cannot hold, before anything is read or reserved.
+    pub fn check_size(&self, file_size: usize, path: &Path) -> Result<(), ImportError> {
+        let available = (file_size - self.body_start.min(file_size)) as u64;
+        let mut needed = 0_u64;
+        for element in &self.elements {
+            let item: u64 = match self.encoding {
+                // A digit and a space; the last number of the file needs no space.
+                Encoding::Ascii => 2 * element.properties.len() as u64,
+                _ => element.properties.iter().map(|p| p.list_count.unwrap_or(p.kind).size() as u64).sum(),
+            };
+            needed = needed.saturating_add(item.saturating_mul(element.count));
+            if needed > available.saturating_add(1) {
+                let reason = format!("the header announces {} of element \"{}\"", element.count, element.name);
+                return Err(ImportError::Truncated { path: path.to_owned(), reason });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,8 @@
+//! Entropy coders of our own: small, total on hostile input, and the same bit for bit natively and in wasm.
+//!
+//! [`binary`] adapts while it codes and serves the sections that are read once; [`rans`] works from tables that are
+//! known beforehand, which is what makes a single frame of geometry quick to decode.
+
+pub mod binary;
+pub mod numbers;
+pub mod rans;

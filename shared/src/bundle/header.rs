@@ -1,0 +1,278 @@
+//! The header: what the file is, whether it is whole, and where its sections lie.
+
+use super::error::BundleError;
+use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
+
+/// The first bytes of a bundle. A transfer as text would change the byte above 127 or the line end.
+pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
+/// Readers refuse a file with a larger major version.
+pub const VERSION_MAJOR: u16 = 1;
+/// A larger minor version only adds sections that may be skipped.
+pub const VERSION_MINOR: u16 = 0;
+
+/// Bytes before the section table.
+pub(super) const FIXED_BYTES: usize = 48;
+/// Bytes of an entry of the section table.
+pub(super) const ENTRY_BYTES: usize = 40;
+const CHECKSUM_AT: usize = 28;
+const MAY_BE_SKIPPED: u8 = 1;
+
+/// What a section holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Names, counts, sequences, where frames lie.
+    Meta,
+    /// Triangles, corners, texture coordinates, materials, alignment weights.
+    Surface,
+    /// How positions are predicted, and how often residuals occur.
+    Model,
+    /// Positions of consecutive frames.
+    Geometry,
+    /// An encoded image file.
+    Image,
+    /// Alpha and the transitions.
+    Graph,
+    /// A fill-reducing order of the vertices.
+    Order,
+    /// The welded vertex of each vertex of the input files.
+    FileVertices,
+}
+
+impl Kind {
+    /// All kinds of this version.
+    pub const ALL: [Self; 8] = [
+        Self::Meta,
+        Self::Surface,
+        Self::Model,
+        Self::Geometry,
+        Self::Image,
+        Self::Graph,
+        Self::Order,
+        Self::FileVertices,
+    ];
+
+    /// Its number in the file. Numbers 32 to 63 are reserved for appearance.
+    #[must_use]
+    pub fn number(self) -> u16 {
+        match self {
+            Self::Meta => 1,
+            Self::Surface => 2,
+            Self::Model => 3,
+            Self::Geometry => 4,
+            Self::Image => 5,
+            Self::Graph => 6,
+            Self::Order => 7,
+            Self::FileVertices => 8,
+        }
+    }
+
+    /// The kind with this number, if this version knows it.
+    #[must_use]
+    pub fn from_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.number() == number)
+    }
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Meta => "meta",
+            Self::Surface => "surface",
+            Self::Model => "model",
+            Self::Geometry => "geometry",
+            Self::Image => "image",
+            Self::Graph => "graph",
+            Self::Order => "order",
+            Self::FileVertices => "file-vertices",
+        }
+    }
+
+    /// Whether a bundle may hold several of it, told apart by their ordinals.
+    #[must_use]
+    pub fn is_repeated(self) -> bool {
+        matches!(self, Self::Geometry | Self::Image)
+    }
+}
+
+/// How a section's bytes are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Codec {
+    /// As they are (which may well be entropy coded).
+    Stored,
+    /// As a raw deflate stream.
+    Deflate,
+}
+
+impl Codec {
+    fn number(self) -> u8 {
+        match self {
+            Self::Stored => 0,
+            Self::Deflate => 1,
+        }
+    }
+}
+
+/// Where a section lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectionEntry {
+    /// What it holds; `None` for a kind that this version does not know and that may be skipped.
+    pub kind: Option<Kind>,
+    /// The number of its kind.
+    pub number: u16,
+    /// How it is stored.
+    pub codec: Codec,
+    /// Which one of its kind, from 0.
+    pub ordinal: u32,
+    /// Its first byte in the file.
+    pub offset: u64,
+    /// Its bytes in the file.
+    pub stored: u64,
+    /// Its bytes once decompressed.
+    pub raw: u64,
+    /// CRC-32 of the stored bytes.
+    pub checksum: u32,
+}
+
+/// A header that has been checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Major version of the file.
+    pub major: u16,
+    /// Minor version of the file.
+    pub minor: u16,
+    /// Bytes of the whole file.
+    pub total: u64,
+    /// The sections, in the order of the file, without a gap between them.
+    pub sections: Vec<SectionEntry>,
+}
+
+impl Header {
+    /// Reads the header at the beginning of `bytes`; `None` where more bytes are needed to tell.
+    ///
+    /// # Errors
+    /// Not ours, too new, damaged, or a table that makes no sense.
+    pub fn parse(bytes: &[u8]) -> Result<Option<Self>, BundleError> {
+        let known = bytes.len().min(MAGIC.len());
+        if bytes[..known] != MAGIC[..known] {
+            return Err(BundleError::NotOurs);
+        }
+        let Some((fixed, rest)) = bytes.split_at_checked(FIXED_BYTES) else { return Ok(None) };
+        let major = u16_at(fixed, 8);
+        if major > VERSION_MAJOR {
+            return Err(BundleError::TooNew { major });
+        }
+        let (count, length) = (u32_at(fixed, 16), u32_at(fixed, 12));
+        if count > MAX_SECTIONS || length as usize != FIXED_BYTES + ENTRY_BYTES * count as usize {
+            return Err(BundleError::header("declares a length that does not fit its table"));
+        }
+        let Some(table) = rest.get(..ENTRY_BYTES * count as usize) else { return Ok(None) };
+        check_checksum(fixed, table)?;
+        if major == 0 || fixed[32..FIXED_BYTES].iter().any(|&byte| byte != 0) {
+            return Err(BundleError::header("has reserved bytes that are not zero, or version 0"));
+        }
+        let sections = table.chunks_exact(ENTRY_BYTES).map(entry).collect::<Result<Vec<_>, _>>()?;
+        let header = Self { major, minor: u16_at(fixed, 10), total: u64_at(fixed, 20), sections };
+        header.check_layout(u64::from(length))?;
+        Ok(Some(header))
+    }
+
+    /// Bytes of the header itself.
+    #[must_use]
+    pub fn byte_length(&self) -> usize {
+        FIXED_BYTES + ENTRY_BYTES * self.sections.len()
+    }
+
+    /// The header's bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(self.major.to_le_bytes());
+        bytes.extend(self.minor.to_le_bytes());
+        bytes.extend((self.byte_length() as u32).to_le_bytes());
+        bytes.extend((self.sections.len() as u32).to_le_bytes());
+        bytes.extend(self.total.to_le_bytes());
+        bytes.resize(FIXED_BYTES, 0);
+        for section in &self.sections {
+            bytes.extend(section.number.to_le_bytes());
+            bytes.push(if section.kind.is_some() { 0 } else { MAY_BE_SKIPPED });
+            bytes.push(section.codec.number());
+            bytes.extend(section.ordinal.to_le_bytes());
+            bytes.extend(section.offset.to_le_bytes());
+            bytes.extend(section.stored.to_le_bytes());
+            bytes.extend(section.raw.to_le_bytes());
+            bytes.extend(section.checksum.to_le_bytes());
+            bytes.extend([0; 4]);
+        }
+        let checksum = crc32fast::hash(&bytes);
+        bytes[CHECKSUM_AT..CHECKSUM_AT + 4].copy_from_slice(&checksum.to_le_bytes());
+        bytes
+    }
+
+    /// Sections must follow each other without a gap, so that no byte of the file is unaccounted for.
+    fn check_layout(&self, header_length: u64) -> Result<(), BundleError> {
+        let mut end = header_length;
+        for section in &self.sections {
+            if section.offset != end {
+                return Err(BundleError::header("has a gap or an overlap between its sections"));
+            }
+            if section.stored > MAX_SECTION_BYTES || section.raw > MAX_SECTION_BYTES {
+                return Err(BundleError::header("declares a section that is too large"));
+            }
+            end += section.stored;
+        }
+        if end != self.total || end > MAX_BYTES {
+            return Err(BundleError::header("declares a size that its sections do not have"));
+        }
+        Ok(())
+    }
+}
+
+fn check_checksum(fixed: &[u8], table: &[u8]) -> Result<(), BundleError> {
+    let expected = u32_at(fixed, CHECKSUM_AT);
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&fixed[..CHECKSUM_AT]);
+    hasher.update(&[0; 4]);
+    hasher.update(&fixed[CHECKSUM_AT + 4..]);
+    hasher.update(table);
+    let found = hasher.finalize();
+    if found == expected { Ok(()) } else { Err(BundleError::Damaged { kind: None, ordinal: 0, expected, found }) }
+}
+
+fn entry(bytes: &[u8]) -> Result<SectionEntry, BundleError> {
+    let (number, flags) = (u16_at(bytes, 0), bytes[2]);
+    let kind = Kind::from_number(number);
+    if flags & !MAY_BE_SKIPPED != 0 || bytes[36..40].iter().any(|&byte| byte != 0) {
+        return Err(BundleError::header("has reserved bytes that are not zero in its table"));
+    }
+    if kind.is_none() && flags & MAY_BE_SKIPPED == 0 {
+        return Err(BundleError::UnknownSection { kind: number });
+    }
+    let codec = match (bytes[3], kind) {
+        (0, _) | (_, None) => Codec::Stored,
+        (1, _) => Codec::Deflate,
+        _ => return Err(BundleError::header("names a compression that does not exist")),
+    };
+    Ok(SectionEntry {
+        kind,
+        number,
+        codec,
+        ordinal: u32_at(bytes, 4),
+        offset: u64_at(bytes, 8),
+        stored: u64_at(bytes, 16),
+        raw: u64_at(bytes, 24),
+        checksum: u32_at(bytes, 32),
+    })
+}
+
+/// Little-endian numbers of `bytes`, which must reach beyond them.
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    u16::from_le_bytes([bytes[at], bytes[at + 1]])
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from(u16_at(bytes, at)) | u32::from(u16_at(bytes, at + 2)) << 16
+}
+
+fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from(u32_at(bytes, at)) | u64::from(u32_at(bytes, at + 4)) << 32
+}

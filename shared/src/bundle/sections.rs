@@ -1,0 +1,103 @@
+//! Sections: compression, checksums, and the list that `builder inspect` prints.
+
+use miniz_oxide::deflate::compress_to_vec;
+use miniz_oxide::inflate::decompress_to_vec_with_limit;
+
+use super::error::BundleError;
+use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+
+/// A line of the list of sections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SectionInfo {
+    /// Name of its kind; `unknown` where this version does not know it.
+    pub name: &'static str,
+    /// Number of its kind.
+    pub number: u16,
+    /// Which one of its kind.
+    pub ordinal: u32,
+    /// Its first byte in the file.
+    pub offset: u64,
+    /// Its bytes in the file.
+    pub stored: u64,
+    /// Its bytes once decompressed.
+    pub raw: u64,
+}
+
+impl From<&SectionEntry> for SectionInfo {
+    fn from(entry: &SectionEntry) -> Self {
+        let name = entry.kind.map_or("unknown", Kind::name);
+        Self {
+            name,
+            number: entry.number,
+            ordinal: entry.ordinal,
+            offset: entry.offset,
+            stored: entry.stored,
+            raw: entry.raw,
+        }
+    }
+}
+
+/// A section that is to be written.
+pub(super) struct Draft {
+    pub kind: Kind,
+    pub ordinal: u32,
+    pub raw: Vec<u8>,
+}
+
+/// The file that holds `drafts` in this order.
+pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
+    let mut header = Header { major: VERSION_MAJOR, minor: VERSION_MINOR, total: 0, sections: Vec::new() };
+    let mut contents = Vec::new();
+    for draft in drafts {
+        let raw = draft.raw.len() as u64;
+        let (codec, stored) = compress(draft.kind, draft.raw);
+        header.sections.push(SectionEntry {
+            kind: Some(draft.kind),
+            number: draft.kind.number(),
+            codec,
+            ordinal: draft.ordinal,
+            offset: 0,
+            stored: stored.len() as u64,
+            raw,
+            checksum: crc32fast::hash(&stored),
+        });
+        contents.push(stored);
+    }
+    let mut end = header.byte_length() as u64;
+    for section in &mut header.sections {
+        section.offset = end;
+        end += section.stored;
+    }
+    header.total = end;
+    let mut bytes = header.to_bytes();
+    for content in contents {
+        bytes.extend_from_slice(&content);
+    }
+    (bytes, header)
+}
+
+/// Only names and numbers profit from deflate: everything else is entropy coded already.
+fn compress(kind: Kind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
+    if kind != Kind::Meta {
+        return (Codec::Stored, raw);
+    }
+    let deflated = compress_to_vec(&raw, 9);
+    if deflated.len() < raw.len() { (Codec::Deflate, deflated) } else { (Codec::Stored, raw) }
+}
+
+/// The raw bytes of a section whose stored bytes have all arrived.
+pub(super) fn open(entry: &SectionEntry, stored: Vec<u8>) -> Result<Vec<u8>, BundleError> {
+    let found = crc32fast::hash(&stored);
+    if found != entry.checksum {
+        let (kind, ordinal, expected) = (entry.kind, entry.ordinal, entry.checksum);
+        return Err(BundleError::Damaged { kind, ordinal, expected, found });
+    }
+    let wrong =
+        |reason: &str| BundleError::Inconsistent { kind: entry.kind, ordinal: entry.ordinal, reason: reason.into() };
+    let raw = match entry.codec {
+        Codec::Stored => stored,
+        Codec::Deflate => decompress_to_vec_with_limit(&stored, entry.raw as usize)
+            .map_err(|_| wrong("cannot be decompressed to its declared size"))?,
+    };
+    if raw.len() as u64 == entry.raw { Ok(raw) } else { Err(wrong("has another size than declared")) }
+}

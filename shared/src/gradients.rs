@@ -1,1 +1,0 @@
-//! Deformation gradients of triangles between two poses.

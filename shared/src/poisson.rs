@@ -1,1 +1,0 @@
-//! Poisson shape interpolation.

@@ -1,0 +1,123 @@
+//! Conjugate gradients on a pose's own Laplacian, preconditioned by the factor of another pose, for three right sides
+//! at once, one per lane.
+
+use glam::{DVec4, Vec4};
+
+use crate::cholesky::{Factor, SymbolicCholesky};
+use crate::laplacian::{Laplacian, LaplacianPattern};
+
+/// A system under way: `L x = b` from a guess, in elimination order.
+#[derive(Default)]
+pub(super) struct System {
+    /// Residual `b - L x`.
+    pub residual: Vec<Vec4>,
+    /// What is to be added to the guess.
+    pub correction: Vec<Vec4>,
+    preconditioned: Vec<Vec4>,
+    direction: Vec<Vec4>,
+    product: Vec<Vec4>,
+    scratch: Vec<Vec4>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Outcome {
+    /// Solves with the preconditioner.
+    pub solves: usize,
+    /// Estimate of the largest error left at a vertex, in metres.
+    pub error: f32,
+    /// Whether the tolerance was met. Where not, the system can be run on with another preconditioner.
+    pub done: bool,
+}
+
+impl System {
+    /// Forgets the system before; `residual` is then to be filled.
+    pub fn reset(&mut self, free_count: usize) {
+        for vector in [
+            &mut self.residual,
+            &mut self.correction,
+            &mut self.preconditioned,
+            &mut self.direction,
+            &mut self.product,
+        ] {
+            vector.clear();
+            vector.resize(free_count, Vec4::ZERO);
+        }
+    }
+
+    /// Iterates until the error that is left is estimated at no more than `tolerance` metres at any vertex, or
+    /// `most_solves` are spent.
+    ///
+    /// The preconditioned residual `z = M^-1 r` *is* the error, in metres, as far as the preconditioner M is the matrix.
+    /// It is added in the end, which leaves the part that M gets wrong: about the ratio of the last two residuals.
+    pub fn run(
+        &mut self,
+        pattern: &LaplacianPattern,
+        laplacian: &Laplacian,
+        preconditioner: (&SymbolicCholesky, &Factor),
+        tolerance: f32,
+        most_solves: usize,
+    ) -> Outcome {
+        let (symbolic, factor) = preconditioner;
+        let mut solves = 0;
+        let mut product_before = DVec4::ZERO;
+        let mut size_before = f32::INFINITY;
+        loop {
+            self.preconditioned.copy_from_slice(&self.residual);
+            symbolic.solve(factor, &mut self.preconditioned, &mut self.scratch);
+            solves += 1;
+            let size = largest(&self.preconditioned);
+            let left = size * (size / size_before).min(1.0);
+            let done = if solves == 1 { size <= tolerance } else { left <= tolerance };
+            if done {
+                for (correction, &z) in self.correction.iter_mut().zip(&self.preconditioned) {
+                    *correction += z;
+                }
+                return Outcome { solves, error: left.min(size), done };
+            }
+            if solves >= most_solves || !size.is_finite() {
+                return Outcome { solves, error: size, done };
+            }
+            size_before = size;
+            let product = dot(&self.residual, &self.preconditioned);
+            let beta = ratio(product, product_before);
+            for (direction, &z) in self.direction.iter_mut().zip(&self.preconditioned) {
+                *direction = z + *direction * beta;
+            }
+            pattern.multiply(laplacian, &self.direction, &mut self.product);
+            let alpha = ratio(product, dot(&self.direction, &self.product));
+            for k in 0..self.residual.len() {
+                self.correction[k] += self.direction[k] * alpha;
+                self.residual[k] -= self.product[k] * alpha;
+            }
+            product_before = product;
+        }
+    }
+}
+
+/// Largest absolute value over three lanes.
+fn largest(vectors: &[Vec4]) -> f32 {
+    let mut most = Vec4::ZERO;
+    for v in vectors {
+        most = most.max(v.abs());
+    }
+    most.truncate().max_element()
+}
+
+/// Products per lane; blocks in single precision, their sums in double.
+fn dot(a: &[Vec4], b: &[Vec4]) -> DVec4 {
+    let mut sum = DVec4::ZERO;
+    for (a, b) in a.chunks(32).zip(b.chunks(32)) {
+        let mut block = Vec4::ZERO;
+        for (&a, &b) in a.iter().zip(b) {
+            block += a * b;
+        }
+        sum += block.as_dvec4();
+    }
+    sum
+}
+
+/// `a / b` per lane, 0 where there is nothing left to divide by.
+fn ratio(a: DVec4, b: DVec4) -> Vec4 {
+    DVec4::select(b.cmpgt(DVec4::ZERO), a / b, DVec4::ZERO).as_vec4()
+}

@@ -1,0 +1,73 @@
+//! A handful of things kept by frame, the least recently used giving way.
+
+/// Up to a number of things, each of a frame.
+pub(super) struct Kept<T> {
+    slots: Vec<Slot<T>>,
+    most: usize,
+    clock: u64,
+}
+
+struct Slot<T> {
+    frame: u32,
+    used: u64,
+    thing: T,
+}
+
+impl<T: Default> Kept<T> {
+    /// Room for `most` things.
+    pub fn new(most: usize) -> Self {
+        Self { slots: Vec::new(), most, clock: 0 }
+    }
+
+    /// Slot of the thing of `frame`.
+    pub fn find(&mut self, frame: u32) -> Option<usize> {
+        let index = self.slots.iter().position(|slot| slot.frame == frame)?;
+        self.touch(index);
+        Some(index)
+    }
+
+    /// Slot of the thing whose frame is nearest.
+    pub fn nearest(&mut self, frame: u32) -> Option<usize> {
+        let index = (0..self.slots.len()).min_by_key(|&index| self.slots[index].frame.abs_diff(frame))?;
+        self.touch(index);
+        Some(index)
+    }
+
+    /// A slot for `frame`, which has none yet: a new one, or that of the thing used longest ago, to be overwritten.
+    pub fn claim(&mut self, frame: u32) -> usize {
+        let index = if self.slots.len() < self.most {
+            self.slots.push(Slot { frame, used: 0, thing: T::default() });
+            self.slots.len() - 1
+        } else {
+            (0..self.slots.len()).min_by_key(|&index| self.slots[index].used).unwrap_or(0)
+        };
+        self.slots[index].frame = frame;
+        self.touch(index);
+        index
+    }
+
+    /// The thing in a slot.
+    pub fn get(&self, index: usize) -> &T {
+        &self.slots[index].thing
+    }
+
+    /// The thing in a slot.
+    pub fn get_mut(&mut self, index: usize) -> &mut T {
+        &mut self.slots[index].thing
+    }
+
+    /// Whether the thing in a slot is that of `frame`.
+    pub fn is_of(&self, index: usize, frame: u32) -> bool {
+        self.slots[index].frame == frame
+    }
+
+    /// Empties all slots.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+    }
+
+    fn touch(&mut self, index: usize) {
+        self.clock += 1;
+        self.slots[index].used = self.clock;
+    }
+}

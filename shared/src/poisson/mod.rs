@@ -1,0 +1,276 @@
+//! Poisson shape interpolation: the surface between two poses whose triangles rotate and stretch evenly.
+//!
+//! This work is based on: Boukhayma, thesis (2017), section 2.4.3, equations 2.46 to 2.49; Xu, Zhang, Wang and Bao,
+//! "Poisson shape interpolation" (2005). Both sides are solved, each on its own pose's cotangent Laplacian, and blended
+//! linearly.
+//!
+//! Exact to a stated tolerance: see [`TOLERANCE`]. What makes it fast is that both sides want the same edges
+//! ([`crate::gradients`]); that the system is solved for what is missing from a good guess, the linear blend plus what
+//! the frame before differed from its own; and that the factor of a pose a few frames away needs one or two iterations.
+
+mod components;
+mod conjugate_gradients;
+mod kept;
+
+use glam::{Vec3, Vec4};
+
+use crate::cholesky::{CholeskyError, Factor, SymbolicCholesky, Workspace, anchors_last, elimination_order};
+use crate::gradients::{Batch, PairGradients, TriangleBatches};
+use crate::lanes::{LANES, Lanes, Lanes3};
+use crate::laplacian::{Laplacian, LaplacianPattern};
+use crate::topology::Topology;
+use components::Components;
+use conjugate_gradients::System;
+use kept::Kept;
+
+/// Estimated largest error at a vertex, in metres, at which iterations stop. The estimate is no bound; against exact
+/// solutions in double precision the error stays below [`GUARANTEE`], which the tests check.
+pub const TOLERANCE: f32 = 2e-5;
+
+/// Largest error at a vertex, in metres, on the captures that the tests hold against exact solutions.
+pub const GUARANTEE: f32 = 1e-4;
+
+/// Solves spent with another pose's factor before the pose gets its own.
+const PATIENCE: usize = 5;
+
+/// Solves spent with a pose's own factor at most; one is enough unless its Laplacian had to be regularised.
+const MOST_SOLVES: usize = 60;
+
+/// Factors that are kept.
+const KEPT_FACTORS: usize = 6;
+
+/// Laplacians that are kept.
+const KEPT_LAPLACIANS: usize = 4;
+
+/// A recorded pose, aligned and placed by whoever asks.
+#[derive(Clone, Copy, Debug)]
+pub struct KeyedPose<'a> {
+    /// The frame it was recorded as; neighbouring frames are expected to hold similar poses.
+    pub frame: u32,
+    /// Its vertex positions in metres, possibly turned and moved.
+    pub pose: &'a [Vec3],
+}
+
+/// What an interpolation took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Effort {
+    /// Triangular solves for the source's and the destination's side.
+    pub solves: [usize; 2],
+    /// Numeric factorisations.
+    pub factorisations: usize,
+    /// Pivots that had to be regularised in the factors used.
+    pub regularised: usize,
+    /// Estimate of the largest error at a vertex in metres.
+    pub error: f32,
+}
+
+/// Interpolates between poses of one topology.
+pub struct PoissonInterpolator {
+    order: Vec<u32>,
+    triangles: TriangleBatches,
+    pattern: LaplacianPattern,
+    symbolic: SymbolicCholesky,
+    workspace: Workspace,
+    components: Components,
+    laplacians: Kept<Laplacian>,
+    factors: Kept<Factor>,
+    gradients: PairGradients,
+    system: System,
+    /// By vertex: the linear blend, what the solution differs from it, and the guess that the system starts from.
+    blend: Vec<Vec4>,
+    guess: Vec<Vec4>,
+    offset: Vec<Vec4>,
+    /// What is missing at each vertex for the source's and the destination's side.
+    missing: [Vec<Vec4>; 2],
+}
+
+impl PoissonInterpolator {
+    /// An interpolator over `topology`; `order` is an elimination order found before ([`Self::elimination_order`]), or
+    /// `None` to find one.
+    ///
+    /// # Errors
+    /// An order that does not name each vertex once, or a mesh too large to factorise.
+    pub fn new(topology: &Topology, order: Option<&[u32]>) -> Result<Self, CholeskyError> {
+        let order = match order {
+            Some(order) => anchors_last(topology, order)?,
+            None => anchors_last(topology, &elimination_order(topology)?)?,
+        };
+        let triangles = TriangleBatches::new(topology.triangles());
+        let pattern = LaplacianPattern::new(&triangles, &order, topology.component_count());
+        let symbolic = SymbolicCholesky::new(&pattern)?;
+        let n = topology.vertex_count();
+        Ok(Self {
+            order,
+            triangles,
+            pattern,
+            symbolic,
+            workspace: Workspace::default(),
+            components: Components::new(topology),
+            laplacians: Kept::new(KEPT_LAPLACIANS),
+            factors: Kept::new(KEPT_FACTORS),
+            gradients: PairGradients::default(),
+            system: System::default(),
+            blend: vec![Vec4::ZERO; n],
+            guess: vec![Vec4::ZERO; n],
+            offset: vec![Vec4::ZERO; n],
+            missing: [vec![Vec4::ZERO; n], vec![Vec4::ZERO; n]],
+        })
+    }
+
+    /// The order in which vertices are eliminated, to be stored and given to [`Self::new`].
+    #[must_use]
+    pub fn elimination_order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Forgets the frame before: the next interpolation starts from the linear blend.
+    pub fn restart(&mut self) {
+        self.offset.fill(Vec4::ZERO);
+    }
+
+    /// Factorises a pose's Laplacian ahead of time; interpolations of this frame and its neighbours are then fast.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub fn prepare(&mut self, pose: KeyedPose<'_>) -> Result<(), CholeskyError> {
+        if self.factors.find(pose.frame).is_none() {
+            let laplacian = self.laplacian(pose);
+            self.factorise(pose.frame, laplacian)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the pose at `lambda` between `source` (0) and `destination` (1) into `out`, all of one element per vertex
+    /// and already aligned and placed. Each component's centre moves on the straight line between the two.
+    ///
+    /// # Errors
+    /// A pose that is not finite.
+    pub fn interpolate(
+        &mut self,
+        source: KeyedPose<'_>,
+        destination: KeyedPose<'_>,
+        lambda: f32,
+        out: &mut [Vec3],
+    ) -> Result<Effort, CholeskyError> {
+        if lambda <= 0.0 || lambda >= 1.0 {
+            out.copy_from_slice(if lambda <= 0.0 { source.pose } else { destination.pose });
+            self.restart();
+            return Ok(Effort::default());
+        }
+        self.gradients.set(&self.triangles, source.pose, destination.pose);
+        let laplacians = [self.laplacian(source), self.laplacian(destination)];
+        self.blend(source.pose, destination.pose, lambda);
+        self.find_missing(laplacians, lambda);
+
+        let mut effort = Effort::default();
+        for (side, frame, weight) in [(0, source.frame, 1.0 - lambda), (1, destination.frame, lambda)] {
+            if let Err(error) = self.solve(side, frame, laplacians[side], &mut effort) {
+                self.restart();
+                return Err(error);
+            }
+            for (&vertex, &correction) in self.order.iter().zip(&self.system.correction) {
+                self.offset[vertex as usize] += correction * weight;
+            }
+        }
+        self.components.centre(&mut self.offset);
+        for ((out, &blend), &offset) in out.iter_mut().zip(&self.blend).zip(&self.offset) {
+            *out = (blend + offset).truncate();
+        }
+        Ok(effort)
+    }
+
+    /// Slot of the Laplacian of a pose, which does not depend on where the pose is placed.
+    fn laplacian(&mut self, pose: KeyedPose<'_>) -> usize {
+        self.laplacians.find(pose.frame).unwrap_or_else(|| {
+            let slot = self.laplacians.claim(pose.frame);
+            self.pattern.assemble(&self.triangles, pose.pose, self.laplacians.get_mut(slot));
+            slot
+        })
+    }
+
+    fn factorise(&mut self, frame: u32, laplacian: usize) -> Result<usize, CholeskyError> {
+        let factor = self.symbolic.factorise(self.laplacians.get(laplacian), &mut self.workspace)?;
+        let slot = self.factors.claim(frame);
+        *self.factors.get_mut(slot) = factor;
+        Ok(slot)
+    }
+
+    /// Sets `blend` to the linear blend. The guess is the blend plus `offset`, what the frame before differed from its
+    /// own.
+    fn blend(&mut self, source: &[Vec3], destination: &[Vec3], lambda: f32) {
+        for ((blend, &from), &to) in self.blend.iter_mut().zip(source).zip(destination) {
+            *blend = (from + (to - from) * lambda).extend(0.0);
+        }
+    }
+
+    /// Sets `missing` to the right sides of both systems minus their Laplacians times the guess, triangle by triangle:
+    /// each edge pulls its ends by its weight times what it wants beyond what it has.
+    fn find_missing(&mut self, laplacians: [usize; 2], lambda: f32) {
+        for ((guess, &blend), &offset) in self.guess.iter_mut().zip(&self.blend).zip(&self.offset) {
+            *guess = blend + offset;
+        }
+        let [source, destination] = &mut self.missing;
+        source.fill(Vec4::ZERO);
+        destination.fill(Vec4::ZERO);
+        let source_weights = &self.laplacians.get(laplacians[0]).half_cotangents;
+        let destination_weights = &self.laplacians.get(laplacians[1]).half_cotangents;
+        for (index, batch) in self.triangles.batches().iter().enumerate() {
+            let wanted = self.gradients.edges(index, lambda);
+            let has = batch.edges4(&self.guess);
+            let pulls = [wanted[0] - has[0], wanted[1] - has[1]];
+            scatter(batch, pulls, &source_weights[index], source);
+            scatter(batch, pulls, &destination_weights[index], destination);
+        }
+    }
+
+    /// Solves one side; the solution is the guess plus `system.correction`.
+    fn solve(&mut self, side: usize, frame: u32, laplacian: usize, effort: &mut Effort) -> Result<(), CholeskyError> {
+        let free_count = self.pattern.free_count();
+        self.system.reset(free_count);
+        for (residual, &vertex) in self.system.residual.iter_mut().zip(&self.order) {
+            *residual = self.missing[side][vertex as usize];
+        }
+        let mut slot = match self.factors.nearest(frame) {
+            Some(slot) => slot,
+            None => self.factorise(frame, laplacian)?,
+        };
+        loop {
+            let own = self.factors.is_of(slot, frame);
+            let factor = self.factors.get(slot);
+            let outcome = self.system.run(
+                &self.pattern,
+                self.laplacians.get(laplacian),
+                (&self.symbolic, factor),
+                TOLERANCE,
+                if own { MOST_SOLVES } else { PATIENCE },
+            );
+            effort.solves[side] += outcome.solves;
+            effort.regularised += factor.regularised;
+            effort.error = effort.error.max(outcome.error);
+            if !outcome.error.is_finite() {
+                return Err(CholeskyError::NotFinite);
+            }
+            if outcome.done || own {
+                return Ok(());
+            }
+            slot = self.factorise(frame, laplacian)?;
+            effort.factorisations += 1;
+        }
+    }
+}
+
+/// Adds to each corner what its two edges pull it by.
+#[inline(always)]
+fn scatter(batch: &Batch, [first, second]: [Lanes3; 2], half_cotangents: &[Lanes; 3], sums: &mut [Vec4]) {
+    let opposite = (second - first).scale(half_cotangents[0]);
+    let second = second.scale(half_cotangents[1]);
+    let first = first.scale(half_cotangents[2]);
+    let pulls = [-(first + second), first - opposite, second + opposite];
+    for lane in 0..LANES {
+        for corner in 0..3 {
+            let pull = &pulls[corner];
+            sums[batch.corners()[corner][lane] as usize] +=
+                Vec4::new(pull.x.0[lane], pull.y.0[lane], pull.z.0[lane], 0.0);
+        }
+    }
+}

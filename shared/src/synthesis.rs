@@ -1,1 +1,0 @@
-//! Synthesis of a walk, frame by frame.

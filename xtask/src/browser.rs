@@ -1,0 +1,61 @@
+//! What the browser tests need: node with playwright-core, and a Chromium with WebGPU.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+use crate::command::{root, run, succeeds};
+
+/// Chromium, and the OpenGL vendor without which it loses its WebGPU device.
+const PACKAGES: [&str; 6] =
+    ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
+
+/// Runs the browser tests on the page in `dist`; fetches what they need first.
+pub fn test(dist: &std::path::Path) -> Result<()> {
+    let chromium = chromium()?;
+    let folder = node_packages()?;
+    let mut command = Command::new("node");
+    command.arg("run.mjs").current_dir(folder).env("REPRISE_DIST", dist).env("CHROMIUM", chromium);
+    run("browser tests", &mut command)
+}
+
+/// Installs the tests' own node packages and returns their folder.
+pub fn node_packages() -> Result<PathBuf> {
+    if !succeeds("node", &["--version"]) || !succeeds("npm", &["--version"]) {
+        bail!("the browser tests need node 20 or newer with npm; get it from nodejs.org or your package manager");
+    }
+    let folder = root().join("tests/browser");
+    let mut install = Command::new("npm");
+    install.args(["ci", "--no-audit", "--no-fund"]).current_dir(&folder);
+    run("node packages", &mut install)?;
+    Ok(folder)
+}
+
+/// The Chromium to test in: `CHROMIUM`, an installed one, or Debian's package where that can be installed.
+pub fn chromium() -> Result<PathBuf> {
+    if let Some(path) = std::env::var_os("CHROMIUM") {
+        return Ok(path.into());
+    }
+    if let Some(path) = installed() {
+        return Ok(path);
+    }
+    if succeeds("apt-get", &["--version"]) {
+        run("list of Debian packages", Command::new("apt-get").args(["update", "-qq"]))?;
+        let mut install = Command::new("apt-get");
+        install.args(["install", "-y", "-qq", "--no-install-recommends"]).args(PACKAGES);
+        run("Chromium and its OpenGL vendor", install.env("DEBIAN_FRONTEND", "noninteractive"))?;
+    }
+    match installed() {
+        Some(path) => Ok(path),
+        None => bail!(
+            "the browser tests need Chromium: install it (Debian: apt-get install {}), or name one in CHROMIUM",
+            PACKAGES.join(" ")
+        ),
+    }
+}
+
+fn installed() -> Option<PathBuf> {
+    let names = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+    names.iter().map(PathBuf::from).find(|path| path.is_file())
+}

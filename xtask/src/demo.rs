@@ -1,0 +1,47 @@
+//! `cargo xtask demo`: the built-in performer on the page, from nothing.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::command::{cargo, run, target};
+use crate::{serve, web};
+
+/// Builds the page, packs the built-in performer and serves both.
+pub fn demo(arguments: &[&str]) -> Result<()> {
+    let (mut port, mut serving) = (None, true);
+    let mut words = arguments.iter();
+    while let Some(word) = words.next() {
+        match *word {
+            "--port" => {
+                let number = words.next().context("--port needs a number")?;
+                port = Some(number.parse().with_context(|| format!("{number:?} is not a port"))?);
+            }
+            "--no-serve" => serving = false,
+            other => bail!("demo knows no {other:?}; usage: cargo xtask demo [--port N] [--no-serve]"),
+        }
+    }
+    let dist = web::build()?;
+    pack(&dist.join("demo.reprise"), "release")?;
+    if serving { serve::serve(&dist, port) } else { Ok(()) }
+}
+
+/// Makes the built-in performer's capture and packs it into `bundle`, with the builder of a cargo profile.
+pub fn pack(bundle: &Path, profile: &str) -> Result<PathBuf> {
+    let capture = target().join("performer");
+    if capture.exists() {
+        fs::remove_dir_all(&capture).with_context(|| format!("cannot clear {}", capture.display()))?;
+    }
+    run("the builder", cargo().args(["build", "-p", "reprise-builder", "--profile", profile]))?;
+    run("the performer's capture", builder(profile).arg("performer").arg("-o").arg(&capture))?;
+    run("the performer's bundle", builder(profile).arg("pack").arg(&capture).arg("-o").arg(bundle))?;
+    Ok(capture)
+}
+
+/// The `builder` command of a profile.
+pub fn builder(profile: &str) -> std::process::Command {
+    let mut command = cargo();
+    command.args(["run", "-q", "-p", "reprise-builder", "--profile", profile, "--"]);
+    command
+}

@@ -1,0 +1,65 @@
+//! Builds the page into `dist/`: WebAssembly, its JavaScript bindings, and everything in `www/`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use wasm_bindgen_cli_support::Bindgen;
+
+use crate::command::{cargo, root, run, succeeds, target};
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Builds the page and returns the folder that holds it.
+pub fn build() -> Result<PathBuf> {
+    add_wasm_target()?;
+    let mut command = cargo();
+    command.args(["build", "-p", "reprise-web", "--lib", "--target", TARGET, "--profile", "wasm"]);
+    // Flags from the environment would replace the ones in .cargo/config.toml, and with them SIMD.
+    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    run("player to WebAssembly", &mut command)?;
+
+    let dist = root().join("dist");
+    let package = dist.join("pkg");
+    fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
+    let wasm = target().join(TARGET).join("wasm/web.wasm");
+    Bindgen::new()
+        .input_path(&wasm)
+        .web(true)?
+        .typescript(true)
+        .remove_name_section(true)
+        .remove_producers_section(true)
+        .generate(&package)
+        .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
+    copy_folder(&root().join("www"), &dist)?;
+    Ok(dist)
+}
+
+/// Adds the WebAssembly target to the toolchain where it is missing.
+fn add_wasm_target() -> Result<()> {
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).current_dir(root()).output();
+    let sysroot = sysroot.context("cannot run rustc; install Rust with rustup")?;
+    let sysroot = PathBuf::from(String::from_utf8_lossy(&sysroot.stdout).trim());
+    if sysroot.join("lib/rustlib").join(TARGET).join("lib").is_dir() {
+        return Ok(());
+    }
+    if succeeds("rustup", &["target", "add", TARGET]) {
+        return Ok(());
+    }
+    bail!("the WebAssembly target is missing; add it with: rustup target add {TARGET}")
+}
+
+fn copy_folder(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from).with_context(|| format!("cannot read {}", from.display()))? {
+        let entry = entry?;
+        let (source, destination) = (entry.path(), to.join(entry.file_name()));
+        if source.is_dir() {
+            copy_folder(&source, &destination)?;
+        } else {
+            fs::copy(&source, &destination).with_context(|| format!("cannot copy {}", source.display()))?;
+        }
+    }
+    Ok(())
+}
