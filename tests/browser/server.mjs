@@ -31,6 +31,12 @@ const FAULTS = {
   },
   '/faults/truncated.reprise': (bundle) => bundle.subarray(0, Math.floor(bundle.length * 0.6)),
   '/faults/truncated-early.reprise': (bundle) => bundle.subarray(0, 64),
+  // The major version stands right behind the eight bytes that say what the file is.
+  '/faults/too-new.reprise': (bundle) => {
+    const bytes = Buffer.from(bundle);
+    bytes.writeUInt16LE(99, 8);
+    return bytes;
+  },
   '/faults/not-reprise.reprise': () => Buffer.from('This is a letter, not an actor.\n'.repeat(40)),
 };
 

@@ -150,8 +150,10 @@ export class ReprisePlayer extends Base {
       this.#director = new Director(new engine.Player());
       await this.#receive(chunks, total, loading.signal);
     } catch (error) {
-      if (!loading.signal.aborted) this.#fail(error);
-      loading.abort();
+      if (loading.signal.aborted) return;
+      this.#fail(error);
+      // What has arrived stays: a stage that is being opened just now will show it.
+      if (!this.#director?.info) loading.abort();
     }
   }
 
@@ -209,6 +211,7 @@ export class ReprisePlayer extends Base {
       const first = !this.#shown;
       this.#shown = true;
       this.#view.showStage();
+      if (this.#failed) this.#view.fail(this.#failed, true);
       if (first) this.#dispatch('ready', { info: this.info });
       this.#view.score.wantThumbnails();
       this.#view.stage.setGhosts(this.#director.player, this.#ghosts(), true);
