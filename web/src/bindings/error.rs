@@ -1,0 +1,76 @@
+//! Errors as the page gets them: `Error` objects with a sentence and a `kind` from a closed set.
+
+use wasm_bindgen::JsValue;
+
+use crate::player::PlayerError;
+
+/// What went wrong, in the page's words for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The bytes are no bundle.
+    NotReprise,
+    /// The bundle is of a later version.
+    TooNew,
+    /// The bundle is damaged.
+    Damaged,
+    /// The bundle is cut off.
+    Truncated,
+    /// The browser has no WebGPU.
+    NoWebGpu,
+    /// It has, but no device for it.
+    NoAdapter,
+    /// The device was lost.
+    DeviceLost,
+    /// Nothing leads to the target.
+    Unreachable,
+    /// This part has not arrived.
+    NotLoaded,
+    /// An argument makes no sense.
+    BadArgument,
+}
+
+impl Kind {
+    fn word(self) -> &'static str {
+        match self {
+            Self::NotReprise => "not-reprise",
+            Self::TooNew => "too-new",
+            Self::Damaged => "damaged",
+            Self::Truncated => "truncated",
+            Self::NoWebGpu => "no-webgpu",
+            Self::NoAdapter => "no-adapter",
+            Self::DeviceLost => "device-lost",
+            Self::Unreachable => "unreachable",
+            Self::NotLoaded => "not-loaded",
+            Self::BadArgument => "bad-argument",
+        }
+    }
+}
+
+/// An `Error` with this message and kind.
+#[must_use]
+pub fn error(kind: Kind, message: &str) -> JsValue {
+    let error = js_sys::Error::new(message);
+    // Setting a property of a fresh object does not fail.
+    let _ = js_sys::Reflect::set(&error, &"kind".into(), &kind.word().into());
+    error.into()
+}
+
+impl From<PlayerError> for JsValue {
+    fn from(failure: PlayerError) -> Self {
+        let kind = match failure {
+            PlayerError::NotLoaded => Kind::NotLoaded,
+            PlayerError::NoFrame(_) => Kind::BadArgument,
+            PlayerError::Unreachable { .. } => Kind::Unreachable,
+            PlayerError::Damaged(_) => Kind::Damaged,
+        };
+        error(kind, &failure.to_string())
+    }
+}
+
+/// `value` as JSON.
+///
+/// # Errors
+/// None in practice: numbers that are not finite become `null`.
+pub fn json(value: &impl serde::Serialize) -> Result<String, JsValue> {
+    serde_json::to_string(value).map_err(|_| error(Kind::BadArgument, "this cannot be written as JSON"))
+}

@@ -1,0 +1,5 @@
+//! What JavaScript sees: two classes and a function. The only modules that know it.
+
+pub mod error;
+pub mod player;
+pub mod stage;

@@ -1,0 +1,159 @@
+//! The class `Player`.
+
+use glam::Vec3;
+use js_sys::{Float32Array, Uint8Array};
+use wasm_bindgen::prelude::*;
+
+use super::error::{Kind, error, json};
+use crate::player::Player as Inner;
+
+/// The actor and its clock, without any GPU.
+#[wasm_bindgen]
+#[derive(Default)]
+pub struct Player {
+    #[wasm_bindgen(skip)]
+    #[doc(hidden)]
+    pub inner: Inner,
+}
+
+fn array(points: &[Vec3]) -> Float32Array {
+    Float32Array::from(bytemuck::cast_slice::<Vec3, f32>(points))
+}
+
+#[wasm_bindgen]
+impl Player {
+    /// Without an actor yet.
+    #[wasm_bindgen(constructor)]
+    #[must_use]
+    pub fn new() -> Self {
+        console_error_panic_hook::set_once();
+        Self::default()
+    }
+
+    /// How much has arrived.
+    #[must_use]
+    pub fn phase(&self) -> String {
+        self.inner.loading().phase().word().into()
+    }
+
+    /// What the actor is, as JSON.
+    ///
+    /// # Errors
+    /// Its first pose has not arrived.
+    pub fn info(&self) -> Result<String, JsValue> {
+        match self.inner.info() {
+            Some(info) => json(&info),
+            None => Err(error(Kind::NotLoaded, "the actor has not arrived yet")),
+        }
+    }
+
+    /// Encoded bytes of texture `index`.
+    ///
+    /// # Errors
+    /// They have not arrived.
+    pub fn image(&self, index: usize) -> Result<Uint8Array, JsValue> {
+        Ok(Uint8Array::from(self.inner.image(index)?))
+    }
+
+    /// Goes on by `seconds`; true where the picture changes.
+    pub fn tick(&mut self, seconds: f64) -> bool {
+        self.inner.tick(seconds)
+    }
+
+    /// Plays on.
+    pub fn play(&mut self) {
+        self.inner.play();
+    }
+
+    /// Stands still.
+    pub fn pause(&mut self) {
+        self.inner.pause();
+    }
+
+    /// Whether it plays.
+    #[must_use]
+    pub fn playing(&self) -> bool {
+        self.inner.playing()
+    }
+
+    /// Plays `speed` times as fast.
+    pub fn set_speed(&mut self, speed: f64) {
+        self.inner.set_speed(speed);
+    }
+
+    /// Whether playing goes on for ever.
+    pub fn set_loop(&mut self, on: bool) {
+        self.inner.set_loop(on);
+    }
+
+    /// Jumps to `frame`.
+    ///
+    /// # Errors
+    /// It has not arrived.
+    pub fn seek(&mut self, frame: f64) -> Result<(), JsValue> {
+        Ok(self.inner.seek(frame)?)
+    }
+
+    /// The cheapest walk to frame `to`, as JSON.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn plan(&mut self, to: u32) -> Result<String, JsValue> {
+        json(&self.inner.plan(to)?)
+    }
+
+    /// Leaves for frame `to`; the walk as JSON.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn go_to(&mut self, to: u32) -> Result<String, JsValue> {
+        json(&self.inner.go_to(to)?)
+    }
+
+    /// Stops, and drops the target.
+    pub fn cancel(&mut self) {
+        self.inner.cancel();
+    }
+
+    /// The state as JSON.
+    ///
+    /// # Errors
+    /// There is no pose yet.
+    pub fn state(&self) -> Result<String, JsValue> {
+        match self.inner.state() {
+            Some(state) => json(&state),
+            None => Err(error(Kind::NotLoaded, "the actor has not arrived yet")),
+        }
+    }
+
+    /// What happened since the last call, as JSON.
+    ///
+    /// # Errors
+    /// None in practice.
+    pub fn events(&mut self) -> Result<String, JsValue> {
+        json(&self.inner.take_events())
+    }
+
+    /// World positions of the welded vertices, as drawn.
+    ///
+    /// # Errors
+    /// There is no pose yet.
+    pub fn pose(&self) -> Result<Float32Array, JsValue> {
+        let picture = self.inner.picture().ok_or_else(|| error(Kind::NotLoaded, "the actor has not arrived yet"))?;
+        Ok(array(&picture.pose()))
+    }
+
+    /// Positions of `frame` as they were recorded.
+    ///
+    /// # Errors
+    /// It has not arrived.
+    pub fn recorded_pose(&mut self, frame: u32) -> Result<Float32Array, JsValue> {
+        Ok(array(&self.inner.recorded_pose(frame)?))
+    }
+
+    /// The `max` cheapest transitions as [from, to, deformation, frames].
+    #[must_use]
+    pub fn arcs(&self, max: usize) -> Float32Array {
+        Float32Array::from(self.inner.arcs(max).as_slice())
+    }
+}

@@ -1,0 +1,381 @@
+//! The class `Stage`: the canvas, the camera, and what the page asks of the picture.
+//!
+//! No method that returns a promise keeps the object borrowed while it waits: the frame loop goes on meanwhile.
+
+use glam::{Vec2, Vec3};
+use js_sys::{Float32Array, Promise, Uint8ClampedArray};
+use wasm_bindgen::prelude::*;
+use web_sys::{HtmlCanvasElement, ImageBitmap};
+
+use super::error::{Kind, error};
+use super::player::Player;
+use crate::camera::{Camera, Subject};
+use crate::gpu::context::{Gpu, extent, view};
+use crate::gpu::pose::Numbered;
+use crate::gpu::readback::read;
+use crate::gpu::scene::{Measures, Moment, Scene};
+use crate::gpu::target::Target;
+use crate::gpu::thumbnail::Thumbnails;
+use crate::pick::nearest_hit;
+
+/// The picture on one canvas, on one device.
+#[wasm_bindgen]
+pub struct Stage {
+    canvas: HtmlCanvasElement,
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    adapter: wgpu::AdapterInfo,
+    scene: Scene,
+    target: Target,
+    thumbnails: Thumbnails,
+    camera: Camera,
+    drawn: Option<Drawn>,
+    due: bool,
+    time: f64,
+}
+
+/// What the last picture showed.
+#[derive(Clone, Copy, PartialEq)]
+struct Drawn {
+    numbers: [u64; 2],
+    weight: f32,
+}
+
+fn report(reason: &str) {
+    web_sys::console::error_1(&reason.into());
+}
+
+/// Prepares `canvas` for the actor of `player`, whose first pose has arrived.
+///
+/// # Errors
+/// The promise is rejected where there is no WebGPU, no adapter or no device.
+#[wasm_bindgen(unchecked_return_type = "Promise<Stage>")]
+pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promise, JsValue> {
+    let missing = || error(Kind::NotLoaded, "the actor has not arrived yet");
+    let actor = player.inner.actor().ok_or_else(missing)?;
+    let (surface, topology) = (actor.surface.clone(), actor.topology.clone());
+    let first = player.inner.picture().ok_or_else(missing)?.pose();
+    let reference = player.inner.reference_pose().to_vec();
+    Ok(wasm_bindgen_futures::future_to_promise(async move {
+        let opened = open(&canvas).await?;
+        let scene = Scene::new(opened.gpu, &surface, topology.triangles().to_vec(), &reference);
+        let camera = Camera::new(subject(scene.measures, &first));
+        let thumbnails = Thumbnails::new(&scene, first.len());
+        let target = Target::new(&scene.gpu, [opened.configuration.width, opened.configuration.height]);
+        let stage = Stage {
+            canvas,
+            surface: opened.surface,
+            configuration: opened.configuration,
+            adapter: opened.adapter,
+            scene,
+            target,
+            thumbnails,
+            camera,
+            drawn: None,
+            due: true,
+            time: js_sys::Date::now(),
+        };
+        Ok(stage.into())
+    }))
+}
+
+struct Opened {
+    surface: wgpu::Surface<'static>,
+    configuration: wgpu::SurfaceConfiguration,
+    adapter: wgpu::AdapterInfo,
+    gpu: Gpu,
+}
+
+async fn open(canvas: &HtmlCanvasElement) -> Result<Opened, JsValue> {
+    let navigator = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())?;
+    if !js_sys::Reflect::get(&navigator, &"gpu".into())?.is_truthy() {
+        return Err(error(Kind::NoWebGpu, "this browser has no WebGPU"));
+    }
+    let no_adapter = |_| error(Kind::NoAdapter, "this browser has WebGPU, but no graphics device for it");
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let canvas_target = wgpu::SurfaceTarget::Canvas(canvas.clone());
+    let surface = instance
+        .create_surface(canvas_target)
+        .map_err(|_| error(Kind::NoWebGpu, "the canvas cannot be drawn with WebGPU"))?;
+    let options = wgpu::RequestAdapterOptions { compatible_surface: Some(&surface), ..Default::default() };
+    let adapter = instance.request_adapter(&options).await.map_err(no_adapter)?;
+    let lost = |_| error(Kind::DeviceLost, "the graphics device could not be opened");
+    let (device, queue) = adapter.request_device(&wgpu::DeviceDescriptor::default()).await.map_err(lost)?;
+    let size = [canvas.width(), canvas.height()].map(|side| side.clamp(1, 8192));
+    let mut configuration = surface
+        .get_default_config(&adapter, size[0], size[1])
+        .ok_or_else(|| error(Kind::NoAdapter, "the canvas has no format that can be drawn"))?;
+    // Blending in linear light: drawn through an sRGB view of the canvas, whose own format has none.
+    let format = configuration.format.add_srgb_suffix();
+    configuration.view_formats = vec![format];
+    configuration.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
+    surface.configure(&device, &configuration);
+    let gpu = Gpu::new(device, queue, format, report);
+    Ok(Opened { surface, configuration, adapter: adapter.get_info(), gpu })
+}
+
+fn subject(measures: Measures, pose: &[Vec3]) -> Subject {
+    let low = pose.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
+    let high = pose.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
+    let middle = (low + high) / 2.0;
+    Subject {
+        ground: Vec2::new(middle.x, middle.z),
+        floor: measures.floor,
+        height: measures.height,
+        width: measures.width,
+    }
+}
+
+/// RGBA bytes as the page gets them.
+fn pixels_promise(start: impl FnOnce(Box<dyn FnOnce(Option<Vec<u8>>)>)) -> Promise {
+    let mut start = Some(start);
+    Promise::new(&mut |resolve, reject| {
+        let then = Box::new(move |bytes: Option<Vec<u8>>| {
+            let settled = match bytes {
+                Some(bytes) => resolve.call1(&JsValue::NULL, &Uint8ClampedArray::from(bytes.as_slice())),
+                None => reject.call1(&JsValue::NULL, &error(Kind::DeviceLost, "the graphics device was lost")),
+            };
+            // Settling a promise does not throw.
+            drop(settled);
+        });
+        if let Some(start) = start.take() {
+            start(then);
+        }
+    })
+}
+
+#[wasm_bindgen]
+impl Stage {
+    /// The canvas is now so many physical pixels large.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let size = [width, height].map(|side| side.clamp(1, 8192));
+        if self.lost() || size == self.target.size {
+            return;
+        }
+        self.canvas.set_width(size[0]);
+        self.canvas.set_height(size[1]);
+        (self.configuration.width, self.configuration.height) = (size[0], size[1]);
+        self.surface.configure(&self.scene.gpu.device, &self.configuration);
+        self.target = Target::new(&self.scene.gpu, size);
+        self.due = true;
+    }
+
+    /// Uploads what changed and draws; does nothing where nothing changed.
+    pub fn draw(&mut self, player: &Player) {
+        let now = js_sys::Date::now();
+        let seconds = ((now - self.time) / 1000.0) as f32;
+        self.time = now;
+        if self.lost() || !self.show(player) {
+            return;
+        }
+        self.camera.set_aspect(self.target.size[0] as f32 / self.target.size[1] as f32);
+        let moved = self.camera.step(seconds);
+        if !(moved || std::mem::take(&mut self.due)) {
+            return;
+        }
+        let picture = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(picture) | wgpu::CurrentSurfaceTexture::Suboptimal(picture) => picture,
+            _ => {
+                self.due = true;
+                return;
+            }
+        };
+        let descriptor = wgpu::TextureViewDescriptor { format: Some(self.scene.gpu.format), ..Default::default() };
+        let target = picture.texture.create_view(&descriptor);
+        self.scene.draw(&self.camera.view(), &self.target, &target);
+        self.scene.gpu.queue.present(picture);
+    }
+
+    /// Uploads the moment that the player shows. False before its first pose.
+    fn show(&mut self, player: &Player) -> bool {
+        let Some(picture) = player.inner.picture() else { return false };
+        let numbers = [picture.before.number, picture.after.number];
+        let weight = picture.weight as f32;
+        let drawn = Drawn { numbers, weight };
+        if self.drawn != Some(drawn) {
+            self.drawn = Some(drawn);
+            self.due = true;
+        }
+        if self.due {
+            self.camera.follow(picture.ground());
+            self.scene.show(&Moment {
+                before: Numbered { number: numbers[0], pose: &picture.before.pose },
+                after: Numbered { number: numbers[1], pose: &picture.after.pose },
+                weight,
+                synthetic: picture.synthetic(),
+                ground: picture.ground(),
+            });
+            self.scene.show_trail(player.inner.trail(), player.inner.played());
+        }
+        true
+    }
+
+    /// Turns the camera; CSS pixels.
+    pub fn orbit(&mut self, dx: f32, dy: f32) {
+        let height = self.css_size().y;
+        self.camera.orbit(dx / height, dy / height);
+    }
+
+    /// Moves the camera; CSS pixels.
+    pub fn pan(&mut self, dx: f32, dy: f32) {
+        let height = self.css_size().y;
+        self.camera.pan(dx / height, dy / height);
+    }
+
+    /// Comes `factor` times closer.
+    pub fn zoom(&mut self, factor: f32) {
+        self.camera.zoom(factor);
+    }
+
+    /// Back to the view that it began with.
+    pub fn recentre(&mut self) {
+        self.camera.recentre();
+    }
+
+    /// Whether the camera still eases: keep drawing.
+    #[must_use]
+    pub fn camera_moving(&self) -> bool {
+        self.camera.moving()
+    }
+
+    /// Sets what `json` names of theme, tint, grid, path, reduced_motion and background (sRGB, 0 to 1, or null).
+    ///
+    /// # Errors
+    /// It is no JSON object.
+    pub fn set_options(&mut self, json: &str) -> Result<(), JsValue> {
+        let wrong = |_| error(Kind::BadArgument, "the options are not a JSON object");
+        let options: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).map_err(wrong)?;
+        let look = &mut self.scene.look;
+        for (name, value) in &options {
+            let on = value.as_bool().unwrap_or(false);
+            match name.as_str() {
+                "theme" => look.dark = value.as_str() == Some("dark"),
+                "tint" => look.tint = on,
+                "grid" => look.grid = on,
+                "path" => look.path = on,
+                "reduced_motion" => self.camera.instant = on,
+                "background" => {
+                    let channel = |k: usize| Some(value.get(k)?.as_f64()?.clamp(0.0, 1.0) as f32);
+                    look.background = (|| Some([channel(0)?, channel(1)?, channel(2)?]))();
+                }
+                _ => {}
+            }
+        }
+        self.due = true;
+        Ok(())
+    }
+
+    /// Takes texture `index`, decoded by the browser.
+    pub fn set_image(&mut self, index: usize, bitmap: ImageBitmap) {
+        let size = [bitmap.width(), bitmap.height()];
+        if self.lost() || size.contains(&0) || size.iter().any(|&side| side > 8192) {
+            return;
+        }
+        let gpu = self.scene.gpu.clone();
+        let source = wgpu::CopyExternalImageSourceInfo {
+            source: wgpu::ExternalImageSource::ImageBitmap(bitmap),
+            origin: wgpu::Origin2d::ZERO,
+            flip_y: false,
+        };
+        self.scene.mesh.set_image(&gpu, index, size, |texture| {
+            let destination = wgpu::CopyExternalImageDestInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d::ZERO,
+                aspect: wgpu::TextureAspect::All,
+                color_space: wgpu::PredefinedColorSpace::Srgb,
+                premultiplied_alpha: false,
+            };
+            gpu.queue.copy_external_image_to_texture(&source, destination, extent(size));
+        });
+        self.due = true;
+    }
+
+    /// Shows the poses of `frames` where the actor would arrive; none clears. Those out of reach are left out.
+    pub fn set_ghosts(&mut self, player: &mut Player, frames: &[u32]) {
+        if self.lost() {
+            return;
+        }
+        let poses = frames.iter().take(crate::gpu::ghosts::MOST);
+        let poses = poses.filter_map(|&frame| Some((frame, player.inner.ghost(frame).ok()?))).collect();
+        let scene = &mut self.scene;
+        scene.ghosts.set(&scene.gpu, &scene.pose_layout, &scene.triangles, poses);
+        self.due = true;
+    }
+
+    /// What is under the pointer (CSS pixels): a ghost's frame, -2 for the actor, or -1.
+    #[must_use]
+    pub fn pick(&self, player: &Player, x: f32, y: f32) -> i32 {
+        let seen = self.camera.view();
+        let ray = seen.ray(Vec2::new(x, y) / self.css_size());
+        let distance = |pose: &[Vec3]| nearest_hit(seen.eye, ray, &self.scene.triangles, pose);
+        let actor = player.inner.picture().and_then(|picture| Some((distance(&picture.pose())?, -2)));
+        let ghosts =
+            self.scene.ghosts.shown().iter().filter_map(|ghost| Some((distance(&ghost.pose)?, ghost.frame as i32)));
+        let nearest = actor.into_iter().chain(ghosts).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or(-1, |(_, what)| what)
+    }
+
+    /// Where the point of the world is seen: CSS x, CSS y, and 1 where it is in the picture, else 0.
+    #[must_use]
+    pub fn project(&self, x: f32, y: f32, z: f32) -> Float32Array {
+        let size = self.css_size();
+        let seen = self.camera.view().project(Vec3::new(x, y, z));
+        let inside = seen.is_some_and(|at| at.min_element() >= 0.0 && at.max_element() <= 1.0);
+        let at = seen.unwrap_or_default() * size;
+        Float32Array::from([at.x, at.y, f32::from(u8::from(inside))].as_slice())
+    }
+
+    /// A picture of recorded frame `frame` alone, RGBA with straight alpha on a transparent background.
+    ///
+    /// # Errors
+    /// It has not arrived, or the device is lost.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Uint8ClampedArray>")]
+    pub fn thumbnail(&mut self, player: &mut Player, frame: u32, width: u32, height: u32) -> Result<Promise, JsValue> {
+        self.alive()?;
+        let pose = player.inner.recorded_pose(frame)?;
+        Ok(pixels_promise(|then| self.thumbnails.draw(&self.scene, &pose, [width, height], then)))
+    }
+
+    /// Whether the device is lost: create another stage.
+    #[must_use]
+    pub fn lost(&self) -> bool {
+        self.scene.gpu.lost()
+    }
+
+    /// Destroys the device (for tests).
+    pub fn lose(&self) {
+        self.scene.gpu.lose();
+    }
+
+    /// The adapter as JSON: its name, and whether it is a slow fallback.
+    ///
+    /// # Errors
+    /// None in practice.
+    pub fn adapter(&self) -> Result<String, JsValue> {
+        let fallback = self.adapter.device_type == wgpu::DeviceType::Cpu;
+        super::error::json(&serde_json::json!({ "name": self.adapter.name, "fallback": fallback }))
+    }
+
+    /// RGBA of the last picture, drawn once more.
+    ///
+    /// # Errors
+    /// The device is lost.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Uint8ClampedArray>")]
+    pub fn read_pixels(&mut self) -> Result<Promise, JsValue> {
+        self.alive()?;
+        let (gpu, size) = (self.scene.gpu.clone(), self.target.size);
+        let texture = gpu.target(size, gpu.format, 1, wgpu::TextureUsages::COPY_SRC);
+        self.scene.draw(&self.camera.view(), &self.target, &view(&texture));
+        Ok(pixels_promise(|then| read(&gpu, &texture, size, false, then)))
+    }
+
+    fn alive(&self) -> Result<(), JsValue> {
+        if self.lost() { Err(error(Kind::DeviceLost, "the graphics device was lost")) } else { Ok(()) }
+    }
+
+    fn css_size(&self) -> Vec2 {
+        let size = Vec2::new(self.canvas.client_width() as f32, self.canvas.client_height() as f32);
+        if size.min_element() > 0.0 { size } else { Vec2::new(self.target.size[0] as f32, self.target.size[1] as f32) }
+    }
+}

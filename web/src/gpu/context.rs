@@ -1,0 +1,279 @@
+//! The device, whether it is lost, and short forms of what every pass creates.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use wgpu::{BufferUsages, ShaderStages, TextureFormat};
+
+/// Samples per pixel of every picture.
+pub const SAMPLES: u32 = 4;
+/// Format of the depth buffers.
+pub const DEPTH: TextureFormat = TextureFormat::Depth32Float;
+
+/// A device with its queue. Clones share it.
+#[derive(Clone)]
+pub struct Gpu {
+    /// Creates.
+    pub device: wgpu::Device,
+    /// Uploads and runs.
+    pub queue: wgpu::Queue,
+    /// Format that pictures are drawn in; an sRGB one, so that blending happens in linear light.
+    pub format: TextureFormat,
+    lost: Arc<AtomicBool>,
+}
+
+impl Gpu {
+    /// Watches `device`: after a loss or an error that nobody caught, [`Self::lost`] is true. `report` gets the reason.
+    #[must_use]
+    pub fn new(device: wgpu::Device, queue: wgpu::Queue, format: TextureFormat, report: fn(&str)) -> Self {
+        let lost = Arc::new(AtomicBool::new(false));
+        let flag = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, reason| {
+            flag.store(true, Ordering::Relaxed);
+            report(&reason);
+        });
+        let flag = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            flag.store(true, Ordering::Relaxed);
+            report(&error.to_string());
+        }));
+        Self { device, queue, format, lost }
+    }
+
+    /// Whether nothing can be drawn any more.
+    #[must_use]
+    pub fn lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Gives the device up.
+    pub fn lose(&self) {
+        self.lost.store(true, Ordering::Relaxed);
+        self.device.destroy();
+    }
+
+    /// A buffer of `size` bytes, at least 16.
+    #[must_use]
+    pub fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: size.max(16).next_multiple_of(4),
+            usage: usage | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A buffer that holds `data`, whose size is a multiple of 4 bytes.
+    #[must_use]
+    pub fn buffer_of(&self, data: &[u8], usage: BufferUsages) -> wgpu::Buffer {
+        let buffer = self.buffer(data.len() as u64, usage);
+        self.queue.write_buffer(&buffer, 0, data);
+        buffer
+    }
+
+    /// A layout of what a shader binds, from binding 0 on.
+    #[must_use]
+    pub fn layout(&self, stages: ShaderStages, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..)
+            .zip(bindings)
+            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility: stages, ty, count: None })
+            .collect();
+        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+    }
+
+    /// What a shader binds, from binding 0 on.
+    #[must_use]
+    pub fn group(&self, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(resources)
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+
+    /// A texture of one level, drawn to and sampled or copied.
+    #[must_use]
+    pub fn target(
+        &self,
+        size: [u32; 2],
+        format: TextureFormat,
+        samples: u32,
+        usage: wgpu::TextureUsages,
+    ) -> wgpu::Texture {
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: None,
+            size: extent(size),
+            mip_level_count: 1,
+            sample_count: samples,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+            view_formats: &[],
+        })
+    }
+
+    /// A sampler that filters linearly, between levels too.
+    #[must_use]
+    pub fn sampler(&self, address: wgpu::AddressMode, anisotropy: u16) -> wgpu::Sampler {
+        self.device.create_sampler(&wgpu::SamplerDescriptor {
+            address_mode_u: address,
+            address_mode_v: address,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            anisotropy_clamp: anisotropy,
+            ..Default::default()
+        })
+    }
+
+    /// Creates the pipeline that `pass` describes.
+    #[must_use]
+    pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl(pass.shader.into()),
+        });
+        let layouts: Vec<_> = pass.layouts.iter().map(|&layout| Some(layout)).collect();
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &layouts,
+            immediate_size: 0,
+        });
+        let target = wgpu::ColorTargetState {
+            format: pass.format,
+            blend: pass.blend,
+            write_mask: if pass.colour { wgpu::ColorWrites::ALL } else { wgpu::ColorWrites::empty() },
+        };
+        let vertices: Vec<_> = pass.vertices.iter().cloned().map(Some).collect();
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: None,
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &vertices,
+            },
+            primitive: wgpu::PrimitiveState { topology: pass.topology, cull_mode: pass.cull, ..Default::default() },
+            depth_stencil: pass.depth.map(|(compare, write)| wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(write),
+                depth_compare: Some(compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: pass.samples, ..Default::default() },
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(target)],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// What tells one pipeline from another.
+pub struct Pass<'a> {
+    /// WGSL with the entry points `vertex` and `fragment`.
+    pub shader: &'static str,
+    /// Layouts of groups 0, 1, 2.
+    pub layouts: &'a [&'a wgpu::BindGroupLayout],
+    /// Vertex buffers.
+    pub vertices: &'a [wgpu::VertexBufferLayout<'a>],
+    /// Triangles or a strip of them.
+    pub topology: wgpu::PrimitiveTopology,
+    /// Faces left out.
+    pub cull: Option<wgpu::Face>,
+    /// Depth test and whether depth is written; `None` without a depth buffer.
+    pub depth: Option<(wgpu::CompareFunction, bool)>,
+    /// Samples per pixel of its target.
+    pub samples: u32,
+    /// Format of its target.
+    pub format: TextureFormat,
+    /// How it meets what is there.
+    pub blend: Option<wgpu::BlendState>,
+    /// Whether colour is written.
+    pub colour: bool,
+}
+
+impl<'a> Pass<'a> {
+    /// A pass of the picture: multisampled, with depth.
+    #[must_use]
+    pub fn of_picture(gpu: &Gpu, shader: &'static str, layouts: &'a [&'a wgpu::BindGroupLayout]) -> Self {
+        Self {
+            depth: Some((wgpu::CompareFunction::Less, true)),
+            samples: SAMPLES,
+            ..Self::of_texture(shader, layouts, gpu.format)
+        }
+    }
+
+    /// A pass into a texture of `format`: one sample, no depth.
+    #[must_use]
+    pub fn of_texture(shader: &'static str, layouts: &'a [&'a wgpu::BindGroupLayout], format: TextureFormat) -> Self {
+        Self {
+            shader,
+            layouts,
+            vertices: &[],
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            cull: None,
+            depth: None,
+            samples: 1,
+            format,
+            blend: None,
+            colour: true,
+        }
+    }
+}
+
+/// A uniform buffer.
+pub const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Uniform,
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+/// A storage buffer that is only read.
+pub const STORAGE: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Storage { read_only: true },
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+/// A texture that can be filtered.
+pub const TEXTURE: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: true },
+    view_dimension: wgpu::TextureViewDimension::D2,
+    multisampled: false,
+};
+/// A sampler that filters.
+pub const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+
+/// `size` as wgpu wants it.
+#[must_use]
+pub fn extent(size: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 }
+}
+
+/// A view of a whole texture.
+#[must_use]
+pub fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// A pass that draws into one view, which it clears to `clear` first.
+pub fn pass_into<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    target: &wgpu::TextureView,
+    clear: wgpu::Color,
+) -> wgpu::RenderPass<'e> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    })
+}

@@ -1,0 +1,17 @@
+//! Drawing with wgpu: one mesh over pose buffers, and the passes of a picture in the order in which they run.
+//!
+//! Knows no page and no player: [`scene::Scene`] is given poses and says what it drew.
+
+pub mod context;
+pub mod frame;
+pub mod ghosts;
+pub mod grid;
+pub mod mesh;
+pub mod pose;
+pub mod readback;
+pub mod scene;
+pub mod shadow;
+pub mod target;
+pub mod texture;
+pub mod thumbnail;
+pub mod trail;

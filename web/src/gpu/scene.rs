@@ -1,0 +1,175 @@
+//! Everything that a picture shows, and the passes that draw it, in order.
+
+use glam::{Vec2, Vec3};
+use shared::surface::Surface;
+
+use super::context::Gpu;
+use super::frame::{FrameGroup, Look};
+use super::ghosts::Ghosts;
+use super::grid::Grid;
+use super::mesh::Mesh;
+use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
+use super::shadow::{Shadow, Square};
+use super::target::Target;
+use super::trail::Trail;
+use crate::camera::View;
+use crate::trail::{TrailPoint, ribbon};
+
+/// What the actor shows at a moment.
+pub struct Moment<'a> {
+    /// The frame before the moment.
+    pub before: Numbered<'a>,
+    /// The frame after it.
+    pub after: Numbered<'a>,
+    /// 0 is the one, 1 the other.
+    pub weight: f32,
+    /// 0 where recorded, 1 where synthesised, between them while it changes.
+    pub synthetic: f32,
+    /// Where the actor's centre of mass is on the ground (X, Z).
+    pub ground: Vec2,
+}
+
+/// The actor's measures, from its first pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measures {
+    /// Height of the ground, metres.
+    pub floor: f32,
+    /// Height above the ground, metres.
+    pub height: f32,
+    /// Widest extent on the ground, metres.
+    pub width: f32,
+}
+
+impl Measures {
+    /// Of `pose`. The ground is at 0, where captures have it, unless the pose stands clearly elsewhere.
+    #[must_use]
+    pub fn of(pose: &[Vec3]) -> Self {
+        let low = pose.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
+        let high = pose.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
+        if !(low.is_finite() && high.is_finite()) {
+            return Self { floor: 0.0, height: 1.8, width: 1.0 };
+        }
+        let body = (high.y - low.y).max(1e-3);
+        let floor = if low.y.abs() < 0.15 * body { 0.0 } else { low.y };
+        let width = Vec2::new(high.x - low.x, high.z - low.z).length().max(1e-3);
+        Self { floor, height: (high.y - floor).max(body * 0.5).max(width * 0.6), width }
+    }
+}
+
+/// The scene on one device.
+pub struct Scene {
+    /// The device.
+    pub gpu: Gpu,
+    /// How it looks.
+    pub look: Look,
+    /// The mesh with its materials.
+    pub mesh: Mesh,
+    /// Poses shown translucent.
+    pub ghosts: Ghosts,
+    /// The actor's measures.
+    pub measures: Measures,
+    /// Layout of pose groups.
+    pub pose_layout: wgpu::BindGroupLayout,
+    /// Triangles of the topology.
+    pub triangles: Vec<[u32; 3]>,
+    frame: FrameGroup,
+    actor: PoseGroup,
+    shadow: Shadow,
+    grid: Grid,
+    trail: Trail,
+    square: Square,
+    shadow_due: bool,
+    ground: Vec2,
+}
+
+impl Scene {
+    /// Uploads what stays the same for all frames.
+    #[must_use]
+    pub fn new(gpu: Gpu, surface: &Surface, triangles: Vec<[u32; 3]>, first: &[Vec3]) -> Self {
+        let frame = FrameGroup::new(&gpu);
+        let pose_layout = pose_layout(&gpu);
+        let actor = PoseGroup::new(&gpu, &pose_layout, first.len());
+        let mesh = Mesh::new(&gpu, surface, &frame.layout, &pose_layout);
+        let shadow = Shadow::new(&gpu, &frame.layout, &pose_layout);
+        let grid = Grid::new(&gpu, &frame.layout, &shadow);
+        let trail = Trail::new(&gpu, &frame.layout);
+        let ghosts = Ghosts::new(&gpu, &frame.layout, &pose_layout);
+        let measures = Measures::of(first);
+        let square = Square::around([], measures.height);
+        let look = Look::default();
+        let ground = Vec2::ZERO;
+        Self {
+            gpu,
+            look,
+            mesh,
+            ghosts,
+            measures,
+            pose_layout,
+            triangles,
+            frame,
+            actor,
+            shadow,
+            grid,
+            trail,
+            square,
+            shadow_due: true,
+            ground,
+        }
+    }
+
+    /// Uploads what changed in the actor.
+    pub fn show(&mut self, moment: &Moment<'_>) {
+        let tint = if self.look.tint { 1.0 } else { 0.0 };
+        let uniform = ActorUniform { weight: moment.weight, tint, synthetic: moment.synthetic, ..Default::default() };
+        if self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform) {
+            self.square = Square::around([moment.before.pose, moment.after.pose], self.measures.height);
+            self.shadow_due = true;
+        }
+        self.ground = moment.ground;
+    }
+
+    /// Uploads the path walked so far, at the player's time `now`.
+    pub fn show_trail<'a>(&mut self, points: impl IntoIterator<Item = &'a TrailPoint>, now: f64) {
+        let strip = if self.look.path { ribbon(points, now, self.measures.height * 0.014) } else { Vec::new() };
+        self.trail.write(&self.gpu, &strip);
+    }
+
+    /// Draws a picture of what `view` sees into `picture`.
+    pub fn draw(&mut self, view: &View, target: &Target, picture: &wgpu::TextureView) {
+        let reach = self.measures.height * 4.2;
+        let mut uniform = self.look.uniform(view, self.measures.floor, self.ground, reach);
+        uniform.shadow_origin = self.square.origin.to_array();
+        uniform.shadow_size = self.square.side;
+        self.frame.write(&self.gpu, &uniform);
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        if std::mem::take(&mut self.shadow_due) {
+            let height = self.measures.height;
+            self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square, height);
+        }
+        {
+            let mut pass = target.begin(&mut encoder, picture, self.look.clear());
+            pass.set_bind_group(0, &self.frame.group, &[]);
+            self.grid.draw(&mut pass, &self.shadow);
+            self.trail.draw(&mut pass);
+            pass.set_bind_group(1, self.actor.group(), &[]);
+            self.mesh.draw(&mut pass);
+            self.ghosts.draw(&mut pass, &self.mesh);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measures_find_the_ground() {
+        let standing = [Vec3::new(-0.3, 0.02, 0.0), Vec3::new(0.3, 1.8, 0.0)];
+        let measures = Measures::of(&standing);
+        assert_eq!((measures.floor, measures.height), (0.0, 1.8));
+        let elsewhere = standing.map(|p| p + Vec3::Y * 5.0);
+        assert!((Measures::of(&elsewhere).floor - 5.02).abs() < 1e-5);
+        assert_eq!(Measures::of(&[]).floor, 0.0);
+    }
+}

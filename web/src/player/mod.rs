@@ -1,0 +1,505 @@
+//! The player: a clock over frames that are recorded or synthesised, always one ahead of the picture.
+//!
+//! It stands at the bundle's first pose until told otherwise. A route (a walk under way) says which frame comes next;
+//! without a target the actor plays on, as far as the recording goes. Everything follows from the ticks: no wall clock.
+
+pub mod clock;
+pub mod events;
+pub mod loading;
+pub mod plan;
+pub mod produce;
+pub mod reach;
+pub mod state;
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use shared::align::Placement;
+use shared::capture::Capture;
+use shared::graph::EssentialGraph;
+use shared::pose_source::{PoseError, PoseSource};
+use shared::search::{Leg, Walk};
+use shared::timeline::Timeline;
+use thiserror::Error;
+
+use crate::trail::{MEMORY, TrailPoint};
+use clock::Clock;
+use events::{Event, Events};
+use loading::{Actor, Loading};
+use plan::{Goal, Plan, PlanReport, Route, Step};
+use produce::{Frame, Producer, placed_like};
+
+/// Most frames made in one tick: a slow device plays slower rather than not at all.
+const MOST_FRAMES_A_TICK: u32 = 8;
+
+/// Why the player cannot do what it was asked.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum PlayerError {
+    /// The part of the bundle that this needs has not arrived.
+    #[error("this part of the actor has not arrived yet")]
+    NotLoaded,
+    /// No such frame.
+    #[error("the actor has no frame {0}")]
+    NoFrame(u32),
+    /// No walk leads there.
+    #[error("nothing recorded leads from frame {from} to frame {to}")]
+    Unreachable {
+        /// Where the actor would leave.
+        from: u32,
+        /// Where it should go.
+        to: u32,
+    },
+    /// A frame of the bundle is damaged.
+    #[error("frame {0} of the bundle is damaged; load it again")]
+    Damaged(u32),
+}
+
+impl From<PoseError> for PlayerError {
+    fn from(error: PoseError) -> Self {
+        match error {
+            PoseError::OutOfRange(frame) => Self::NoFrame(frame),
+            PoseError::NotLoaded(_) => Self::NotLoaded,
+            PoseError::Damaged(frame) => Self::Damaged(frame),
+        }
+    }
+}
+
+/// The player of one actor.
+pub struct Player {
+    loading: Loading,
+    clock: Clock,
+    producer: Producer,
+    events: Events,
+    trail: VecDeque<TrailPoint>,
+    /// The frame that the picture comes from, and the one that it goes to.
+    last: Option<Frame>,
+    next: Option<Frame>,
+    route: Option<Route>,
+    playing: bool,
+    looping: bool,
+    stalled: Option<u32>,
+    reference: Vec<glam::Vec3>,
+    /// Whether the picture changed other than by time since the last tick.
+    changed: bool,
+}
+
+impl Default for Player {
+    fn default() -> Self {
+        Self::new(Loading::new())
+    }
+}
+
+impl Player {
+    /// A player of what `loading` has and will have.
+    #[must_use]
+    pub fn new(loading: Loading) -> Self {
+        let mut player = Self {
+            loading,
+            clock: Clock::new(25.0),
+            producer: Producer::default(),
+            events: Events::default(),
+            trail: VecDeque::new(),
+            last: None,
+            next: None,
+            route: None,
+            playing: false,
+            looping: true,
+            stalled: None,
+            reference: Vec::new(),
+            changed: false,
+        };
+        player.stand_up();
+        player
+    }
+
+    /// A player of a capture in memory.
+    #[must_use]
+    pub fn of_capture(capture: Capture, graph: EssentialGraph) -> Self {
+        Self::new(Loading::of_capture(capture, graph))
+    }
+
+    /// Puts the actor on the stage as soon as its first pose is there.
+    fn stand_up(&mut self) {
+        let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
+        self.clock = Clock::new(actor.timeline.fps());
+        if let Ok(frame) = self.recorded(0, Placement::IDENTITY) {
+            self.reference.clone_from(&frame.pose);
+            self.show_at(frame, None, 0.0);
+        }
+    }
+
+    /// The actor, once its first pose has arrived.
+    #[must_use]
+    pub fn actor(&self) -> Option<&Actor> {
+        self.loading.actor.as_ref()
+    }
+
+    /// The bundle as far as it has arrived.
+    #[must_use]
+    pub fn loading(&self) -> &Loading {
+        &self.loading
+    }
+
+    /// Goes on by `seconds` of real time. True where the picture changed.
+    pub fn tick(&mut self, seconds: f64) -> bool {
+        let mut changed = std::mem::take(&mut self.changed);
+        if !self.playing {
+            return changed;
+        }
+        let mut frames = self.clock.frames_in(seconds);
+        for _ in 0..MOST_FRAMES_A_TICK {
+            if frames <= 0.0 || !self.make_next() {
+                break;
+            }
+            frames = self.clock.advance(frames);
+            changed = true;
+            if self.clock.at_next_frame() {
+                self.reach_next();
+            }
+        }
+        // One ahead: the next frame is made before the picture needs it.
+        self.make_next();
+        changed
+    }
+
+    /// Plays on from here, or goes on with the walk under way.
+    pub fn play(&mut self) {
+        if self.last.is_some() {
+            self.playing = true;
+        }
+    }
+
+    /// Stands still; a walk under way is kept.
+    pub fn pause(&mut self) {
+        self.playing = false;
+    }
+
+    /// Whether time makes the picture change.
+    #[must_use]
+    pub fn playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Plays `speed` times as fast.
+    pub fn set_speed(&mut self, speed: f64) {
+        self.clock.set_speed(speed);
+    }
+
+    /// Whether playing goes on for ever: by the cheapest walk back to the sequence's start.
+    pub fn set_loop(&mut self, looping: bool) {
+        self.looping = looping;
+        self.drop_free_route();
+    }
+
+    /// A way that was only played on is thought over; one towards a target stays.
+    fn drop_free_route(&mut self) {
+        if let (Some(route), Some(graph)) = (&self.route, &self.loading.graph)
+            && route.goal == Goal::PlayOn
+        {
+            let start = route.departure(graph);
+            self.route = Some(route.redirected(&Plan { start, ..Plan::default() }, Goal::PlayOn));
+        }
+    }
+
+    /// The actor's first pose as it was recorded, from which its measures are taken; empty before it has arrived.
+    #[must_use]
+    pub fn reference_pose(&self) -> &[glam::Vec3] {
+        &self.reference
+    }
+
+    /// Jumps to `frame`, between two frames where it is fractional, placed where the actor stands; a walk is dropped.
+    ///
+    /// Within a sequence the actor keeps its heading, so that scrubbing runs as on a treadmill; in another one it is
+    /// turned to face as it does.
+    ///
+    /// # Errors
+    /// A frame that does not exist or has not arrived.
+    pub fn seek(&mut self, frame: f64) -> Result<(), PlayerError> {
+        let actor = self.loading.actor.clone().ok_or(PlayerError::NotLoaded)?;
+        let last_frame = actor.timeline.frame_count() - 1;
+        let frame = if frame.is_finite() { frame.clamp(0.0, f64::from(last_frame)) } else { 0.0 };
+        let (first, weight) = (frame.floor() as u32, frame.fract());
+        let recorded = self.recorded_pose(first)?;
+        let placement = match self.nearer() {
+            Some(shown) => {
+                let same = actor.timeline.sequence_index(shown.at.frame()) == actor.timeline.sequence_index(first);
+                placed_like(shown, &recorded, &actor.topology, same.then_some(shown.placement.heading))
+            }
+            None => Placement::IDENTITY,
+        };
+        let here = self.ground();
+        let before = self.recorded(first, placement)?;
+        let after = match actor.timeline.next(first).filter(|&next| weight > 0.0 && next == first + 1) {
+            Some(next) => Some(self.recorded(next, placement)?),
+            None => None,
+        };
+        if self.route.take().is_some_and(|route| route.goal != Goal::PlayOn) {
+            self.playing = false;
+        }
+        let weight = if after.is_some() { weight } else { 0.0 };
+        self.show_at(before, after, weight);
+        if let Some(here) = here {
+            self.stand_at(here);
+        }
+        Ok(())
+    }
+
+    fn show_at(&mut self, before: Frame, after: Option<Frame>, weight: f64) {
+        self.last = Some(before);
+        self.next = after;
+        self.clock.set_weight(weight);
+        self.stalled = None;
+        self.changed = true;
+        self.leave_trail(true);
+    }
+
+    /// Moves what is shown, unturned, so that its centre of mass is over `here`.
+    fn stand_at(&mut self, here: glam::Vec2) {
+        let Some(now) = self.ground() else { return };
+        let shift = Placement { heading: 0.0, translation: here - now };
+        for frame in [&mut self.last, &mut self.next].into_iter().flatten() {
+            frame.placement = shift.after(&frame.placement);
+            frame.ground += shift.translation;
+            shift.apply_all(&mut frame.pose);
+        }
+        if let (Some(point), Some(last)) = (self.trail.back_mut(), &self.last) {
+            point.ground = last.ground;
+        }
+    }
+
+    /// The cheapest walk from the present to frame `to`, without leaving.
+    ///
+    /// # Errors
+    /// No walk, no such frame, or the graph has not arrived.
+    pub fn plan(&self, to: u32) -> Result<PlanReport, PlayerError> {
+        let (actor, graph) = self.ready(to)?;
+        Ok(self.plan_from_here(to)?.report(to, &graph, &actor.timeline))
+    }
+
+    /// Leaves for frame `to` by the cheapest walk; a transition under way is finished first.
+    ///
+    /// # Errors
+    /// As [`Self::plan`]; what was under way goes on then.
+    pub fn go_to(&mut self, to: u32) -> Result<PlanReport, PlayerError> {
+        let (actor, graph) = self.ready(to)?;
+        let plan = self.plan_from_here(to)?;
+        let goal = Goal::Target(to);
+        self.route = Some(match &self.route {
+            Some(route) => route.redirected(&plan, goal),
+            None => Route::new(&plan, goal),
+        });
+        self.playing = true;
+        self.stalled = None;
+        if self.next.is_none() {
+            self.finish_route();
+        }
+        Ok(plan.report(to, &graph, &actor.timeline))
+    }
+
+    /// Stops where it is, a transition under way at its end; the target is dropped.
+    pub fn cancel(&mut self) {
+        let Some(graph) = self.loading.graph.clone() else { return };
+        let Some(route) = self.route.take() else { return };
+        if route.inside().is_some() {
+            let start = route.departure(&graph);
+            self.route = Some(route.redirected(&Plan { start, ..Plan::default() }, Goal::Stop));
+        } else if self.next.as_ref().is_some_and(|next| next.at.is_synthetic()) {
+            self.route = Some(Route::new(&Plan { start: route.departure(&graph), ..Plan::default() }, Goal::Stop));
+        } else {
+            self.playing = false;
+        }
+    }
+
+    fn ready(&self, to: u32) -> Result<(Actor, Rc<EssentialGraph>), PlayerError> {
+        let actor = self.loading.actor.clone().ok_or(PlayerError::NotLoaded)?;
+        let graph = self.loading.graph.clone().ok_or(PlayerError::NotLoaded)?;
+        if to < actor.timeline.frame_count() { Ok((actor, graph)) } else { Err(PlayerError::NoFrame(to)) }
+    }
+
+    fn plan_from_here(&self, to: u32) -> Result<Plan, PlayerError> {
+        let (actor, graph) = self.ready(to)?;
+        let from = self.departure(&graph);
+        plan::plan(&graph, &actor.timeline, from, to).ok_or(PlayerError::Unreachable { from, to })
+    }
+
+    /// The frame from which what comes next can be chosen freely.
+    fn departure(&self, graph: &EssentialGraph) -> u32 {
+        match (&self.route, self.next.as_ref().or(self.last.as_ref())) {
+            (Some(route), _) => route.departure(graph),
+            (None, Some(frame)) => frame.at.frame(),
+            (None, None) => 0,
+        }
+    }
+
+    /// Makes the frame after the present one where there is none yet. False where nothing follows (now).
+    fn make_next(&mut self) -> bool {
+        if self.next.is_some() {
+            return true;
+        }
+        let Some(actor) = self.loading.actor.clone() else { return false };
+        if !self.playing {
+            return false;
+        }
+        if self.route.as_ref().is_none_or(|route| route.next(&actor.timeline).is_none()) && !self.play_on(&actor) {
+            return false;
+        }
+        let Some(step) = self.route.as_ref().and_then(|route| route.next(&actor.timeline)) else { return false };
+        match self.make(step) {
+            Ok(frame) => {
+                let graph = self.loading.graph.clone();
+                if let (Some(route), Some(graph)) = (&mut self.route, &graph) {
+                    route.take(graph, &actor.timeline);
+                }
+                self.next = Some(frame);
+                self.stalled = None;
+                true
+            }
+            Err(PoseError::NotLoaded(frame)) => {
+                if self.stalled != Some(frame) {
+                    self.stalled = Some(frame);
+                    self.events.push(Event::Stall { frame });
+                }
+                false
+            }
+            Err(PoseError::OutOfRange(frame) | PoseError::Damaged(frame)) => {
+                self.end(frame);
+                false
+            }
+        }
+    }
+
+    fn make(&mut self, step: Step) -> Result<Frame, PoseError> {
+        let placement = self.last.as_ref().map_or(Placement::IDENTITY, |last| last.placement);
+        match step {
+            Step::Recorded(frame) | Step::Back(frame) => self.recorded(frame, placement),
+            Step::Synthetic { .. } => Err(PoseError::OutOfRange(0)),
+        }
+    }
+
+    fn recorded(&mut self, frame: u32, placement: Placement) -> Result<Frame, PoseError> {
+        let Some(actor) = &self.loading.actor else { return Err(PoseError::NotLoaded(frame)) };
+        self.producer.recorded(&mut self.loading.source, &actor.topology, frame, placement)
+    }
+
+    /// The recorded pose of `frame`, as it was recorded.
+    ///
+    /// # Errors
+    /// A frame that does not exist, has not arrived, or is damaged.
+    pub fn recorded_pose(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
+        let actor = self.loading.actor.as_ref().ok_or(PlayerError::NotLoaded)?;
+        let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
+        self.loading.source.read(frame, &mut pose)?;
+        Ok(pose)
+    }
+
+    /// Frame `frame` in the world, where it would stand if the actor went there from the present.
+    ///
+    /// # Errors
+    /// As [`Self::plan`] and [`Self::recorded_pose`].
+    pub fn ghost(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
+        let mut pose = self.recorded_pose(frame)?;
+        self.arrival(frame)?.apply_all(&mut pose);
+        Ok(pose)
+    }
+
+    /// Placement of frame `to` if the actor goes there from the present.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn arrival(&mut self, to: u32) -> Result<Placement, PlayerError> {
+        self.plan_from_here(to)?;
+        Ok(self.last.as_ref().map_or(Placement::IDENTITY, |last| last.placement))
+    }
+
+    /// The picture has come to the next frame.
+    fn reach_next(&mut self) {
+        let Some(frame) = self.next.take() else { return };
+        self.last = Some(frame);
+        self.clock.set_weight(0.0);
+        self.leave_trail(false);
+        self.finish_route();
+    }
+
+    /// Arrives, or stops, where the route has come to its end.
+    fn finish_route(&mut self) {
+        let Some(actor) = &self.loading.actor else { return };
+        let Some(route) = &self.route else { return };
+        if route.next(&actor.timeline).is_some() || route.goal == Goal::PlayOn {
+            return;
+        }
+        if let Goal::Target(frame) = route.goal {
+            self.events.push(Event::Arrive { frame });
+        }
+        self.route = None;
+        self.playing = false;
+    }
+
+    /// Finds a way on from where the route ended. False where there is none.
+    fn play_on(&mut self, actor: &Actor) -> bool {
+        let from = match (&self.route, &self.loading.graph) {
+            (Some(route), Some(graph)) => route.departure(graph),
+            _ => self.last.as_ref().map_or(0, |last| last.at.frame()),
+        };
+        let plan = self.way_on(&actor.timeline, from);
+        if plan.duration > 0 {
+            self.route = Some(Route::new(&plan, Goal::PlayOn));
+            return true;
+        }
+        let start = actor.timeline.sequence_of(from).map_or(0, |sequence| sequence.first_frame);
+        // Nothing leads back: a cut, as in any player of recordings.
+        if self.looping && start != from && self.seek(f64::from(start)).is_ok() {
+            let plan = self.way_on(&actor.timeline, start);
+            self.route = Some(Route::new(&plan, Goal::PlayOn));
+            return plan.duration > 0;
+        }
+        self.end(from);
+        false
+    }
+
+    /// Recorded frames from `from` on; when looping, up to the last one with a way back to the sequence's start, and
+    /// then that way.
+    fn way_on(&self, timeline: &Timeline, from: u32) -> Plan {
+        let nothing = Plan { start: from, ..Plan::default() };
+        let Some(sequence) = timeline.sequence_of(from) else { return nothing };
+        let recorded = |last: u32, steps: u32| Walk {
+            legs: if steps > 0 { vec![Leg::Recorded { first: from, last, steps }] } else { vec![] },
+            duration: steps,
+            ..Walk::default()
+        };
+        if sequence.cyclic {
+            return Plan::of_walk(from, &recorded(from, sequence.frame_count));
+        }
+        let end = sequence.end_frame() - 1;
+        let to_the_end = Plan::of_walk(from, &recorded(end, end - from));
+        let (true, Some(graph)) = (self.looping, &self.loading.graph) else { return to_the_end };
+        let inside = reach::main_component(graph, timeline);
+        let is_in = |frame: &u32| inside.get(*frame as usize).copied().unwrap_or(false);
+        let Some(start) = (sequence.first_frame..=end).find(is_in) else { return to_the_end };
+        let Some(exit) = (from..=end).rev().find(is_in) else { return to_the_end };
+        let Some(back) = shared::search::cheapest_walk(graph, timeline, exit, start) else { return to_the_end };
+        let mut walk = recorded(exit, exit - from);
+        walk.legs.extend(back.legs);
+        walk.duration += back.duration;
+        walk.deformation += back.deformation;
+        let way = Plan::of_walk(from, &walk);
+        if way.duration > 0 { way } else { to_the_end }
+    }
+
+    fn end(&mut self, frame: u32) {
+        self.route = None;
+        self.playing = false;
+        self.events.push(Event::End { frame });
+    }
+
+    fn leave_trail(&mut self, starts: bool) {
+        let Some(last) = &self.last else { return };
+        let time = self.clock.played();
+        self.trail.push_back(TrailPoint { ground: last.ground, synthetic: last.at.is_synthetic(), starts, time });
+        while self.trail.front().is_some_and(|oldest| time - oldest.time > MEMORY) || self.trail.len() > 2048 {
+            self.trail.pop_front();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
