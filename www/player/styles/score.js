@@ -12,6 +12,7 @@ export const scoreStyles = `
   padding-inline: 16px;
   overflow: hidden auto;
   overscroll-behavior: contain;
+  scroll-padding-block: 28px 10px;
   scrollbar-width: thin;
   scrollbar-color: var(--line) transparent;
 }

@@ -68,12 +68,16 @@ export const stageStyles = `
   background: var(--background);
 }
 .error[data-over] {
-  inset: auto 0 56px;
-  justify-self: center;
+  inset: auto 0 52px;
+  grid-template: "happened button" auto "todo button" auto / 1fr auto;
+  justify-items: start;
+  column-gap: 24px;
+  inline-size: fit-content;
+  max-inline-size: calc(100% - 32px);
   margin-inline: auto;
-  inline-size: min(440px, calc(100% - 32px));
-  padding: 20px;
+  padding: 12px 16px;
   border-radius: 4px;
+  text-align: start;
   background: color-mix(in srgb, var(--surface) 94%, transparent);
 }
 .error .icon { inline-size: 72px; block-size: 72px; margin-block-end: 16px; color: var(--muted); opacity: 0.6; }
@@ -82,6 +86,9 @@ export const stageStyles = `
 .error p { margin: 0; max-inline-size: 44ch; text-wrap: balance; }
 .error .happened { font-size: 17px; font-weight: 600; }
 .error .todo { margin-block: 6px 18px; color: var(--muted); font-size: 14px; }
+.error[data-over] .happened { font-size: 14px; }
+.error[data-over] .todo { margin: 0; font-size: 13px; }
+.error[data-over] .button { grid-area: button; align-self: center; }
 
 .tooltip {
   position: absolute;
@@ -119,7 +126,7 @@ export const stageStyles = `
 .keys kbd { font: inherit; font-weight: 600; }
 
 @container player (width < 640px) {
-  .facts { font-size: 12px; inset-inline: 8px; inset-block-end: 44px; }
+  .facts { font-size: 12px; inset-inline: 8px; inset-block-end: 48px; max-block-size: 62%; }
   .chips { inset-block-end: 8px; }
   .chips.left { inset-inline-start: 4px; }
   .chips.right { inset-inline-end: 4px; }
