@@ -3,6 +3,7 @@
  * together; each part knows only itself.
  */
 
+import { AttributeElement } from './attributes.js';
 import { Director } from './director.js';
 import { loadEngine } from './engine.js';
 import { PlayerError, checkSupport, kindOf } from './errors.js';
@@ -24,10 +25,8 @@ const TURN = 8;
 const SUGGEST_ANEW = 1500;
 
 const nextTurn = () => new Promise((resolve) => setTimeout(resolve, 0));
-/** Servers have no elements; the class still has to exist there. */
-const Base = globalThis.HTMLElement ?? class {};
 
-export class ReprisePlayer extends Base {
+export class ReprisePlayer extends AttributeElement {
   static observedAttributes = ['src', 'poster', 'controls', 'loop', 'tint', 'theme', 'speed'];
 
   #view = null;
@@ -452,34 +451,6 @@ export class ReprisePlayer extends Base {
   }
 
   // ---- the contract ---------------------------------------------------------------------------------------------
-
-  get src() { return this.getAttribute('src') ?? ''; }
-  set src(value) { this.setAttribute('src', value); }
-  get poster() { return this.getAttribute('poster') ?? ''; }
-  set poster(value) { this.setAttribute('poster', value); }
-  get controls() { return this.hasAttribute('controls'); }
-  set controls(on) { this.toggleAttribute('controls', Boolean(on)); }
-  get autoplay() { return this.hasAttribute('autoplay'); }
-  set autoplay(on) { this.toggleAttribute('autoplay', Boolean(on)); }
-  get loop() { return this.hasAttribute('loop'); }
-  set loop(on) { this.toggleAttribute('loop', Boolean(on)); }
-  get tint() { return this.hasAttribute('tint'); }
-  set tint(on) { this.toggleAttribute('tint', Boolean(on)); }
-
-  get theme() {
-    const theme = this.getAttribute('theme');
-    return theme === 'light' || theme === 'dark' ? theme : null;
-  }
-  set theme(value) {
-    if (value) this.setAttribute('theme', value);
-    else this.removeAttribute('theme');
-  }
-
-  get speed() {
-    const speed = Number(this.getAttribute('speed') ?? 1);
-    return Number.isFinite(speed) && speed > 0 ? speed : 1;
-  }
-  set speed(value) { this.setAttribute('speed', String(value)); }
 
   get info() { return this.#director?.info ?? null; }
   get state() { return this.#director?.info ? this.#director.state : null; }

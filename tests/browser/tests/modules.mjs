@@ -30,7 +30,7 @@ export const tests = {
     const types = await readFile(new URL('reprise-player.d.ts', www), 'utf8');
     const body = types.slice(types.indexOf('extends HTMLElement {'), types.indexOf('\n}\n'));
     const promised = [...body.matchAll(/^ {2}(?:readonly )?(\w+)(?:[:(])/gm)].map(([, name]) => name);
-    const own = Object.getOwnPropertyNames(ReprisePlayer.prototype);
+    const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
     const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
     assert.deepEqual([...new Set(promised)].sort(), own.filter((name) => !inner.includes(name)).sort());
   },
