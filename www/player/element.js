@@ -19,6 +19,9 @@ import { buildView } from './view.js';
 const MOST_ARCS = 120;
 /** A device lost this often within so many milliseconds is not tried again by itself. */
 const LOSSES = { most: 3, within: 30_000 };
+/** How often, and after how many milliseconds, a lost device is asked for again before the page says so. */
+const REOPENINGS = 5;
+const REOPEN_AFTER = 400;
 /** Milliseconds of decoding after which the page gets a turn. */
 const TURN = 8;
 /** Milliseconds between two choices of poses around a moving actor. */
@@ -118,10 +121,20 @@ export class ReprisePlayer extends AttributeElement {
     sized.observe(this.#view.stage.root);
     this.#observers = [seen, sized];
     document.addEventListener('visibilitychange', visibility, { signal });
+    this.#watchDensity(signal);
     for (const query of ['(prefers-color-scheme: dark)', '(prefers-reduced-motion: reduce)']) {
       matchMedia(query).addEventListener('change', () => this.#applyOptions(), { signal });
     }
     visibility();
+  }
+
+  /** Another screen, another density: the size in CSS pixels stays, so no observer of sizes tells. */
+  #watchDensity(signal) {
+    const again = () => {
+      this.#resized();
+      this.#watchDensity(signal);
+    };
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', again, { once: true, signal });
   }
 
   #resized() {
@@ -200,7 +213,8 @@ export class ReprisePlayer extends AttributeElement {
     this.#loop?.request();
   }
 
-  async #openStage(signal) {
+  /** @param {number} patience how often a missing adapter is asked for again: after a crash there is none for a moment */
+  async #openStage(signal, patience = 0) {
     try {
       await this.#view.stage.open(this.#engine, this.#director.player);
       if (signal.aborted) return;
@@ -216,7 +230,10 @@ export class ReprisePlayer extends AttributeElement {
       this.#view.stage.setGhosts(this.#director.player, this.#ghosts(), true);
       this.#loop?.request();
     } catch (error) {
-      if (!signal.aborted) this.#fail(error);
+      if (signal.aborted) return;
+      if (patience === 0) return this.#fail(error);
+      await new Promise((resolve) => setTimeout(resolve, REOPEN_AFTER));
+      if (!signal.aborted) await this.#openStage(signal, patience - 1);
     }
   }
 
@@ -331,7 +348,7 @@ export class ReprisePlayer extends AttributeElement {
       return;
     }
     const director = this.#director;
-    await this.#openStage(this.#loading.signal);
+    await this.#openStage(this.#loading.signal, REOPENINGS);
     if (director === this.#director && this.#view.stage.stage) this.#dispatch('devicerestored', {});
   }
 
@@ -355,7 +372,10 @@ export class ReprisePlayer extends AttributeElement {
 
   /** The actions of keys and chips, by name. */
   #actions() {
-    const cursor = () => (this.#view.preview.frame >= 0 ? this.#view.preview.frame : Math.round(this.#director.state.frame));
+    const cursor = () => {
+      const { frame, target } = this.#director.state;
+      return this.#view.preview.frame >= 0 ? this.#view.preview.frame : (target ?? Math.round(frame));
+    };
     const move = (frame) => this.#look(frame, null, true);
     const ready = (work) => (event) => this.#director?.info && this.#guard(() => work(event));
     return {
@@ -369,7 +389,11 @@ export class ReprisePlayer extends AttributeElement {
         const { first, count } = this.#director.timeline.sequenceOf(cursor());
         move(key === 'Home' ? first : first + count - 1);
       }),
-      go: ready(() => this.#view.preview.frame >= 0 && this.#userGoes(this.#view.preview.frame)),
+      go: ready(() => {
+        if (this.#view.preview.frame < 0) return;
+        this.#userGoes(this.#view.preview.frame);
+        this.#look(-1);
+      }),
       toggle: ready(() => (this.playing ? this.pause() : this.play())),
       cancel: () => this.#escape(),
       facts: () => this.#view.toggleFacts() || this.#loop?.request(),

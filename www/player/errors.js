@@ -35,7 +35,7 @@ const WORDS = {
     button: AGAIN,
   },
   'device-lost': {
-    happened: 'The graphics device was lost several times in a row.',
+    happened: 'The graphics device was lost and does not come back.',
     todo: 'Close other pages that draw a lot, then try again.',
     button: AGAIN,
   },

@@ -103,7 +103,7 @@ export const tests = {
     }
     await player.event('error');
     assert.equal((await player.heard('error'))[0].kind, 'device-lost');
-    assert.match(await player.part('.error .happened').textContent(), /lost several times/);
+    assert.match(await player.part('.error .happened').textContent(), /does not come back/);
     await player.picture('error-device-lost');
     await player.part('.error button').click();
     await player.until('a stage again', (element) => element.testing.stage && !element.testing.lost());
