@@ -8,7 +8,7 @@ import { serve } from './server.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const dist = resolve(process.env.REPRISE_DIST ?? join(here, '../../dist'));
-const bundle = resolve(process.env.REPRISE_BUNDLE ?? join(dist, 'demo.reprise'));
+export const bundlePath = resolve(process.env.REPRISE_BUNDLE ?? join(dist, 'demo.reprise'));
 const out = join(here, 'out');
 
 const FLAGS = [
@@ -32,7 +32,7 @@ export class Browser {
   static async launch() {
     const browser = new Browser();
     mkdirSync(out, { recursive: true });
-    browser.server = await serve(dist, bundle);
+    browser.server = await serve(dist, bundlePath);
     await browser.start();
     return browser;
   }
@@ -107,9 +107,18 @@ export class Player {
   async until(what, work, argument, timeout = 30_000) {
     const end = Date.now() + timeout;
     while (!(await this.run(work, argument))) {
-      if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain: ${what}`);
+      if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain: ${what}\n${await this.circumstances()}`);
       await this.page.waitForTimeout(20);
     }
+  }
+
+  /** What may explain a wait in vain. */
+  async circumstances() {
+    const [events, state] = await this.page.evaluate(() => [
+      window.heard.filter(({ type }) => type !== 'progress').map((event) => JSON.stringify({ ...event, info: undefined })),
+      JSON.stringify(document.querySelector('reprise-player')?.state),
+    ]);
+    return [...this.complaints, `events: ${events.slice(-8).join(' ')}`, `state: ${state}`].join('\n');
   }
 
   /** Waits for an event of the player. */
