@@ -1,10 +1,15 @@
 //! Import of real captures and characters, where the folder with them is at hand.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests, too, end a test by panicking")]
+
+mod import_support;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use builder::import::{ImportOptions, Imported, import};
 use glam::{Mat4, Quat, Vec3};
+use import_support::check;
 use serde_json::Value;
 
 /// The folder of real data; `None` (with a sentence) where it is missing, unless CI demands it.
@@ -23,31 +28,6 @@ fn read(inputs: &[&Path], options: &ImportOptions) -> Imported {
     let imported = import(&inputs, options, &|_| {}).unwrap_or_else(|e| panic!("{e}"));
     check(&imported);
     imported
-}
-
-/// What holds for every capture.
-fn check(imported: &Imported) {
-    let capture = &imported.capture;
-    let (topology, surface) = (&capture.topology, &capture.surface);
-    assert_eq!(capture.poses.len(), capture.timeline.frame_count() as usize);
-    assert_eq!(capture.poses.vertex_count(), topology.vertex_count());
-    assert_eq!(surface.triangles.len(), topology.triangles().len());
-    for (drawn, welded) in surface.triangles.iter().zip(topology.triangles()) {
-        assert_eq!(drawn.map(|c| surface.corners[c as usize].vertex), *welded);
-        assert!(welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0]);
-    }
-    let mut next = 0;
-    for part in &surface.parts {
-        assert_eq!(part.first_triangle, next);
-        assert!((part.material as usize) < surface.materials.len());
-        next += part.triangle_count;
-    }
-    assert_eq!(next as usize, surface.triangles.len());
-    for image in surface.materials.iter().filter_map(|m| m.image) {
-        assert!((image as usize) < surface.images.len());
-    }
-    assert!(capture.vertex_of_file_vertex.iter().all(|&v| (v as usize) < topology.vertex_count()));
-    assert!(capture.poses.iter().flatten().all(|p| p.is_finite()));
 }
 
 #[test]

@@ -291,11 +291,7 @@ impl SymbolicCholesky {
             self.tallest = self.tallest.max(height);
             for column in (0..columns).step_by(PANEL) {
                 let width = PANEL.min(columns - column);
-                self.panels.push(Panel {
-                    column: column as u32,
-                    width: width as u32,
-                    start: self.panel_values as u32,
-                });
+                self.panels.push(Panel { column: column as u32, width: width as u32, start: self.panel_values as u32 });
                 self.panel_values += head(width) + (height - column - width) * width;
             }
             self.first_panel.push(self.panels.len() as u32);
@@ -374,7 +370,9 @@ fn backward<const W: usize>(values: &[f32], rows: &mut [Vec4]) {
     }
 }
 
-fn analyse(upper: SymbolicSparseColMatRef<'_, u32>) -> Result<supernodal::SymbolicSupernodalCholesky<u32>, CholeskyError> {
+fn analyse(
+    upper: SymbolicSparseColMatRef<'_, u32>,
+) -> Result<supernodal::SymbolicSupernodalCholesky<u32>, CholeskyError> {
     let n = upper.ncols();
     let mut memory = memory(StackReq::any_of(&[
         simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, upper.row_idx().len()),

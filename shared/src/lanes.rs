@@ -81,7 +81,7 @@ impl Lanes {
             p = p * r + 8.333_452e-3;
             p = p * r + 4.166_579_6e-2;
             p = p * r + 1.666_666_5e-1;
-            p = p * r + 5.000_000_1e-1;
+            p = p * r + 0.5;
             (p * r * r + r + 1.0) * f32::from_bits(((whole as i32 + 127) as u32) << 23)
         })
     }
@@ -142,7 +142,7 @@ impl Lanes {
         let cos = self.map(|x| {
             let z = x * x;
             let mut p = 2.087_675_7e-9;
-            p = p * z - 2.755_731_9e-7;
+            p = p * z - 2.755_732e-7;
             p = p * z + 2.480_158_8e-5;
             p = p * z - 1.388_889e-3;
             p = p * z + 4.166_666_8e-2;

@@ -8,8 +8,10 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::cholesky::{CholeskyError, anchors_last};
 use crate::gradients::{TriangleBatches, frame};
 use crate::lanes::{LANES, Lanes};
+use crate::topology::Topology;
 
 /// Narrowest triangle that is weighted as it is, height over longest edge. Single precision cannot hold the weights of
 /// narrower ones (their three cotangents cancel); they are weighted as if they were this wide.
@@ -21,6 +23,8 @@ const DEGENERATE: f64 = 1e-12;
 /// Which entries the Laplacian of any pose has, and where each triangle's weights go.
 #[derive(Clone, Debug)]
 pub struct LaplacianPattern {
+    /// Vertices in elimination order, anchors last.
+    order: Vec<u32>,
     /// Place of each vertex in elimination order; anchors take the last ones.
     position_of_vertex: Vec<u32>,
     free_count: usize,
@@ -47,17 +51,27 @@ pub struct Laplacian {
 }
 
 impl LaplacianPattern {
-    /// The pattern of `triangles`, whose vertices are eliminated in the order `order`, the last `anchor_count` not at all.
-    #[must_use]
-    pub(crate) fn new(triangles: &TriangleBatches, order: &[u32], anchor_count: usize) -> Self {
+    /// The pattern of the Laplacians over `topology`, whose triangles are `triangles`. Vertices are eliminated in the
+    /// order `order`; the last one of each component is its anchor, and is not.
+    ///
+    /// # Errors
+    /// [`CholeskyError::Order`] where `order` does not name every vertex once.
+    pub fn new(topology: &Topology, triangles: &TriangleBatches, order: &[u32]) -> Result<Self, CholeskyError> {
+        let order = anchors_last(topology, order)?;
         let mut position_of_vertex = vec![0; order.len()];
         for (position, &vertex) in order.iter().enumerate() {
             position_of_vertex[vertex as usize] = position as u32;
         }
         let (edges, edge_of_corner) = number_edges(triangles, &position_of_vertex);
-        let free_count = order.len() - anchor_count;
+        let free_count = order.len() - topology.component_count();
         let (row_start, columns, edge_of_entry) = rows(&edges, free_count);
-        Self { position_of_vertex, free_count, edges, edge_of_corner, row_start, columns, edge_of_entry }
+        Ok(Self { order, position_of_vertex, free_count, edges, edge_of_corner, row_start, columns, edge_of_entry })
+    }
+
+    /// The vertices in the order of elimination, the anchors last.
+    #[must_use]
+    pub fn order(&self) -> &[u32] {
+        &self.order
     }
 
     /// Number of vertices that are not anchors.

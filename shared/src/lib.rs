@@ -18,6 +18,7 @@ pub mod capture;
 pub mod cholesky;
 pub mod gradients;
 pub mod graph;
+mod kept;
 mod lanes;
 pub mod laplacian;
 pub mod poisson;

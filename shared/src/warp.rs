@@ -13,6 +13,20 @@ pub enum Move {
     Destination,
 }
 
+impl Move {
+    /// Whether the source segment advances.
+    #[must_use]
+    pub fn advances_source(self) -> bool {
+        self != Self::Destination
+    }
+
+    /// Whether the destination segment advances.
+    #[must_use]
+    pub fn advances_destination(self) -> bool {
+        self != Self::Source
+    }
+}
+
 /// A warp's path as its moves; a transition of L frames has L - 1 of them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warp {

@@ -62,6 +62,9 @@ pub(super) fn assemble(
         Some(file) => read_weights(file, file_vertices, &kept)?,
         None => barycentric_areas(&corners, positions.get(..vertex_count).unwrap_or_default()),
     };
+    if plan.weights.is_none() && weights.iter().all(|&area| area == 0.0) {
+        return Err(ImportError::NoTriangles { path });
+    }
     let topology = Topology::new(vertex_count as u32, corners, weights)?;
     warn_about_loose_vertices(&topology, warnings);
 

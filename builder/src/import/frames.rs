@@ -35,9 +35,11 @@ pub(super) struct Reference<'a> {
     pub path: &'a Path,
     pub vertex_count: usize,
     pub faces: &'a FaceList,
+    pub uvs: &'a [[f32; 2]],
+    pub colours: &'a [[u8; 4]],
 }
 
-/// What later frames of a sequence do differently.
+/// What a frame does differently.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Differences {
     /// Texture coordinates or vertex colours change.
@@ -145,7 +147,7 @@ pub(super) fn read_frames(
             let frame = read_frame(path)?;
             check_same_mesh(&frame, path, first_frame + k, reference)?;
             place(&frame.positions, path, first_frame + k, axes, out)?;
-            let attributes = frame.uvs != first.uvs || frame.colours != first.colours;
+            let attributes = frame.uvs != reference.uvs || frame.colours != reference.colours;
             let same_looks = frame.libraries == first.libraries && frame.material_textures == first.material_textures;
             let texture = if same_looks { None } else { own_texture(&frame, path)? };
             Ok(Differences { attributes, texture })

@@ -125,20 +125,17 @@ impl Finder {
     }
 
     fn glob(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
-        let text = path.to_string_lossy().into_owned();
-        let paths = glob::glob(&text)
-            .map_err(|e| ImportError::Pattern { pattern: text.clone(), reason: format!("not a glob: {e}") })?;
-        let mut matches = Vec::new();
-        for entry in paths {
-            matches.push(entry.map_err(|e| ImportError::Io { path: e.path().to_owned(), source: e.into() })?);
-        }
-        matches.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+        let matches = glob_files(path)?;
         let meshes: Vec<PathBuf> = matches.iter().filter(|p| is_mesh(p) && p.is_file()).cloned().collect();
         let mut found = if meshes.is_empty() { Vec::new() } else { self.mesh_runs(path, meshes, false)? };
         for other in matches.iter().filter(|p| p.is_dir() || is_gltf(p)) {
             found.extend(if other.is_dir() { self.folder(other)? } else { self.gltf(other)? });
         }
-        if found.is_empty() { Err(ImportError::NoMatch { pattern: text }) } else { Ok(found) }
+        if found.is_empty() {
+            Err(ImportError::NoMatch { pattern: path.to_string_lossy().into_owned() })
+        } else {
+            Ok(found)
+        }
     }
 
     /// Mesh files as sequences: all of them as one where `together`, else one per run of numbers.
@@ -197,13 +194,29 @@ pub(super) fn ending(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-/// The entries of a folder, by name.
+/// The entries of a folder that are not hidden, by name.
 pub(super) fn list(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     let fail = |source| ImportError::Io { path: folder.to_owned(), source };
     let entries = fs::read_dir(folder).map_err(fail)?;
     let mut paths = entries.map(|e| e.map(|e| e.path()).map_err(fail)).collect::<Result<Vec<_>, _>>()?;
+    // Hidden files are no frames: macOS leaves "._" twins behind.
+    paths.retain(|path| path.file_name().is_none_or(|name| !name.to_string_lossy().starts_with('.')));
     paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     Ok(paths)
+}
+
+/// The files and folders that a glob names and that are not hidden, by name.
+pub(super) fn glob_files(pattern: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let text = pattern.to_string_lossy().into_owned();
+    let options = glob::MatchOptions { require_literal_leading_dot: true, ..glob::MatchOptions::default() };
+    let paths = glob::glob_with(&text, options)
+        .map_err(|e| ImportError::Pattern { pattern: text.clone(), reason: format!("not a glob: {e}") })?;
+    let mut matches = Vec::new();
+    for entry in paths {
+        matches.push(entry.map_err(|e| ImportError::Io { path: e.path().to_owned(), source: e.into() })?);
+    }
+    matches.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(matches)
 }
 
 fn is_mesh(path: &Path) -> bool {

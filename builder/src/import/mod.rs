@@ -9,18 +9,18 @@
 //!
 //! What can be read:
 //!
-//! - **glTF and GLB** ([`gltf`]): every clip becomes a sequence, baked at [`ImportOptions::fps`] from its first keyframe
+//! - **glTF and GLB** (`gltf`): every clip becomes a sequence, baked at [`ImportOptions::fps`] from its first keyframe
 //!   to its last. A clip without duration is one frame; a file without clips is one frame. Unnamed animations of which
 //!   no two move the same thing are one clip.
 //! - **OBJ and PLY**: one file a frame, from a folder, a glob, or a pattern such as `frame_%05d.obj:0:99:2`
-//!   ([`pattern`] has the syntax). Numbered files are played in the order of their numbers, one sequence for each
+//!   (`pattern` has the syntax). Numbered files are played in the order of their numbers, one sequence for each
 //!   common name; a gap in the numbers is a warning, except in a pattern's range, whose files must all exist.
 //! - **A manifest** (`capture.toml`, or a folder that holds one): many sequences with labels, see
 //!   `docs/capture-manifest.md`.
 //!
 //! Whatever the format, all frames of a capture have the same vertices and faces in the same order, the file's; anything
 //! else is an error that names file, frame and face. Positions end up in metres, +Y up. Vertices that share their
-//! position in every frame are welded ([`weld`]); texture coordinates stay with the corners of the drawn surface, with
+//! position in every frame are welded (`weld`); texture coordinates stay with the corners of the drawn surface, with
 //! v downwards (OBJ and PLY are turned over).
 //!
 //! Nothing here trusts a file: counts are held against the file's size before memory is reserved, every index is

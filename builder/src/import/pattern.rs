@@ -31,23 +31,19 @@ struct Range {
 impl Pattern {
     /// Whether `input` is meant as a pattern.
     pub fn looks_like(input: &str) -> bool {
-        input.match_indices('%').any(|(at, _)| {
-            let rest = input[at + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
-            rest.starts_with('d')
-        })
+        conversion(input).is_some()
     }
 
     /// Reads `input` as a pattern.
     pub fn parse(input: &str) -> Result<Self, ImportError> {
         let wrong = |reason: &str| ImportError::Pattern { pattern: input.to_owned(), reason: reason.to_owned() };
-        let (name, range) = split_range(input).map_err(|reason| wrong(&reason))?;
-        let (before, rest) = name.split_once('%').ok_or_else(|| wrong("a pattern needs %d or %05d"))?;
-        let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
-        let (width, rest) = rest.split_at(digits);
-        let after = rest.strip_prefix('d').ok_or_else(|| wrong("after % must follow d, as in %05d"))?;
-        if after.contains('%') {
+        let (start, end) = conversion(input).ok_or_else(|| wrong("a pattern needs %d or %05d"))?;
+        let before = &input[..start];
+        let (after, range) = split_range(&input[end..]).map_err(|reason| wrong(&reason))?;
+        if conversion(after).is_some() {
             return Err(wrong("a pattern has one %d only"));
         }
+        let width = &input[start + 1..end - 1];
         let width = if width.is_empty() { Ok(0) } else { width.parse() };
         let width: usize = width.ok().filter(|&w| w <= 18).ok_or_else(|| wrong("at most %018d"))?;
         if range.is_none() && after.contains(['/', std::path::MAIN_SEPARATOR]) {
@@ -108,12 +104,19 @@ impl Pattern {
     }
 }
 
-/// Takes `:START:END` or `:START:END:STEP` off the end. A colon elsewhere (`C:\...`) is part of the name.
-fn split_range(input: &str) -> Result<(&str, Option<Range>), String> {
-    let Some(at) = input.rfind('%').and_then(|percent| Some(percent + input[percent..].find(':')?)) else {
-        return Ok((input, None));
-    };
-    let numbers: Vec<u64> = input[at + 1..]
+/// Where the first `%d` or `%05d` of `text` begins and ends.
+fn conversion(text: &str) -> Option<(usize, usize)> {
+    text.match_indices('%').find_map(|(start, _)| {
+        let digits = text[start + 1..].bytes().take_while(u8::is_ascii_digit).count();
+        let end = start + 1 + digits;
+        text[end..].starts_with('d').then_some((start, end + 1))
+    })
+}
+
+/// Takes `:START:END` or `:START:END:STEP` off what follows the number.
+fn split_range(after: &str) -> Result<(&str, Option<Range>), String> {
+    let Some((name, range)) = after.split_once(':') else { return Ok((after, None)) };
+    let numbers: Vec<u64> = range
         .split(':')
         .map(|n| n.parse().map_err(|_| format!("\"{n}\" is not a number; a range is :START:END or :START:END:STEP")))
         .collect::<Result<_, _>>()?;
@@ -128,7 +131,7 @@ fn split_range(input: &str) -> Result<(&str, Option<Range>), String> {
     if (range.end - range.start) / range.step >= u64::from(Timeline::MAX_FRAMES) {
         return Err(format!("a range holds at most {} frames", Timeline::MAX_FRAMES));
     }
-    Ok((&input[..at], Some(range)))
+    Ok((name, Some(range)))
 }
 
 #[cfg(test)]
@@ -141,6 +144,7 @@ mod tests {
         assert!(Pattern::looks_like("100%/f%d.ply"));
         assert!(!Pattern::looks_like("100%.obj"));
         assert!(!Pattern::looks_like("frame.obj"));
+        assert_eq!(Pattern::parse("C:/100%/f%03d.ply:1:2").unwrap().name(7), "C:/100%/f007.ply");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Source, ending, list, stem};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Source, ending, glob_files, list, stem};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
 use super::pattern::Pattern;
 use super::{DEFAULT_FPS, ImportOptions};
@@ -165,25 +165,19 @@ fn manifest_sequence(
 /// The image files that a texture input names: a file, a folder, a glob or a pattern.
 fn textures_of(input: &str, base: &Path) -> Result<Vec<PathBuf>, ImportError> {
     let path = base.join(input);
-    let mut files: Vec<PathBuf> = if path.is_file() {
+    let files: Vec<PathBuf> = if path.is_file() {
         vec![path]
     } else if path.is_dir() {
         list(&path)?.into_iter().filter(|p| is_image(p)).collect()
     } else if Pattern::looks_like(input) {
         Pattern::parse(input)?.files(base)?
     } else if input.contains(['*', '?', '[']) {
-        let text = path.to_string_lossy().into_owned();
-        let paths = glob::glob(&text)
-            .map_err(|e| ImportError::Pattern { pattern: text, reason: format!("not a glob: {e}") })?;
-        paths.filter_map(Result::ok).filter(|p| is_image(p)).collect()
+        glob_files(&path)?.into_iter().filter(|p| is_image(p)).collect()
     } else {
         return Err(ImportError::NotFound { path });
     };
     if files.is_empty() {
         return Err(ImportError::NoMatch { pattern: input.to_owned() });
-    }
-    if !Pattern::looks_like(input) {
-        files.sort_by(|a, b| super::numbered::natural(&a.to_string_lossy(), &b.to_string_lossy()));
     }
     Ok(files)
 }

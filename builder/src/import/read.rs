@@ -1,17 +1,17 @@
 //! Reads all frames of a plan into one block of file-vertex positions.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::Vec3;
 use rayon::prelude::*;
-use shared::timeline::{Timeline, TimelineError};
+use shared::timeline::Timeline;
 
 use super::error::ImportError;
 use super::frames::{Axes, Differences, Reference, place, read_frame, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
 use super::mesh::{FileMesh, Frame};
-use super::plan::Plan;
+use super::plan::{Plan, PlannedSequence};
 use super::{Progress, frames};
 
 /// No capture has more file vertices.
@@ -44,9 +44,15 @@ pub(super) fn read(
     let reference_path = first.source.path().to_owned();
     let mesh = mesh_of(&first.source, warnings)?;
     let counts: Vec<u64> = plan.sequences.iter().map(|s| s.source.frame_count(plan.fps)).collect();
-    let (mut positions, total) = reserve(&counts, mesh.vertex_count, &reference_path)?;
+    let (mut positions, total) = reserve(plan, &counts, mesh.vertex_count)?;
 
-    let reference = Reference { path: &reference_path, vertex_count: mesh.vertex_count, faces: &mesh.faces };
+    let reference = Reference {
+        path: &reference_path,
+        vertex_count: mesh.vertex_count,
+        faces: &mesh.faces,
+        uvs: &mesh.uvs,
+        colours: &mesh.colours,
+    };
     let mut textures = Vec::new();
     let mut done = 0;
     let mut rest = positions.as_mut_slice();
@@ -83,22 +89,27 @@ fn mesh_of(source: &Source, warnings: &mut Vec<String>) -> Result<FileMesh, Impo
     Ok(mesh)
 }
 
-/// Memory for all positions, and the number of frames.
-fn reserve(counts: &[u64], vertex_count: usize, path: &Path) -> Result<(Vec<Vec3>, u64), ImportError> {
-    let total = counts.iter().fold(0_u64, |sum, &count| sum.saturating_add(count));
-    if total > u64::from(Timeline::MAX_FRAMES) {
-        return Err(TimelineError::TooManyFrames.into());
+/// Memory for the positions of `counts` frames, and the number of frames; refuses what is too much.
+fn reserve(plan: &Plan, counts: &[u64], vertex_count: usize) -> Result<(Vec<Vec3>, u64), ImportError> {
+    let too_large = |sequence: Option<&PlannedSequence>, reason: String| {
+        let path = sequence.map(|s| s.source.path().to_owned()).unwrap_or_default();
+        let name = sequence.map(|s| s.name.as_str()).unwrap_or_default();
+        ImportError::TooLarge { path, reason: format!("with sequence \"{name}\" there are {reason}") }
+    };
+    let mut total = 0_u64;
+    for (sequence, &count) in plan.sequences.iter().zip(counts) {
+        total = total.saturating_add(count);
+        if total > u64::from(Timeline::MAX_FRAMES) {
+            let reason = format!("{total} frames, of at most {}", Timeline::MAX_FRAMES);
+            return Err(too_large(Some(sequence), reason));
+        }
     }
     let size = total * vertex_count as u64;
-    let too_large = || ImportError::TooLarge {
-        path: path.to_owned(),
-        reason: format!("{total} frames of {vertex_count} vertices do not fit into memory"),
-    };
+    let reason = || format!("{total} frames of {vertex_count} vertices, which do not fit into memory");
     let mut positions = Vec::new();
-    if size > MAX_POSITIONS {
-        return Err(too_large());
+    if size > MAX_POSITIONS || positions.try_reserve_exact(size as usize).is_err() {
+        return Err(too_large(plan.sequences.last(), reason()));
     }
-    positions.try_reserve_exact(size as usize).map_err(|_| too_large())?;
     positions.resize(size as usize, Vec3::ZERO);
     Ok((positions, total))
 }

@@ -88,12 +88,6 @@ impl PairGradients {
         if pair.narrow == ALL_WIDE { wanted } else { self.narrow[pair.narrow as usize].overrule(wanted, lambda) }
     }
 
-    /// Number of batches of eight triangles.
-    #[must_use]
-    pub(crate) fn batch_count(&self) -> usize {
-        self.batches.len()
-    }
-
     /// What [`Self::edges`] gives, of one triangle.
     #[must_use]
     pub fn triangle_edges(&self, triangle: usize, lambda: f32) -> [Vec3; 2] {
@@ -199,14 +193,14 @@ fn decompose(i: &Frame, j: &Frame) -> PairBatch {
 /// Unit axis and half the angle of the rotation between two right-handed orthonormal frames; the angle is at most pi.
 #[inline(always)]
 fn rotation(from: [Lanes3; 3], to: [Lanes3; 3]) -> (Lanes3, Lanes) {
-    let entry = |row: fn(&Lanes3) -> Lanes, column: fn(&Lanes3) -> Lanes| {
-        row(&to[0]) * column(&from[0]) + row(&to[1]) * column(&from[1]) + row(&to[2]) * column(&from[2])
-    };
-    let (x, y, z): (fn(&Lanes3) -> Lanes, fn(&Lanes3) -> Lanes, fn(&Lanes3) -> Lanes) = (|v| v.x, |v| v.y, |v| v.z);
-    let (r00, r11, r22) = (entry(x, x), entry(y, y), entry(z, z));
-    let (r01, r10) = (entry(x, y), entry(y, x));
-    let (r02, r20) = (entry(x, z), entry(z, x));
-    let (r12, r21) = (entry(y, z), entry(z, y));
+    // R = to from^T, the frames' axes being the columns.
+    let product = |row: [Lanes; 3], column: [Lanes; 3]| row[0] * column[0] + row[1] * column[1] + row[2] * column[2];
+    let (tx, ty, tz) = (to.map(|axis| axis.x), to.map(|axis| axis.y), to.map(|axis| axis.z));
+    let (fx, fy, fz) = (from.map(|axis| axis.x), from.map(|axis| axis.y), from.map(|axis| axis.z));
+    let (r00, r11, r22) = (product(tx, fx), product(ty, fy), product(tz, fz));
+    let (r01, r10) = (product(tx, fy), product(ty, fx));
+    let (r02, r20) = (product(tx, fz), product(tz, fx));
+    let (r12, r21) = (product(ty, fz), product(tz, fy));
     let one = Lanes::splat(1.0);
     // Four times the squares of the quaternion's parts; the largest gives the best conditioned row of 4 q q^T.
     let squares = [one + r00 + r11 + r22, one + r00 - r11 - r22, one - r00 + r11 - r22, one - r00 - r11 + r22];
@@ -267,6 +261,5 @@ pub fn triangle_gradient(source: [Vec3; 3], destination: [Vec3; 3], lambda: f32)
     if normal.length_squared() == 0.0 || moved.length_squared() == 0.0 {
         return Mat3::IDENTITY;
     }
-    Mat3::from_cols(first, second, moved / moved.length())
-        * Mat3::from_cols(e, f, normal / normal.length()).inverse()
+    Mat3::from_cols(first, second, moved / moved.length()) * Mat3::from_cols(e, f, normal / normal.length()).inverse()
 }

@@ -1,7 +1,7 @@
 //! Conjugate gradients on a pose's own Laplacian, preconditioned by the factor of another pose, for three right sides
 //! at once, one per lane.
 
-use glam::{DVec4, Vec4};
+use glam::{DVec3, Vec4};
 
 use crate::cholesky::{Factor, SymbolicCholesky};
 use crate::laplacian::{Laplacian, LaplacianPattern};
@@ -24,8 +24,10 @@ pub(super) struct System {
 pub(super) struct Outcome {
     /// Solves with the preconditioner.
     pub solves: usize,
-    /// Estimate of the largest error left at a vertex, in metres.
+    /// Estimate of the largest error left at a vertex, in metres; not a number where the system holds none.
     pub error: f32,
+    /// What one solve leaves of the error, where there were two solves to tell.
+    pub contraction: Option<f32>,
     /// Whether the tolerance was met. Where not, the system can be run on with another preconditioner.
     pub done: bool,
 }
@@ -33,13 +35,9 @@ pub(super) struct Outcome {
 impl System {
     /// Forgets the system before; `residual` is then to be filled.
     pub fn reset(&mut self, free_count: usize) {
-        for vector in [
-            &mut self.residual,
-            &mut self.correction,
-            &mut self.preconditioned,
-            &mut self.direction,
-            &mut self.product,
-        ] {
+        for vector in
+            [&mut self.residual, &mut self.correction, &mut self.preconditioned, &mut self.direction, &mut self.product]
+        {
             vector.clear();
             vector.resize(free_count, Vec4::ZERO);
         }
@@ -49,37 +47,42 @@ impl System {
     /// `most_solves` are spent.
     ///
     /// The preconditioned residual `z = M^-1 r` *is* the error, in metres, as far as the preconditioner M is the matrix.
-    /// It is added in the end, which leaves the part that M gets wrong: about the ratio of the last two residuals.
+    /// It is added in the end, which leaves the part that M gets wrong: the contraction, the ratio of the last two
+    /// residuals, known once there are two; `expected` is what to take for it before.
     pub fn run(
         &mut self,
         pattern: &LaplacianPattern,
         laplacian: &Laplacian,
-        preconditioner: (&SymbolicCholesky, &Factor),
+        (symbolic, factor): (&SymbolicCholesky, &Factor),
+        expected: f32,
         tolerance: f32,
         most_solves: usize,
     ) -> Outcome {
-        let (symbolic, factor) = preconditioner;
-        let mut solves = 0;
-        let mut product_before = DVec4::ZERO;
-        let mut size_before = f32::INFINITY;
+        let mut outcome = Outcome { solves: 0, error: f32::INFINITY, contraction: None, done: false };
+        let mut product_before = DVec3::ZERO;
+        let mut size_before = None;
         loop {
             self.preconditioned.copy_from_slice(&self.residual);
             symbolic.solve(factor, &mut self.preconditioned, &mut self.scratch);
-            solves += 1;
+            outcome.solves += 1;
+            let product = dot(&self.residual, &self.preconditioned);
+            if !product.is_finite() {
+                outcome.error = f32::NAN;
+                return outcome;
+            }
             let size = largest(&self.preconditioned);
-            let left = size * (size / size_before).min(1.0);
-            let done = if solves == 1 { size <= tolerance } else { left <= tolerance };
-            if done {
+            outcome.contraction = size_before.map(|before: f32| (size / before).min(1.0));
+            outcome.error = size * outcome.contraction.unwrap_or(expected);
+            if outcome.error <= tolerance {
                 for (correction, &z) in self.correction.iter_mut().zip(&self.preconditioned) {
                     *correction += z;
                 }
-                return Outcome { solves, error: left.min(size), done };
+                outcome.done = true;
+                return outcome;
             }
-            if solves >= most_solves || !size.is_finite() {
-                return Outcome { solves, error: size, done };
+            if outcome.solves >= most_solves {
+                return outcome;
             }
-            size_before = size;
-            let product = dot(&self.residual, &self.preconditioned);
             let beta = ratio(product, product_before);
             for (direction, &z) in self.direction.iter_mut().zip(&self.preconditioned) {
                 *direction = z + *direction * beta;
@@ -91,6 +94,7 @@ impl System {
                 self.residual[k] -= self.product[k] * alpha;
             }
             product_before = product;
+            size_before = Some(size);
         }
     }
 }
@@ -105,19 +109,19 @@ fn largest(vectors: &[Vec4]) -> f32 {
 }
 
 /// Products per lane; blocks in single precision, their sums in double.
-fn dot(a: &[Vec4], b: &[Vec4]) -> DVec4 {
-    let mut sum = DVec4::ZERO;
+fn dot(a: &[Vec4], b: &[Vec4]) -> DVec3 {
+    let mut sum = DVec3::ZERO;
     for (a, b) in a.chunks(32).zip(b.chunks(32)) {
         let mut block = Vec4::ZERO;
         for (&a, &b) in a.iter().zip(b) {
             block += a * b;
         }
-        sum += block.as_dvec4();
+        sum += block.truncate().as_dvec3();
     }
     sum
 }
 
 /// `a / b` per lane, 0 where there is nothing left to divide by.
-fn ratio(a: DVec4, b: DVec4) -> Vec4 {
-    DVec4::select(b.cmpgt(DVec4::ZERO), a / b, DVec4::ZERO).as_vec4()
+fn ratio(a: DVec3, b: DVec3) -> Vec4 {
+    DVec3::select(b.cmpgt(DVec3::ZERO), a / b, DVec3::ZERO).as_vec3().extend(0.0)
 }

@@ -10,18 +10,17 @@
 
 mod components;
 mod conjugate_gradients;
-mod kept;
 
 use glam::{Vec3, Vec4};
 
-use crate::cholesky::{CholeskyError, Factor, SymbolicCholesky, Workspace, anchors_last, elimination_order};
+use crate::cholesky::{CholeskyError, Factor, SymbolicCholesky, Workspace, elimination_order};
 use crate::gradients::{Batch, PairGradients, TriangleBatches};
+use crate::kept::Kept;
 use crate::lanes::{LANES, Lanes, Lanes3};
 use crate::laplacian::{Laplacian, LaplacianPattern};
 use crate::topology::Topology;
 use components::Components;
 use conjugate_gradients::System;
-use kept::Kept;
 
 /// Estimated largest error at a vertex, in metres, at which iterations stop. The estimate is no bound; against exact
 /// solutions in double precision the error stays below [`GUARANTEE`], which the tests check.
@@ -31,10 +30,16 @@ pub const TOLERANCE: f32 = 2e-5;
 pub const GUARANTEE: f32 = 1e-4;
 
 /// Solves spent with another pose's factor before the pose gets its own.
-const PATIENCE: usize = 5;
+const PATIENCE: usize = 4;
 
 /// Solves spent with a pose's own factor at most; one is enough unless its Laplacian had to be regularised.
 const MOST_SOLVES: usize = 60;
+
+/// What a solve with a pose's own factor, in single precision, leaves of the error at most.
+const OWN_CONTRACTION: f32 = 1e-3;
+
+/// Frames over which a measured contraction is a guide.
+const TRUSTED_FRAMES: u32 = 6;
 
 /// Factors that are kept.
 const KEPT_FACTORS: usize = 6;
@@ -60,20 +65,19 @@ pub struct Effort {
     pub factorisations: usize,
     /// Pivots that had to be regularised in the factors used.
     pub regularised: usize,
-    /// Estimate of the largest error at a vertex in metres.
-    pub error: f32,
+    /// Estimates of the largest error at a vertex in metres, of both sides.
+    pub error: [f32; 2],
 }
 
 /// Interpolates between poses of one topology.
 pub struct PoissonInterpolator {
-    order: Vec<u32>,
     triangles: TriangleBatches,
     pattern: LaplacianPattern,
     symbolic: SymbolicCholesky,
     workspace: Workspace,
     components: Components,
     laplacians: Kept<Laplacian>,
-    factors: Kept<Factor>,
+    factors: Kept<Preconditioner>,
     gradients: PairGradients,
     system: System,
     /// By vertex: the linear blend, what the solution differs from it, and the guess that the system starts from.
@@ -91,16 +95,14 @@ impl PoissonInterpolator {
     /// # Errors
     /// An order that does not name each vertex once, or a mesh too large to factorise.
     pub fn new(topology: &Topology, order: Option<&[u32]>) -> Result<Self, CholeskyError> {
-        let order = match order {
-            Some(order) => anchors_last(topology, order)?,
-            None => anchors_last(topology, &elimination_order(topology)?)?,
-        };
         let triangles = TriangleBatches::new(topology.triangles());
-        let pattern = LaplacianPattern::new(&triangles, &order, topology.component_count());
+        let pattern = match order {
+            Some(order) => LaplacianPattern::new(topology, &triangles, order)?,
+            None => LaplacianPattern::new(topology, &triangles, &elimination_order(topology)?)?,
+        };
         let symbolic = SymbolicCholesky::new(&pattern)?;
         let n = topology.vertex_count();
         Ok(Self {
-            order,
             triangles,
             pattern,
             symbolic,
@@ -120,7 +122,7 @@ impl PoissonInterpolator {
     /// The order in which vertices are eliminated, to be stored and given to [`Self::new`].
     #[must_use]
     pub fn elimination_order(&self) -> &[u32] {
-        &self.order
+        self.pattern.order()
     }
 
     /// Forgets the frame before: the next interpolation starts from the linear blend.
@@ -168,7 +170,7 @@ impl PoissonInterpolator {
                 self.restart();
                 return Err(error);
             }
-            for (&vertex, &correction) in self.order.iter().zip(&self.system.correction) {
+            for (&vertex, &correction) in self.pattern.order().iter().zip(&self.system.correction) {
                 self.offset[vertex as usize] += correction * weight;
             }
         }
@@ -191,7 +193,7 @@ impl PoissonInterpolator {
     fn factorise(&mut self, frame: u32, laplacian: usize) -> Result<usize, CholeskyError> {
         let factor = self.symbolic.factorise(self.laplacians.get(laplacian), &mut self.workspace)?;
         let slot = self.factors.claim(frame);
-        *self.factors.get_mut(slot) = factor;
+        *self.factors.get_mut(slot) = Preconditioner { factor, measured: None };
         Ok(slot)
     }
 
@@ -227,34 +229,64 @@ impl PoissonInterpolator {
     fn solve(&mut self, side: usize, frame: u32, laplacian: usize, effort: &mut Effort) -> Result<(), CholeskyError> {
         let free_count = self.pattern.free_count();
         self.system.reset(free_count);
-        for (residual, &vertex) in self.system.residual.iter_mut().zip(&self.order) {
+        for (residual, &vertex) in self.system.residual.iter_mut().zip(self.pattern.order()) {
             *residual = self.missing[side][vertex as usize];
         }
         let mut slot = match self.factors.nearest(frame) {
             Some(slot) => slot,
-            None => self.factorise(frame, laplacian)?,
+            None => {
+                effort.factorisations += 1;
+                self.factorise(frame, laplacian)?
+            }
         };
         loop {
             let own = self.factors.is_of(slot, frame);
-            let factor = self.factors.get(slot);
+            let preconditioner = self.factors.get(slot);
             let outcome = self.system.run(
                 &self.pattern,
                 self.laplacians.get(laplacian),
-                (&self.symbolic, factor),
+                (&self.symbolic, &preconditioner.factor),
+                preconditioner.expected(frame, own),
                 TOLERANCE,
                 if own { MOST_SOLVES } else { PATIENCE },
             );
             effort.solves[side] += outcome.solves;
-            effort.regularised += factor.regularised;
-            effort.error = effort.error.max(outcome.error);
+            effort.regularised += preconditioner.factor.regularised;
+            effort.error[side] = outcome.error;
             if !outcome.error.is_finite() {
                 return Err(CholeskyError::NotFinite);
+            }
+            if let (Some(contraction), false) = (outcome.contraction, own) {
+                self.factors.get_mut(slot).measured = Some((frame, contraction));
             }
             if outcome.done || own {
                 return Ok(());
             }
             slot = self.factorise(frame, laplacian)?;
             effort.factorisations += 1;
+        }
+    }
+}
+
+/// A pose's factor, and how well it did for another pose.
+#[derive(Default)]
+struct Preconditioner {
+    factor: Factor,
+    /// That pose's frame, and what one solve left of the error.
+    measured: Option<(u32, f32)>,
+}
+
+impl Preconditioner {
+    /// What one solve will leave of the error of a system of `frame`.
+    fn expected(&self, frame: u32, own: bool) -> f32 {
+        match self.measured {
+            _ if own && self.factor.regularised == 0 => OWN_CONTRACTION,
+            // Poses that drift away contract less; double it every few frames.
+            Some((measured, contraction)) => {
+                let frames = frame.abs_diff(measured);
+                if frames > TRUSTED_FRAMES { 1.0 } else { (contraction * (1.5 + 0.5 * frames as f32)).min(1.0) }
+            }
+            None => 1.0,
         }
     }
 }

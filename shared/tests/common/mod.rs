@@ -2,12 +2,13 @@
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 pub mod exact;
+pub mod meshes;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3Swizzles};
 use shared::align::{Placement, align_heading, centre_of_mass};
 use shared::topology::{Topology, barycentric_areas};
 
@@ -81,5 +82,3 @@ pub fn aligned(topology: &Topology, fixed: &[Vec3], moving: &[Vec3]) -> Vec<Vec3
 pub fn largest_difference(a: &[Vec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.as_dvec3().distance(*b)).fold(0.0, f64::max)
 }
-
-use glam::Vec3Swizzles;

@@ -134,7 +134,7 @@ impl Clip {
     /// Number of frames at `fps`: one at the first keyframe, and one every 1/fps seconds to the last.
     pub fn frame_count(&self, fps: f64) -> u64 {
         // A thousandth of a frame of rounding; a saturating cast, so absurd times are caught by the frame limit.
-        ((self.end - self.start) * fps + 1e-3).floor().max(0.0) as u64 + 1
+        (((self.end - self.start) * fps + 1e-3).floor().max(0.0) as u64).saturating_add(1)
     }
 
     /// Applies the clip at `time` (seconds) to the nodes at rest.

@@ -105,6 +105,14 @@ impl Document {
         self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri))
     }
 
+    /// A buffer without bytes: where the file uses compression, it stands in for what a decoder would write.
+    fn missing_buffer(&self, user: &str) -> ImportError {
+        match compression(&self.root.extensions_used) {
+            Some(extension) => ImportError::Compressed { path: self.path.clone(), extension: extension.clone() },
+            None => self.wrong(format!("{user} has no bytes in this file")),
+        }
+    }
+
     fn load_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, ImportError> {
         let buffers = self.root.buffers.iter().enumerate();
         buffers
@@ -112,7 +120,7 @@ impl Document {
                 let user = format!("buffer {index}");
                 let bytes = match &buffer.uri {
                     Some(uri) => self.fetch(uri, &user)?,
-                    None => blob.take().ok_or_else(|| self.wrong(format!("{user} has no bytes in this file")))?,
+                    None => blob.take().ok_or_else(|| self.missing_buffer(&user))?,
                 };
                 if (bytes.len() as u64) < buffer.byte_length.0 {
                     let reason = format!("{user} has {} of {} bytes", bytes.len(), buffer.byte_length.0);
@@ -122,6 +130,11 @@ impl Document {
             })
             .collect()
     }
+}
+
+/// The extension by which a file says that it is compressed, if it does.
+fn compression(extensions: &[String]) -> Option<&String> {
+    extensions.iter().find(|extension| COMPRESSIONS.contains(&extension.as_str()))
 }
 
 fn split_glb(bytes: &[u8], path: &Path) -> Result<(Vec<u8>, Option<Vec<u8>>), ImportError> {
@@ -139,11 +152,11 @@ fn split_glb(bytes: &[u8], path: &Path) -> Result<(Vec<u8>, Option<Vec<u8>>), Im
 }
 
 fn check_extensions(root: &Root, path: &Path) -> Result<(), ImportError> {
+    if let Some(extension) = compression(&root.extensions_required) {
+        return Err(ImportError::Compressed { path: path.to_owned(), extension: extension.clone() });
+    }
     for extension in &root.extensions_required {
         let path = path.to_owned();
-        if COMPRESSIONS.contains(&extension.as_str()) {
-            return Err(ImportError::Compressed { path, extension: extension.clone() });
-        }
         if !READ.contains(&extension.as_str()) && !extension.starts_with("KHR_materials_") {
             return Err(ImportError::Extension { path, extension: extension.clone() });
         }

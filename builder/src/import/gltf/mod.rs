@@ -12,7 +12,7 @@ mod shape;
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
@@ -112,7 +112,8 @@ impl GltfFile {
 /// Collects the drawn primitives.
 struct Builder<'a> {
     document: &'a Document,
-    nodes: &'a Nodes,
+    /// World matrices of the nodes at rest.
+    world_from_nodes: Vec<Mat4>,
     skins: &'a [Joints],
     instances: Vec<Instance>,
     materials: Materials,
@@ -122,10 +123,10 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(document: &'a Document, nodes: &'a Nodes, skins: &'a [Joints]) -> Self {
+    fn new(document: &'a Document, nodes: &Nodes, skins: &'a [Joints]) -> Self {
         Self {
             document,
-            nodes,
+            world_from_nodes: nodes.world_from_nodes(&nodes.rest),
             skins,
             instances: Vec::new(),
             materials: Materials::default(),
@@ -187,7 +188,7 @@ impl<'a> Builder<'a> {
         }
         let mut triangles = triangles(&indices, primitive.mode);
         // A mirroring node turns the triangles inside out (specification, section 3.7.4); a skin ignores its node.
-        if !skinned && self.nodes.world_from_nodes(&self.nodes.rest)[node].determinant() < 0.0 {
+        if !skinned && self.world_from_nodes[node].determinant() < 0.0 {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
         let material = self.materials.load(self.document, primitive.material, user)?;

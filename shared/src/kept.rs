@@ -1,7 +1,7 @@
 //! A handful of things kept by frame, the least recently used giving way.
 
 /// Up to a number of things, each of a frame.
-pub(super) struct Kept<T> {
+pub(crate) struct Kept<T> {
     slots: Vec<Slot<T>>,
     most: usize,
     clock: u64,
@@ -61,9 +61,9 @@ impl<T: Default> Kept<T> {
         self.slots[index].frame == frame
     }
 
-    /// Empties all slots.
-    pub fn clear(&mut self) {
-        self.slots.clear();
+    /// Frees a slot.
+    pub fn forget(&mut self, index: usize) {
+        self.slots.swap_remove(index);
     }
 
     fn touch(&mut self, index: usize) {

@@ -1,0 +1,149 @@
+//! `Blend` of thesis algorithm 2, without the poses: where the source and destination of a transition stand, node by
+//! node of its warp.
+
+use glam::Vec2;
+
+use super::ground::{Ground, recorded_step};
+use crate::align::Placement;
+use crate::graph::{EssentialGraph, Transition};
+use crate::pose_source::PoseError;
+use crate::search::{Leg, Walk};
+use crate::timeline::Timeline;
+use crate::warp::Warp;
+
+/// A node of a transition under way.
+///
+/// The actor's centre of mass follows the blended displacements of both sides. Source and destination are re-aligned
+/// about the vertical axis at each node; the rotations act on all that remains of their segments, so headings
+/// accumulate. Heights are not touched: interpolation blends them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blend {
+    /// Index t of the node, from 0.
+    pub node: usize,
+    /// Frames n and m that the node blends.
+    pub frames: [u32; 2],
+    /// Where both are to be placed.
+    pub placements: [Placement; 2],
+    /// Weight of the destination: `t / (L - 1)`.
+    pub lambda: f32,
+    /// Centre of mass P in metres along (X, Z).
+    pub centre: Vec2,
+}
+
+impl Blend {
+    /// The first node of a transition that leaves from frame `from`, which stands at `placement`.
+    ///
+    /// # Errors
+    /// A segment that leaves its sequence, or a frame that cannot be read.
+    pub fn begin(
+        timeline: &Timeline,
+        ground: &mut impl Ground,
+        (from, to): (u32, u32),
+        warp: &Warp,
+        placement: Placement,
+    ) -> Result<Self, PoseError> {
+        let (_, lj) = warp.lengths();
+        let first = timeline.offset(to, 1 - lj as i64).ok_or(PoseError::OutOfRange(to))?;
+        let centre = ground_point(placement, ground.centre(from)?);
+        let heading = placement.heading + ground.heading(from, first)?;
+        let destination = Placement::turning(heading, ground.centre(first)?, centre);
+        let lambda = if warp.moves().is_empty() { 1.0 } else { 0.0 };
+        Ok(Self { node: 0, frames: [from, first], placements: [placement, destination], lambda, centre })
+    }
+
+    /// The node after this one; `None` at the end of the warp.
+    ///
+    /// # Errors
+    /// A segment that leaves its sequence, or a frame that cannot be read.
+    pub fn next(&self, timeline: &Timeline, ground: &mut impl Ground, warp: &Warp) -> Result<Option<Self>, PoseError> {
+        let Some(step) = warp.moves().get(self.node) else { return Ok(None) };
+        let mut frames = self.frames;
+        let mut placements = self.placements;
+        let mut centres = [Vec2::ZERO; 2];
+        let mut displacements = [Vec2::ZERO; 2];
+        for (side, advances) in [step.advances_source(), step.advances_destination()].into_iter().enumerate() {
+            if advances {
+                let (frame, recorded) =
+                    recorded_step(timeline, ground, frames[side])?.ok_or(PoseError::OutOfRange(frames[side]))?;
+                frames[side] = frame;
+                placements[side] = placements[side].after(&recorded);
+            }
+            centres[side] = ground.centre(frames[side])?;
+            if advances {
+                displacements[side] = ground_point(placements[side], centres[side]) - self.centre;
+            }
+        }
+        let centre = self.centre + displacements[0].lerp(displacements[1], self.lambda);
+        let node = self.node + 1;
+        let lambda = node as f32 / warp.moves().len() as f32;
+        let apart = placements[0].heading + ground.heading(frames[0], frames[1])? - placements[1].heading;
+        let apart = half_turn(apart);
+        let headings = [placements[0].heading - lambda * apart, placements[1].heading + (1.0 - lambda) * apart];
+        let placements = [0, 1].map(|side| Placement::turning(headings[side], centres[side], centre));
+        Ok(Some(Self { node, frames, placements, lambda, centre }))
+    }
+}
+
+/// Placement of the destination's recorded frames after a transition whose source frames stand as they were recorded:
+/// [`Transition::placement`]. No pose is interpolated.
+///
+/// # Errors
+/// A segment that leaves its sequence, or a frame that cannot be read.
+pub fn transition_placement(
+    timeline: &Timeline,
+    ground: &mut impl Ground,
+    ends: (u32, u32),
+    warp: &Warp,
+) -> Result<Placement, PoseError> {
+    let mut blend = Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)?;
+    while let Some(next) = blend.next(timeline, ground, warp)? {
+        blend = next;
+    }
+    let heading = half_turn(blend.placements[1].heading);
+    Ok(Placement { heading, ..blend.placements[1] })
+}
+
+/// Placement of a walk's last frame, the actor standing at `start` on its first one. Reads no pose but at the wraps of
+/// cyclic sequences.
+///
+/// # Errors
+/// A walk that does not belong to `graph`, or a frame at a wrap that cannot be read.
+pub fn arrival(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    ground: &mut impl Ground,
+    start: Placement,
+    walk: &Walk,
+) -> Result<Placement, PoseError> {
+    let mut placement = start;
+    for leg in &walk.legs {
+        match *leg {
+            Leg::Recorded { first, steps, .. } => {
+                let mut frame = first;
+                for _ in 0..steps {
+                    let (next, step) = recorded_step(timeline, ground, frame)?.ok_or(PoseError::OutOfRange(frame))?;
+                    frame = next;
+                    placement = placement.after(&step);
+                }
+            }
+            Leg::Synthetic(index) => placement = placement.after(&transition(graph, index)?.placement),
+        }
+    }
+    Ok(placement)
+}
+
+/// The transition that a leg names.
+pub(super) fn transition(graph: &EssentialGraph, index: u32) -> Result<&Transition, PoseError> {
+    graph.transitions().get(index as usize).ok_or(PoseError::OutOfRange(index))
+}
+
+fn ground_point(placement: Placement, point: Vec2) -> Vec2 {
+    let moved = placement.apply(glam::Vec3::new(point.x, 0.0, point.y));
+    Vec2::new(moved.x, moved.z)
+}
+
+/// The same angle between -pi and pi.
+fn half_turn(angle: f32) -> f32 {
+    let turns = (angle / std::f32::consts::TAU).round();
+    angle - turns * std::f32::consts::TAU
+}

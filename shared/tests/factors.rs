@@ -1,0 +1,92 @@
+//! Laplacians and their Cholesky factors.
+
+mod common;
+
+use common::meshes::{Random, bent, together, tube};
+use glam::{Vec3, Vec4};
+use shared::cholesky::{SymbolicCholesky, Workspace, elimination_order};
+use shared::gradients::TriangleBatches;
+use shared::laplacian::{Laplacian, LaplacianPattern};
+use shared::topology::Topology;
+
+struct Case {
+    topology: Topology,
+    pose: Vec<Vec3>,
+    triangles: TriangleBatches,
+    pattern: LaplacianPattern,
+    laplacian: Laplacian,
+}
+
+fn case(seed: u64) -> Case {
+    let mut random = Random::new(seed);
+    let (topology, points) = together(&[tube(9, 7), tube(4, 5)], 1);
+    let pose = bent(&points, 1.0, 0.5, 0.02, &mut random);
+    let triangles = TriangleBatches::new(topology.triangles());
+    let pattern = LaplacianPattern::new(&topology, &triangles, &elimination_order(&topology).unwrap()).unwrap();
+    let mut laplacian = Laplacian::default();
+    pattern.assemble(&triangles, &pose, &mut laplacian);
+    Case { topology, pose, triangles, pattern, laplacian }
+}
+
+fn random_vectors(count: usize, seed: u64) -> Vec<Vec4> {
+    let mut random = Random::new(seed);
+    (0..count).map(|_| random.vector().extend(0.0)).collect()
+}
+
+#[test]
+fn a_laplacian_times_a_vector_is_the_sum_over_its_triangles() {
+    for seed in 0..4 {
+        let case = case(seed);
+        let n = case.pattern.free_count();
+        assert_eq!(n, case.topology.vertex_count() - 3, "one anchor for each component");
+        let x = random_vectors(n, seed);
+        let mut product = vec![Vec4::ZERO; n];
+        case.pattern.multiply(&case.laplacian, &x, &mut product);
+
+        let at = |vertex: u32| case.pattern.position_of_vertex()[vertex as usize] as usize;
+        let value = |vertex: u32| x.get(at(vertex)).map_or(glam::DVec3::ZERO, |v| v.truncate().as_dvec3());
+        let mut expected = vec![glam::DVec3::ZERO; case.topology.vertex_count()];
+        for t in case.topology.triangles() {
+            for corner in 0..3 {
+                let [o, k, l] = [0, 1, 2].map(|step| t[(corner + step) % 3]);
+                let [po, pk, pl] = [o, k, l].map(|vertex| case.pose[vertex as usize].as_dvec3());
+                let weight = 0.5 * (pk - po).dot(pl - po) / (pk - po).cross(pl - po).length();
+                expected[at(k)] += weight * (value(k) - value(l));
+                expected[at(l)] += weight * (value(l) - value(k));
+            }
+        }
+        for (found, expected) in product.iter().zip(&expected) {
+            assert!(found.truncate().as_dvec3().distance(*expected) < 1e-4 * (1.0 + expected.length()));
+        }
+    }
+}
+
+#[test]
+fn factors_solve_their_laplacian() {
+    for seed in 0..4 {
+        let case = case(seed);
+        let symbolic = SymbolicCholesky::new(&case.pattern).unwrap();
+        let factor = symbolic.factorise(&case.laplacian, &mut Workspace::default()).unwrap();
+        assert_eq!(factor.regularised, 0);
+        let x = random_vectors(case.pattern.free_count(), seed + 10);
+        let mut solved = vec![Vec4::ZERO; x.len()];
+        case.pattern.multiply(&case.laplacian, &x, &mut solved);
+        symbolic.solve(&factor, &mut solved, &mut Vec::new());
+        let error = solved.iter().zip(&x).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(error < 1e-4, "{error}");
+    }
+}
+
+#[test]
+fn laplacians_do_not_see_rigid_motions() {
+    let case = case(2);
+    let turn = glam::Quat::from_rotation_y(1.0);
+    let moved: Vec<Vec3> = case.pose.iter().map(|p| turn * *p + Vec3::new(0.5, 0.0, 1.0)).collect();
+    let mut other = Laplacian::default();
+    case.pattern.assemble(&case.triangles, &moved, &mut other);
+    let x = random_vectors(case.pattern.free_count(), 5);
+    let [mut a, mut b] = [x.clone(), x.clone()];
+    case.pattern.multiply(&case.laplacian, &x, &mut a);
+    case.pattern.multiply(&other, &x, &mut b);
+    assert!(a.iter().zip(&b).all(|(a, b)| a.distance(*b) < 1e-3 * (1.0 + a.length())));
+}
