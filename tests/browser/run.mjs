@@ -1,0 +1,33 @@
+/**
+ * Runs the browser tests: `node run.mjs [part of a name]`.
+ *
+ * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise), CHROMIUM
+ * the browser (default: /usr/bin/chromium). Pictures go to out/.
+ */
+
+import { Browser } from './browser.mjs';
+import { tests as modules } from './tests/modules.mjs';
+import { tests as loading } from './tests/loading.mjs';
+import { tests as walking } from './tests/walking.mjs';
+import { tests as errors } from './tests/errors.mjs';
+import { tests as page } from './tests/page.mjs';
+import { tests as pictures } from './tests/pictures.mjs';
+
+const wanted = process.argv[2] ?? '';
+const chosen = [modules, loading, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+
+const browser = await Browser.launch();
+let failed = 0;
+for (const [name, test] of chosen) {
+  try {
+    await test(browser);
+    console.log(`ok      ${name}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAILED  ${name}\n        ${String(error?.stack ?? error).replaceAll('\n', '\n        ')}`);
+  }
+  await browser.tidy();
+}
+await browser.close();
+console.log(`${chosen.length - failed} passed, ${failed} failed`);
+process.exitCode = failed > 0 || chosen.length === 0 ? 1 : 0;

@@ -1,0 +1,89 @@
+/** A static server as strict as a careful site: right media types, a content security policy, and faults on request. */
+
+import { createServer } from 'node:http';
+import { readFile, stat } from 'node:fs/promises';
+import { extname, join, normalize } from 'node:path';
+
+const TYPES = {
+  '.html': 'text/html; charset=utf-8',
+  '.js': 'text/javascript; charset=utf-8',
+  '.css': 'text/css; charset=utf-8',
+  '.json': 'application/json',
+  '.svg': 'image/svg+xml',
+  '.wasm': 'application/wasm',
+  '.reprise': 'application/octet-stream',
+};
+
+const POLICY =
+  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
+
+/** Bundles that went wrong on their way, made from the good one. */
+const FAULTS = {
+  '/faults/damaged.reprise': (bundle) => {
+    const bytes = Buffer.from(bundle);
+    for (let at = Math.floor(bytes.length * 0.6); at < bytes.length * 0.6 + 64; at += 1) bytes[at] ^= 0x5a;
+    return bytes;
+  },
+  '/faults/damaged-early.reprise': (bundle) => {
+    const bytes = Buffer.from(bundle);
+    for (let at = 40; at < 72; at += 1) bytes[at] ^= 0x5a;
+    return bytes;
+  },
+  '/faults/truncated.reprise': (bundle) => bundle.subarray(0, Math.floor(bundle.length * 0.6)),
+  '/faults/truncated-early.reprise': (bundle) => bundle.subarray(0, 64),
+  // The major version stands right behind the eight bytes that say what the file is.
+  '/faults/too-new.reprise': (bundle) => {
+    const bytes = Buffer.from(bundle);
+    bytes.writeUInt16LE(99, 8);
+    return bytes;
+  },
+  '/faults/not-reprise.reprise': () => Buffer.from('This is a letter, not an actor.\n'.repeat(40)),
+};
+
+/**
+ * @param {string} root the folder to serve
+ * @param {string} bundlePath served as `/demo.reprise`
+ * @returns {Promise<{address: string, close: () => void}>}
+ */
+export async function serve(root, bundlePath) {
+  const bundle = await readFile(bundlePath);
+  const server = createServer((request, response) => {
+    answer(root, bundle, request, response).catch(() => response.destroy());
+  });
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+  return { address: `http://localhost:${server.address().port}/`, close: () => server.closeAllConnections() ?? server.close() };
+}
+
+async function answer(root, bundle, request, response) {
+  const { pathname } = new URL(request.url, 'http://localhost');
+  response.setHeader('content-security-policy', POLICY);
+  if (pathname === '/demo.reprise') return send(response, bundle, '.reprise');
+  if (pathname === '/slow.reprise') return trickle(response, bundle, false);
+  if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
+  if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
+  const file = join(root, normalize(pathname === '/' ? '/index.html' : decodeURIComponent(pathname)));
+  const found = file.startsWith(root) && (await stat(file).catch(() => null))?.isFile();
+  if (found) return send(response, await readFile(file), extname(file));
+  response.writeHead(404, { 'content-type': 'text/plain' });
+  response.end('Not found');
+}
+
+function send(response, bytes, extension) {
+  response.writeHead(200, { 'content-type': TYPES[extension] ?? 'application/octet-stream', 'content-length': bytes.length });
+  response.end(bytes);
+}
+
+/** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
+async function trickle(response, bundle, breaks) {
+  response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
+  const piece = Math.ceil(bundle.length / 20);
+  for (let at = 0; at < bundle.length; at += piece) {
+    response.write(bundle.subarray(at, at + piece));
+    await new Promise((resolve) => setTimeout(resolve, 250));
+    if (breaks && at > 0) {
+      response.destroy();
+      return;
+    }
+  }
+  response.end();
+}

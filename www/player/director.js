@@ -1,0 +1,56 @@
+/**
+ * Speaks with the WebAssembly player: parses what it says, and keeps it until the clock moves on.
+ * Everything here runs without a GPU; a lost device leaves it untouched.
+ */
+
+import { Timeline } from './timeline.js';
+
+export class Director {
+  /** @param {object} player an instance of the module's `Player` */
+  constructor(player) {
+    this.player = player;
+    this.info = null;
+    this.timeline = null;
+    this.known = null;
+    this.walk = null;
+  }
+
+  /** Reads the bundle's description again: textures and transitions arrive after the first pose. */
+  refresh() {
+    this.info = JSON.parse(this.player.info());
+    this.timeline ??= new Timeline(this.info);
+    this.known = null;
+  }
+
+  /** @returns {import('../reprise-player').PlayerState} */
+  get state() {
+    this.known ??= JSON.parse(this.player.state());
+    return this.known;
+  }
+
+  /** Advances the clock. @returns {{changed: boolean, events: object[]}} */
+  tick(seconds) {
+    const changed = this.player.tick(seconds);
+    if (changed) this.known = null;
+    const events = JSON.parse(this.player.events());
+    if (events.length > 0) this.known = null;
+    return { changed, events };
+  }
+
+  plan(to) {
+    return JSON.parse(this.player.plan(to));
+  }
+
+  /** The walk under way or the last one that was begun, with its cost; the facts show it. */
+  goTo(to) {
+    this.walk = JSON.parse(this.player.go_to(to));
+    this.known = null;
+    return this.walk;
+  }
+
+  /** Calls a method of the player that changes what it does. */
+  tell(method, ...values) {
+    this.player[method](...values);
+    this.known = null;
+  }
+}

@@ -1,0 +1,79 @@
+/** What the keys do, in one table: the handler and the dialog that lists them both read it. */
+
+import { h, icon } from './dom.js';
+
+/** @type {{keys: string[], shown: string, does: string, act: string}[]} */
+export const KEYS = [
+  { keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', does: 'move over the frames of a sequence, with shift by half a second', act: 'step' },
+  { keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', does: 'move over the sequences', act: 'across' },
+  { keys: ['Home', 'End'], shown: 'Home End', does: 'first and last frame of a sequence', act: 'ends' },
+  { keys: ['Enter'], shown: 'Enter', does: 'go to that pose', act: 'go' },
+  { keys: [' '], shown: 'Space', does: 'play or pause', act: 'toggle' },
+  { keys: ['Escape'], shown: 'Esc', does: 'stop on the way, or put away what is open', act: 'cancel' },
+  { keys: ['f'], shown: 'F', does: 'facts', act: 'facts' },
+  { keys: ['t'], shown: 'T', does: 'tint: recorded green, synthetic red', act: 'tint' },
+  { keys: ['p'], shown: 'P', does: 'poses around the actor', act: 'poses' },
+  { keys: ['l'], shown: 'L', does: 'loop', act: 'loop' },
+  { keys: ['?'], shown: '?', does: 'these keys', act: 'help' },
+];
+
+const ON_STAGE = [
+  { shown: '← → ↑ ↓', does: 'turn the camera, when the stage has the focus' },
+  { shown: '+ −', does: 'come closer, go away' },
+];
+
+const POINTER = [
+  { shown: 'drag', does: 'turn the camera' },
+  { shown: 'shift + drag', does: 'move it; with the right button or two fingers too' },
+  { shown: 'wheel, pinch', does: 'come closer, go away' },
+  { shown: 'double click', does: 'back to the actor' },
+];
+
+/**
+ * @param {KeyboardEvent} event
+ * @param {Record<string, (event: KeyboardEvent) => void>} actions by the names in the table
+ * @returns {boolean} whether the key was used
+ */
+export function handleKey(event, actions) {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return false;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const entry = KEYS.find(({ keys }) => keys.includes(key));
+  const target = event.composedPath()[0];
+  if (!entry || usesKey(target, key)) return false;
+  event.preventDefault();
+  actions[entry.act]?.(event);
+  return true;
+}
+
+/** Controls keep the keys that are theirs: space and enter press a button, arrows move in a list. */
+function usesKey(target, key) {
+  const tag = target?.tagName;
+  if (tag === 'INPUT' || tag === 'TEXTAREA' || target?.isContentEditable) return true;
+  if (tag === 'BUTTON' || tag === 'A') return key === ' ' || key === 'Enter';
+  return tag === 'SELECT' && key !== 'Escape' && key !== '?';
+}
+
+/** The dialog that lists the keys. */
+export class KeysDialog {
+  constructor() {
+    const rows = (list) => list.map(({ shown, does }) => h('div', {}, h('dt', {}, h('kbd', {}, shown)), h('dd', {}, does)));
+    const close = h('button', { type: 'button', class: 'round', 'aria-label': 'Close' }, icon('close'));
+    this.root = h(
+      'dialog',
+      { class: 'keys', 'aria-labelledby': 'keys-title' },
+      h('header', {}, h('h2', { id: 'keys-title' }, 'Keys'), close),
+      h('dl', {}, ...rows(KEYS)),
+      h('h3', {}, 'On the stage'),
+      h('dl', {}, ...rows([...POINTER, ...ON_STAGE])),
+    );
+    close.addEventListener('click', () => this.root.close());
+    this.root.addEventListener('click', (event) => {
+      if (event.target === this.root) this.root.close();
+    });
+  }
+
+  toggle() {
+    if (this.root.open) this.root.close();
+    else this.root.showModal();
+  }
+}

@@ -1,0 +1,56 @@
+/** Chooses the poses that are shown around the actor: a few it can reach soon, far enough apart to be told from each other. */
+
+/** Seconds within which a pose must be reached. */
+const SOON = { least: 0.4, most: 6 };
+const MOST_POSES = 5;
+/** Metres between two poses, and between a pose and the actor. */
+const APART = 0.8;
+
+const rest = () => new Promise((resolve) => setTimeout(resolve, 0));
+
+/**
+ * @param {object} player
+ * @param {import('./timeline.js').Timeline} timeline
+ * @param {{x: number, z: number}} actor where the actor stands
+ * @param {() => boolean} wanted false when the answer is no longer of use
+ * @returns {Promise<number[]>} frames
+ */
+export async function suggestPoses(player, timeline, actor, wanted) {
+  const reachable = [];
+  for (const frame of candidates(timeline)) {
+    const way = approach(player, frame);
+    if (way) reachable.push(way);
+    await rest();
+    if (!wanted()) return [];
+  }
+  reachable.sort((a, b) => a.seconds - b.seconds);
+  return spreadOut(reachable, actor).map(({ frame }) => frame);
+}
+
+/** A third and two thirds of the way through every sequence: no pose at a sequence's end, where the actor would be stuck. */
+function candidates(timeline) {
+  return timeline.sequences.flatMap(({ first, count }) => [1 / 3, 2 / 3].map((share) => first + Math.floor(count * share)));
+}
+
+function approach(player, frame) {
+  try {
+    if (!player.loaded(frame)) return null;
+    const { seconds } = JSON.parse(player.plan(frame));
+    if (seconds < SOON.least || seconds > SOON.most) return null;
+    const [, x, z] = player.arrival(frame);
+    return { frame, seconds, x, z };
+  } catch {
+    // Out of reach from here: not a pose to suggest.
+    return null;
+  }
+}
+
+function spreadOut(reachable, actor) {
+  const chosen = [];
+  for (const pose of reachable) {
+    const near = [actor, ...chosen].some((other) => Math.hypot(other.x - pose.x, other.z - pose.z) < APART);
+    if (!near) chosen.push(pose);
+    if (chosen.length === MOST_POSES) break;
+  }
+  return chosen;
+}

@@ -1,0 +1,92 @@
+/** What the browser tests may look at and do; loaded only where the page's address has `?test`. */
+
+export class Testing {
+  /** @param {() => {director: object, view: object, draw: () => void}} inside */
+  constructor(inside) {
+    this.inside = inside;
+  }
+
+  get player() {
+    return this.inside().director.player;
+  }
+
+  get stage() {
+    return this.inside().view.stage.stage;
+  }
+
+  /** The pose as drawn, in the world: three numbers a vertex. */
+  pose() {
+    return Array.from(this.player.pose());
+  }
+
+  /** A frame as recorded, where the capture has it. */
+  recordedPose(frame) {
+    return Array.from(this.player.recorded_pose(frame));
+  }
+
+  /** Heading, x and z of a frame if the actor goes there from the present. */
+  arrival(frame) {
+    return Array.from(this.player.arrival(frame));
+  }
+
+  adapter() {
+    return JSON.parse(this.stage.adapter());
+  }
+
+  /** Takes the device away, as a driver's crash would. */
+  loseDevice() {
+    this.stage.lose();
+  }
+
+  lost() {
+    return this.stage?.lost() ?? true;
+  }
+
+  /** Frames whose poses are drawn as ghosts. */
+  ghosts() {
+    return this.inside().view.stage.ghosts;
+  }
+
+  thumbnails() {
+    const { shelf } = this.inside().view.score;
+    return { drawn: shelf.pictures.size, complete: shelf.complete };
+  }
+
+  /** Where on the screen a frame's place in the score is, scrolled into view. */
+  placeOf(frame) {
+    const { score } = this.inside().view;
+    const strip = score.layout.stripOf(frame);
+    score.strips[strip.index].root.scrollIntoView({ block: 'nearest' });
+    const { left, top } = score.sheet.getBoundingClientRect();
+    return { x: left + score.layout.xOf(frame), y: top + strip.y + strip.height / 2 };
+  }
+
+  /** Where on the screen a ghost's middle is. */
+  placeOfGhost(frame) {
+    const { view } = this.inside();
+    const [, x, z] = this.player.arrival(frame);
+    const { left, top } = view.stage.root.getBoundingClientRect();
+    const [cssX, cssY, visible] = this.stage.project(x, 1, z);
+    return { x: left + cssX, y: top + cssY, visible: visible > 0 };
+  }
+
+  /** Screenshots of a canvas that has just been drawn once can be blank: this draws on and on. */
+  keepDrawing() {
+    const again = () => {
+      this.inside().draw();
+      requestAnimationFrame(again);
+    };
+    again();
+  }
+
+  /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour. */
+  async picture() {
+    this.inside().draw();
+    const pixels = await this.stage.read_pixels();
+    const { width, height } = this.inside().view.stage.canvas;
+    const differs = (at) => [0, 1, 2].some((channel) => Math.abs(pixels[at + channel] - pixels[channel]) > 24);
+    let drawn = 0;
+    for (let at = 0; at < pixels.length; at += 4) drawn += Number(differs(at));
+    return { width, height, bytes: pixels.length, drawn: drawn / (width * height), corner: Array.from(pixels.slice(0, 3)) };
+  }
+}
