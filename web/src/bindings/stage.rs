@@ -170,7 +170,11 @@ impl Stage {
     /// Uploads what changed and draws; does nothing where nothing changed.
     pub fn draw(&mut self, player: &Player) {
         let now = now();
-        let seconds = ((now - self.time) / 1000.0) as f32;
+        // After a rest the first step is a usual one: the camera sets off gently.
+        let seconds = match ((now - self.time) / 1000.0) as f32 {
+            rest if rest > 0.2 => 1.0 / 60.0,
+            seconds => seconds,
+        };
         self.time = now;
         if self.lost() || !self.show(player) {
             return;
