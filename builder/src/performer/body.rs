@@ -59,6 +59,9 @@ impl Default for Body {
     }
 }
 
+/// The head is modelled at natural size and drawn a little larger.
+pub const HEAD_SCALE: f32 = 1.12;
+
 /// Above this height the skirt is solid, and there is no cavity around the legs.
 const FILLED_ABOVE: f32 = 0.872;
 
@@ -113,8 +116,8 @@ impl Body {
     pub fn fields(&self, p: Vec3) -> Fields {
         let head = self.to_joint(p, joint::HEAD);
         Fields {
-            head: head_and_neck(head),
-            hair: hair(head),
+            head: head_and_neck(head / HEAD_SCALE) * HEAD_SCALE,
+            hair: hair(head / HEAD_SCALE) * HEAD_SCALE,
             tail: self.tail(p),
             shirt: self.shirt(p),
             arms: [self.arm(p, 0), self.arm(p, 1)],

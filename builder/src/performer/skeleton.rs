@@ -93,9 +93,9 @@ pub const NEUTRAL: [Vec3; JOINT_COUNT] = [
     Vec3::new(-0.088, 0.5, 0.004),
     Vec3::new(-0.088, 0.085, -0.012),
     Vec3::new(-0.088, 0.022, 0.1),
-    Vec3::new(0.0, 1.715, -0.118),
-    Vec3::new(0.0, 1.655, -0.2),
-    Vec3::new(0.0, 1.555, -0.228),
+    Vec3::new(0.0, 1.735, -0.132),
+    Vec3::new(0.0, 1.685, -0.218),
+    Vec3::new(0.0, 1.58, -0.246),
 ];
 
 /// Where the sole touches behind the ankle, seen from the ankle joint in the neutral pose.
