@@ -34,6 +34,13 @@ pub struct Stage {
     time: f64,
 }
 
+/// The adapter as the page reads it.
+#[derive(serde::Serialize)]
+struct Adapter<'a> {
+    name: &'a str,
+    fallback: bool,
+}
+
 /// What the last picture showed.
 #[derive(Clone, Copy, PartialEq)]
 struct Drawn {
@@ -243,23 +250,24 @@ impl Stage {
     /// # Errors
     /// It is no JSON object.
     pub fn set_options(&mut self, json: &str) -> Result<(), JsValue> {
-        let wrong = |_| error(Kind::BadArgument, "the options are not a JSON object");
-        let options: serde_json::Map<String, serde_json::Value> = serde_json::from_str(json).map_err(wrong)?;
+        let options = js_sys::JSON::parse(json).ok().filter(JsValue::is_object);
+        let options = options.ok_or_else(|| error(Kind::BadArgument, "the options are not a JSON object"))?;
+        // A key that the page leaves out stays as it is.
+        let given =
+            |name: &str| js_sys::Reflect::get(&options, &name.into()).ok().filter(|value| !value.is_undefined());
         let look = &mut self.scene.look;
-        for (name, value) in &options {
-            let on = value.as_bool().unwrap_or(false);
-            match name.as_str() {
-                "theme" => look.dark = value.as_str() == Some("dark"),
-                "tint" => look.tint = on,
-                "grid" => look.grid = on,
-                "path" => look.path = on,
-                "reduced_motion" => self.camera.instant = on,
-                "background" => {
-                    let channel = |k: usize| Some(value.get(k)?.as_f64()?.clamp(0.0, 1.0) as f32);
-                    look.background = (|| Some([channel(0)?, channel(1)?, channel(2)?]))();
-                }
-                _ => {}
+        if let Some(theme) = given("theme") {
+            look.dark = theme.as_string().as_deref() == Some("dark");
+        }
+        let switches = [("tint", &mut look.tint), ("grid", &mut look.grid), ("path", &mut look.path)];
+        for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
+            if let Some(on) = given(name) {
+                *switch = on.is_truthy();
             }
+        }
+        if let Some(colour) = given("background") {
+            let channel = |k: u32| Some(js_sys::Reflect::get_u32(&colour, k).ok()?.as_f64()?.clamp(0.0, 1.0) as f32);
+            look.background = (|| Some([channel(0)?, channel(1)?, channel(2)?]))();
         }
         self.due = true;
         Ok(())
@@ -354,7 +362,7 @@ impl Stage {
     /// None in practice.
     pub fn adapter(&self) -> Result<String, JsValue> {
         let fallback = self.adapter.device_type == wgpu::DeviceType::Cpu;
-        super::error::json(&serde_json::json!({ "name": self.adapter.name, "fallback": fallback }))
+        super::error::json(&Adapter { name: &self.adapter.name, fallback })
     }
 
     /// RGBA of the last picture, drawn once more.

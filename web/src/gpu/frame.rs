@@ -100,7 +100,7 @@ impl Look {
             focus: focus.to_array(),
             grid: f32::from(u8::from(self.grid)),
             dark: f32::from(u8::from(self.dark)),
-            shadow_strength: if self.dark { 1.25 } else { 0.85 },
+            shadow_strength: if self.dark { 1.25 } else { 1.0 },
             background: self.background(),
             floor: theme(0xfbfaf8, 0x2a2d33, 0.9),
             line: theme(0x8f949c, 0x7d8592, if self.dark { 0.32 } else { 0.42 }),

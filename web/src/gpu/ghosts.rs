@@ -57,7 +57,7 @@ impl Ghosts {
             let mut group = groups.pop().unwrap_or_else(|| PoseGroup::new(gpu, layout, pose.len()));
             group.forget();
             let numbered = Numbered { number: 0, pose: &pose };
-            let uniform = ActorUniform { weight: 0.0, opacity: 0.8, ..Default::default() };
+            let uniform = ActorUniform { weight: 0.0, opacity: 1.0, ..Default::default() };
             group.write(gpu, triangles, numbered, numbered, uniform);
             self.shown.push(Ghost { frame, pose, group });
         }

@@ -28,7 +28,7 @@ use thiserror::Error;
 use crate::trail::{MEMORY, TrailPoint};
 use clock::Clock;
 use events::{Event, Events};
-use loading::{Actor, Loading};
+use loading::{Actor, Loading, Phase};
 use plan::{Goal, Plan, PlanReport, Route, Step};
 use produce::{Frame, Producer, placed_like};
 
@@ -122,6 +122,10 @@ impl Player {
     pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
         let outcome = self.loading.push(bytes);
         self.stand_up();
+        if let (Phase::Complete, Some(actor)) = (self.loading.phase(), &self.loading.actor) {
+            // What fails here fails again, and is told, when a transition begins.
+            let _ = self.producer.warm(&self.loading, actor);
+        }
         outcome
     }
 
@@ -385,7 +389,13 @@ impl Player {
             return Err(PoseError::NotLoaded(0));
         };
         match (step, &self.loading.graph) {
-            (Step::Recorded(_), _) => self.producer.next_recorded(&mut self.loading, actor, at.frame(), placement),
+            (Step::Recorded(_), graph) => {
+                // Recorded frames are quick: there is time for what the next transition needs.
+                if let (Some(graph), Some(edge)) = (graph.clone(), self.route.as_ref().and_then(Route::coming)) {
+                    self.producer.prepare(&mut self.loading, actor, &graph, edge);
+                }
+                self.producer.next_recorded(&mut self.loading, actor, at.frame(), placement)
+            }
             (Step::Back(frame), _) => self.recorded(frame, placement),
             (Step::Synthetic { edge, node }, Some(graph)) => {
                 let graph = Rc::clone(graph);

@@ -178,6 +178,16 @@ impl Route {
         }
     }
 
+    /// The next transition on the way that has not begun.
+    #[must_use]
+    pub fn coming(&self) -> Option<u32> {
+        let begun = usize::from(self.inside().is_some());
+        self.stretches.get(self.index + begun..)?.iter().find_map(|stretch| match *stretch {
+            Stretch::Walk(Leg::Synthetic(edge)) => Some(edge),
+            _ => None,
+        })
+    }
+
     /// The frame from which what comes next can be chosen freely: the end of a transition under way, or where it is.
     #[must_use]
     pub fn departure(&self, graph: &EssentialGraph) -> u32 {

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use shared::align::{Placement, align_heading, centre_of_mass};
 use shared::graph::EssentialGraph;
+use shared::poisson::KeyedPose;
 use shared::pose_source::{PoseError, PoseSource};
 use shared::search::{Leg, Walk};
 use shared::synthesis::{FrameInfo, FrameKind, PoseMemory, PosesOnGround, Synthesiser, arrival, recorded_step};
@@ -85,6 +86,8 @@ pub struct Producer {
     made: u64,
     memory: PoseMemory,
     synthesiser: Option<Synthesiser>,
+    /// The transition that is being prepared, and how many of its ends are.
+    prepared: (u32, usize),
     /// Milliseconds that the last synthetic frames took, in a ring.
     times: Vec<f64>,
 }
@@ -93,7 +96,14 @@ impl Producer {
     /// `now` tells milliseconds, only to say how long synthesis takes.
     #[must_use]
     pub fn new(now: fn() -> f64) -> Self {
-        Self { now, made: 0, memory: PoseMemory::default(), synthesiser: None, times: Vec::new() }
+        Self {
+            now,
+            made: 0,
+            memory: PoseMemory::default(),
+            synthesiser: None,
+            prepared: (u32::MAX, 0),
+            times: Vec::new(),
+        }
     }
 
     /// Recorded frame `frame`, placed by `placement`.
@@ -144,7 +154,7 @@ impl Producer {
         begin: Option<Placement>,
     ) -> Result<Frame, PoseError> {
         let transition = graph.transitions().get(edge as usize).ok_or(PoseError::OutOfRange(edge))?;
-        self.prepare(loading, actor)?;
+        self.warm(loading, actor)?;
         let start = (self.now)();
         let synthesiser = self.synthesiser.as_mut().ok_or(PoseError::Damaged(transition.from))?;
         let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
@@ -201,13 +211,35 @@ impl Producer {
         median(self.times.clone())
     }
 
-    /// Makes the synthesiser where there is none yet.
-    fn prepare(&mut self, loading: &Loading, actor: &Actor) -> Result<(), PoseError> {
+    /// Makes the synthesiser where there is none yet: the slow part of the first transition.
+    ///
+    /// # Errors
+    /// A mesh that cannot be factorised.
+    pub fn warm(&mut self, loading: &Loading, actor: &Actor) -> Result<(), PoseError> {
         if self.synthesiser.is_none() {
             let made = Synthesiser::new(&actor.topology, loading.order());
-            self.synthesiser = Some(made.map_err(|_| PoseError::Damaged(0))?);
+            self.synthesiser = Some(made.map_err(|_| PoseError::Damaged(actor.first_frame))?);
         }
         Ok(())
+    }
+
+    /// Does a piece of the work that the beginning of transition `edge` would have to wait for: one factorisation, of
+    /// the frame that it leaves, then of the first one on the other side. Without effect once both are done.
+    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) {
+        if self.prepared.0 != edge {
+            self.prepared = (edge, 0);
+        }
+        let Some(transition) = graph.transitions().get(edge as usize) else { return };
+        let (_, lj) = transition.warp.lengths();
+        let ends = [Some(transition.from), actor.timeline.offset(transition.to, 1 - lj as i64)];
+        let Some(&Some(frame)) = ends.get(self.prepared.1) else { return };
+        self.prepared.1 += 1;
+        let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
+        let ready = self.warm(loading, actor).and_then(|()| loading.source.read(frame, &mut pose));
+        if let (Ok(()), Some(synthesiser)) = (ready, &mut self.synthesiser) {
+            // What fails here fails again, and is told, when the transition begins.
+            let _ = synthesiser.interpolator().prepare(KeyedPose { frame, pose: &pose });
+        }
     }
 
     fn note(&mut self, milliseconds: f64) {

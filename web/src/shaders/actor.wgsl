@@ -50,6 +50,13 @@ fn clay(albedo: vec3f, normal: vec3f, view: vec3f) -> vec3f {
     return albedo * (0.52 * hemisphere + 0.62 * key) + rim * mix(0.16, 0.30, frame.dark) * vec3f(1.0, 0.95, 0.90) + sheen;
 }
 
+// A captured colour keeps its light. A trace of sky and of the key lets the form be read where the texture is plain.
+fn relief(normal: vec3f) -> f32 {
+    let sky = 0.5 + 0.5 * normal.y;
+    let key = max((dot(normal, frame.key) + 0.5) / 1.5, 0.0);
+    return 0.80 + 0.10 * sky + 0.12 * key;
+}
+
 @fragment
 fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = textureSample(colour_map, colour_sampler, in.uv) * material.base_colour * in.colour;
@@ -58,12 +65,13 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     if (texel.a < 0.5) {
         discard;
     }
-    var rgb = mix(clay(texel.rgb, normal, view), texel.rgb, material.captured);
+    var rgb = mix(clay(texel.rgb, normal, view), texel.rgb * relief(normal), material.captured);
     rgb *= ambient(normal, in.world.y - frame.ground);
+    // The tint keeps the lightness: recorded and synthetic differ in hue, most at the rim.
     let tint = mix(frame.recorded.rgb, frame.synthetic.rgb, actor.synthetic);
+    let weights = vec3f(0.2126, 0.7152, 0.0722);
+    let tinted = tint * (dot(rgb, weights) + 0.02) / dot(tint, weights);
     let grazing = 1.0 - max(dot(normal, view), 0.0);
-    let luminance = dot(rgb, vec3f(0.2126, 0.7152, 0.0722));
-    let strength = actor.tint * (0.30 + 0.45 * grazing * grazing);
-    rgb = mix(rgb, tint * (0.35 + 1.3 * luminance), strength);
+    rgb = mix(rgb, min(tinted, vec3f(1.0)), actor.tint * (0.38 + 0.42 * grazing * grazing));
     return vec4f(rgb, 1.0);
 }

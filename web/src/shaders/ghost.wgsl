@@ -20,7 +20,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let view = normalize(frame.eye - in.world);
     let facing = abs(dot(normalize(in.normal), view));
     let rim = pow(1.0 - facing, 1.8);
-    let alpha = actor.opacity * mix(0.20, 0.85, rim);
+    let alpha = mix(mix(0.34, 0.24, frame.dark), mix(0.95, 0.75, frame.dark), rim) * actor.opacity;
     // A little light from above keeps the body's form readable.
     let light = 0.86 + 0.22 * in.normal.y;
     return vec4f(frame.accent.rgb * light * alpha, alpha);

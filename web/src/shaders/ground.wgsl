@@ -30,9 +30,10 @@ fn lines(p: vec2f, spacing: f32, width: f32, footprint: vec2f) -> f32 {
     return max(covered.x, covered.y);
 }
 
-// Breaks up the bands that eight bits leave in a wide, soft gradient.
-fn dither(pixel: vec2f) -> f32 {
-    return (fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+// Breaks up the bands that eight bits leave in a wide, soft gradient: half a step of the sRGB encoding at `light`.
+fn dither(pixel: vec2f, light: vec3f) -> vec3f {
+    let noise = fract(52.9829189 * fract(dot(pixel, vec2f(0.06711056, 0.00583715)))) - 0.5;
+    return noise * 2.0 * sqrt(max(light, vec3f(1e-4))) / 255.0;
 }
 
 @fragment
@@ -49,7 +50,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let covered = textureSampleLevel(shadow_map, shadow_sampler, uv, 0.0).rg;
     let border = smoothstep(vec2f(0.5), vec2f(0.44), abs(uv - 0.5));
     let cover = covered * border.x * border.y * frame.shadow_strength;
-    let shade = 1.0 - (1.0 - 0.62 * cover.r) * (1.0 - 0.60 * cover.g);
+    let shade = 1.0 - (1.0 - 0.70 * cover.r) * (1.0 - 0.66 * cover.g);
 
     var rgb = frame.floor.rgb * floor_cover;
     var alpha = floor_cover;
@@ -57,5 +58,6 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     alpha = 1.0 - (1.0 - alpha) * (1.0 - grid);
     rgb *= 1.0 - shade;
     alpha = 1.0 - (1.0 - alpha) * (1.0 - shade);
-    return vec4f(max(rgb + dither(in.clip.xy) * 0.4 * alpha, vec3f(0.0)), alpha);
+    let light = rgb + frame.background.rgb * (1.0 - alpha);
+    return vec4f(max(rgb + dither(in.clip.xy, light), vec3f(0.0)), alpha);
 }

@@ -16,5 +16,5 @@ fn vertex(@location(0) vertex: u32) -> Varying {
 
 @fragment
 fn fragment(in: Varying) -> @location(0) vec4f {
-    return vec4f(exp(-in.height / 0.06), exp(-in.height / 0.9), 0.0, 1.0);
+    return vec4f(exp(-in.height / 0.07), exp(-in.height / 1.1), 0.0, 1.0);
 }

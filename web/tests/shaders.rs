@@ -1,0 +1,83 @@
+//! All WGSL through naga, and the Rust twins of its uniforms against its layout.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{Module, TypeInner};
+use web::gpu::frame::FrameUniform;
+use web::gpu::mesh::MaterialUniform;
+use web::gpu::pose::ActorUniform;
+use web::gpu::shadow::BlurUniform;
+use web::shaders;
+
+const ALL: [(&str, &str); 7] = [
+    ("actor", shaders::ACTOR),
+    ("ghost", shaders::GHOST),
+    ("occlusion", shaders::OCCLUSION),
+    ("blur", shaders::BLUR),
+    ("ground", shaders::GROUND),
+    ("trail", shaders::TRAIL),
+    ("mipmap", shaders::MIPMAP),
+];
+
+fn parse(name: &str, source: &str) -> Module {
+    naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)))
+}
+
+#[test]
+fn every_shader_is_valid_and_has_its_entry_points() {
+    for (name, source) in ALL {
+        let module = parse(name, source);
+        // What browsers offer without asking for features.
+        let outcome = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        assert!(outcome.is_ok(), "{name}: {:?}", outcome.err());
+        let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        assert_eq!(entries, ["vertex", "fragment"], "{name}");
+    }
+}
+
+/// Checks that struct `name` of `source` has exactly these members, as (name, offset), and this size.
+fn check_layout(source: &str, name: &str, members: &[(&str, usize)], size: usize) {
+    let module = parse(name, source);
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, ty)) = found else { panic!("there is no struct {name}") };
+    let TypeInner::Struct { members: wgsl, span } = &ty.inner else { panic!("{name} is no struct") };
+    let wgsl: Vec<_> =
+        wgsl.iter().map(|member| (member.name.as_deref().unwrap_or_default(), member.offset as usize)).collect();
+    assert_eq!(wgsl, members, "{name}");
+    assert_eq!(*span as usize, size, "{name}");
+}
+
+macro_rules! layout {
+    ($rust:ident, $($member:ident),+) => {
+        &[$((stringify!($member), std::mem::offset_of!($rust, $member))),+]
+    };
+}
+
+#[test]
+fn uniforms_have_the_layout_of_their_twins() {
+    let frame = layout!(
+        FrameUniform,
+        clip_from_world,
+        eye,
+        ground,
+        key,
+        reach,
+        focus,
+        shadow_origin,
+        shadow_size,
+        shadow_strength,
+        grid,
+        dark,
+        background,
+        floor,
+        line,
+        accent,
+        recorded,
+        synthetic
+    );
+    check_layout(shaders::GROUND, "Frame", frame, size_of::<FrameUniform>());
+    let actor = layout!(ActorUniform, weight, tint, synthetic, opacity);
+    check_layout(shaders::ACTOR, "Actor", actor, size_of::<ActorUniform>());
+    let material = layout!(MaterialUniform, base_colour, captured);
+    check_layout(shaders::ACTOR, "Material", material, size_of::<MaterialUniform>());
+    check_layout(shaders::BLUR, "Blur", layout!(BlurUniform, red, green), size_of::<BlurUniform>());
+}
