@@ -211,14 +211,15 @@ pub fn frame_texture(
         .atlas
         .texels
         .par_iter()
-        .map(|&(_, point)| {
+        .zip(&figure.texel_points)
+        .map(|(&(_, point), &rest)| {
             let corners = figure.mesh.triangles[point.triangle as usize];
             let at = |values: &[Vec3]| {
                 let [a, b, c] = corners.map(|v| values[v as usize]);
                 a * point.weights.x + b * point.weights.y + c * point.weights.z
             };
             // The point of the body that is seen where the tracker believes this texel to be.
-            let mut rest = at(&figure.mesh.positions);
+            let mut rest = rest;
             if let Some(drift) = drift {
                 rest += at(&drift.ways);
             }

@@ -153,23 +153,23 @@ impl Body {
         let level = |y: f32| Vec3::new(0.0, y, 0.0);
         let waist = cone(q, level(0.98), level(1.1), 0.15, 0.124);
         let ribs = cone(q, level(1.1), level(1.27), 0.124, 0.148);
-        let shoulders = cone(q, Vec3::new(-0.118, 1.378, -0.008), Vec3::new(0.118, 1.378, -0.008), 0.066, 0.066);
+        let shoulders = cone(side_of(q), Vec3::new(0.0, 1.392, -0.008), Vec3::new(0.118, 1.366, -0.008), 0.066, 0.06);
         let neck = cone(q, level(1.36), level(1.45), 0.105, 0.062);
-        let trunk = blend(blend(blend(waist, ribs, 0.05), shoulders, 0.11), neck, 0.05) * flat;
+        let trunk = blend(blend(blend(waist, ribs, 0.05), shoulders, 0.1), neck, 0.06) * flat;
         let side = Vec3::new(p.x.abs(), p.y, p.z);
         let bust = ellipsoid(side, Vec3::new(0.058, 1.262, 0.062), Vec3::new(0.06, 0.06, 0.05));
         let trunk = blend(trunk, bust, 0.05);
         // The collar: the shirt ends in a plane that drops forwards.
         let collar = (p.y - 1.452) * 0.93 + (p.z + 0.01) * 0.36;
         let trunk = clip(trunk, collar, 0.006);
-        blend(trunk, self.sleeve(p, 0).min(self.sleeve(p, 1)), 0.045)
+        blend(trunk, self.sleeve(p, 0).min(self.sleeve(p, 1)), 0.05)
     }
 
     fn sleeve(&self, p: Vec3, side: usize) -> f32 {
         let (shoulder, elbow) = (self.at(joint::ARM[side] + 1), self.at(joint::ARM[side] + 2));
         let end = shoulder.lerp(elbow, 0.66);
         let along = (elbow - shoulder).normalize_or(Vec3::NEG_Y);
-        let tube = cone(p, shoulder, end, 0.062, 0.061);
+        let tube = cone(p, shoulder - Vec3::Y * 0.008, end, 0.053, 0.06);
         clip(tube, (p - shoulder.lerp(elbow, 0.6)).dot(along), 0.006)
     }
 
@@ -227,19 +227,23 @@ impl Body {
     }
 }
 
+fn side_of(p: Vec3) -> Vec3 {
+    Vec3::new(p.x.abs(), p.y, p.z)
+}
+
 /// Face, skull, ears and neck, in the frame of the head joint.
 fn head_and_neck(p: Vec3) -> f32 {
     let side = Vec3::new(p.x.abs(), p.y, p.z);
-    let skull = ellipsoid(p, Vec3::new(0.0, 0.118, 0.0), Vec3::new(0.098, 0.103, 0.108));
-    let jaw = ellipsoid(p, Vec3::new(0.0, 0.052, 0.044), Vec3::new(0.066, 0.062, 0.062));
-    let cheek = ellipsoid(side, Vec3::new(0.04, 0.072, 0.06), Vec3::new(0.037, 0.034, 0.036));
+    let skull = ellipsoid(p, Vec3::new(0.0, 0.118, 0.0), Vec3::new(0.094, 0.104, 0.106));
+    let jaw = ellipsoid(p, Vec3::new(0.0, 0.05, 0.046), Vec3::new(0.055, 0.06, 0.058));
+    let cheek = ellipsoid(side, Vec3::new(0.036, 0.073, 0.06), Vec3::new(0.036, 0.034, 0.036));
     let face = blend(blend(skull, jaw, 0.06), cheek, 0.025);
     let nose = cone(p, Vec3::new(0.0, 0.102, 0.098), Vec3::new(0.0, 0.079, 0.1155), 0.008, 0.0125);
     let face = blend(face, nose, 0.02);
     let socket = ellipsoid(side, Vec3::new(0.039, 0.112, 0.118), Vec3::new(0.024, 0.017, 0.02));
     let face = clip(face, -socket, 0.02);
-    let ear = ellipsoid(side, Vec3::new(0.1, 0.092, -0.006), Vec3::new(0.014, 0.03, 0.02));
-    let neck = cone(p, Vec3::new(0.0, -0.13, -0.018), Vec3::new(0.0, 0.03, 0.0), 0.056, 0.046);
+    let ear = ellipsoid(side, Vec3::new(0.096, 0.092, -0.006), Vec3::new(0.014, 0.03, 0.02));
+    let neck = cone(p, Vec3::new(0.0, -0.13, -0.018), Vec3::new(0.0, 0.03, -0.004), 0.049, 0.041);
     blend(blend(face, ear, 0.012), neck, 0.035)
 }
 
@@ -249,8 +253,10 @@ fn hair(p: Vec3) -> f32 {
     let nape = ellipsoid(p, Vec3::new(0.0, 0.06, -0.045), Vec3::new(0.078, 0.075, 0.066));
     let cap = blend(cap, nape, 0.04);
     // Keep what lies behind and above the hairline; it sweeps down towards the ears, with a parting on the left.
-    let sweep = 0.5 * (p.x + 0.028).abs();
-    let front = (0.168 - sweep - p.y) * 0.8 + (p.z - 0.01) * smoothstep(0.2, 0.1, p.y) * 0.35;
+    let from_parting = p.x - 0.034;
+    let sweep = if from_parting > 0.0 { 0.62 * from_parting } else { -0.42 * from_parting };
+    let front = (0.172 - sweep - 1.6 * from_parting.min(0.0).powi(2) - p.y) * 0.8
+        + (p.z - 0.01) * smoothstep(0.2, 0.1, p.y) * 0.35;
     let behind = (p.z + 0.022) * 0.8 + (0.05 - p.y) * 0.25;
     clip(cap, front.min(behind), 0.012)
 }
@@ -294,5 +300,5 @@ pub fn edge_scale(body: &Body, p: Vec3) -> f32 {
     let across = skirt::across(p);
     let hidden = smoothstep(-0.002, -0.006, across) * smoothstep(0.62, 0.68, p.y) * smoothstep(1.05, 1.0, p.y);
     let hem = smoothstep(0.035, 0.012, (p.y - skirt::HEM).abs()) * smoothstep(0.03, 0.015, across.abs());
-    (scale * (1.0 + 0.45 * hidden)).min(1.0 - 0.3 * hem)
+    (scale * (1.0 + 0.55 * hidden)).min(1.0 - 0.36 * hem)
 }

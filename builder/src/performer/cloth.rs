@@ -23,7 +23,7 @@ const PINNED: usize = 2;
 /// Steps a frame at 50 frames per second.
 const STEPS: usize = 10;
 /// How far the middle of the cloth keeps from the skin of a leg.
-const CLEARANCE: f32 = 0.0155;
+const CLEARANCE: f32 = 0.019;
 
 /// A distance to keep between two points.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +61,8 @@ pub struct Skirt {
 pub struct MovingSkirt {
     points: Vec<Vec3>,
     previous: Vec<Vec3>,
+    /// Where the petticoat pulled in the step before.
+    wanted: Vec<Vec3>,
     world: [Rigid; JOINT_COUNT],
 }
 
@@ -104,7 +106,7 @@ impl Skirt {
     #[must_use]
     pub fn start(&self, world: &[Rigid; JOINT_COUNT]) -> MovingSkirt {
         let points = self.wanted(world);
-        MovingSkirt { previous: points.clone(), points, world: *world }
+        MovingSkirt { previous: points.clone(), wanted: points.clone(), points, world: *world }
     }
 
     /// Moves the skirt on by `seconds` to the body `world`.
@@ -156,9 +158,11 @@ impl Skirt {
         for k in pinned..COUNT {
             let row = (k / COLUMNS) as f32 / (ROWS - 1) as f32;
             let velocity = (moving.points[k] - moving.previous[k]) / dt;
-            let pull = 45.0 + 900.0 * (1.0 - smoothstep(0.05, 0.5, row));
-            // The petticoat carries most of the cloth's weight.
-            let acceleration = (wanted[k] - moving.points[k]) * pull + Vec3::NEG_Y * 1.6 - velocity * (3.2 + 20.0 * (1.0 - row).powi(2));
+            let pull = 60.0 + 900.0 * (1.0 - smoothstep(0.05, 0.5, row));
+            // The petticoat carries most of the cloth's weight, and slows it against itself; the air slows the hem.
+            let carried = velocity - (wanted[k] - moving.wanted[k]) / dt;
+            let drag = carried * (3.4 + 22.0 * (1.0 - row).powi(2)) + velocity * 1.1 * row;
+            let acceleration = (wanted[k] - moving.points[k]) * pull + Vec3::NEG_Y * 1.6 - drag;
             moving.points[k] += (velocity + acceleration * dt) * dt;
         }
         for k in 0..pinned {
@@ -175,6 +179,7 @@ impl Skirt {
         }
         collide(&mut moving.points[pinned..], &before[pinned..], world);
         moving.previous = before;
+        moving.wanted = wanted;
     }
 }
 
@@ -182,7 +187,7 @@ impl Skirt {
 fn collide(points: &mut [Vec3], before: &[Vec3], world: &[Rigid; JOINT_COUNT]) {
     for first in joint::LEG {
         let (hip, knee, ankle) = (world[first].translation, world[first + 1].translation, world[first + 2].translation);
-        let capsules = [(hip, knee, 0.078 + CLEARANCE, 0.058 + CLEARANCE), (knee, ankle, 0.058 + CLEARANCE, 0.05 + CLEARANCE)];
+        let capsules = [(hip, knee, 0.08 + CLEARANCE, 0.058 + CLEARANCE), (knee, ankle, 0.058 + CLEARANCE, 0.05 + CLEARANCE)];
         for (start, end, r0, r1) in capsules {
             let axis = end - start;
             let squared = axis.length_squared();
@@ -270,24 +275,12 @@ fn sample(points: &[Vec3], place: (f32, f32)) -> (Vec3, Mat3) {
 }
 
 fn riders(body: &Body, mesh: &Mesh, rest: &[Vec3]) -> Vec<Rider> {
-    let membership: Vec<f32> = mesh
-        .positions
-        .iter()
-        .map(|&p| {
-            let across = skirt::across(p);
-            let outside = across > 0.0 && skirt::cloth(p, across).abs() < 0.006;
-            let inside = skirt::cloth(p, across).abs() < 0.004 && p.y < 0.84;
-            let on_cloth = outside || inside;
-            if on_cloth { smoothstep(skirt::TOP - 0.015, skirt::TOP - 0.075, p.y) } else { 0.0 }
-        })
-        .collect();
-    let softened = diffuse(mesh, &mesh.neighbours(), &membership, 0.014);
-    let _ = body;
+    let shares: Vec<f32> = mesh.positions.iter().map(|&p| share(body, p)).collect();
+    let softened = diffuse(mesh, &mesh.neighbours(), &shares, 0.012);
     let mut riders = Vec::new();
     for (vertex, &p) in mesh.positions.iter().enumerate() {
-        let inside = skirt::across(p) < 0.0;
-        let weight = if inside { membership[vertex].min(1.0) * 0.35 + softened[vertex] * 0.65 } else { membership[vertex] };
-        let weight = if p.y < 0.8 && membership[vertex] > 0.5 { membership[vertex] } else { weight };
+        // Soft where the cloth meets the leg, exact elsewhere.
+        let weight = if shares[vertex] > 0.98 { 1.0 } else { 0.5 * (shares[vertex] + softened[vertex]) };
         if weight < 0.02 {
             continue;
         }
@@ -297,6 +290,23 @@ fn riders(body: &Body, mesh: &Mesh, rest: &[Vec3]) -> Vec<Rider> {
         riders.push(Rider { vertex: vertex as u32, place, offset: frame.transpose() * (p - at), weight: weight.min(1.0) });
     }
     riders
+}
+
+/// How much of a vertex at `p` of the bind pose the cloth moves.
+fn share(body: &Body, p: Vec3) -> f32 {
+    let across = skirt::across(p);
+    let fields = body.fields(p);
+    let leg = fields.legs[0].min(fields.legs[1]);
+    let below_band = smoothstep(skirt::TOP - 0.015, skirt::TOP - 0.075, p.y);
+    if p.y < skirt::HEM - 0.03 || fields.skirt > 0.02 {
+        return 0.0;
+    }
+    if across > -0.002 || skirt::cloth(p, across).abs() < 0.003 {
+        return below_band;
+    }
+    // The ceiling between the legs and the cloth goes with whichever is nearer.
+    let from_leg = leg.max(0.0);
+    smoothstep(0.1, 0.75, from_leg / (from_leg - across).max(1e-4)) * below_band
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ pub struct Figure {
     pub skirt: Skirt,
     /// The texture atlas.
     pub atlas: Atlas,
+    /// The point of the bind pose under each texel of the atlas, on the exact surface, not on the triangle.
+    pub texel_points: Vec<Vec3>,
     /// Baked light of the vertices, about 0.4 to 1.
     pub shading: Vec<f32>,
 }
@@ -44,15 +46,29 @@ impl Figure {
         let skirt = Skirt::new(&body, &mesh, &influences);
         let atlas = Atlas::new(&body, &mesh, texture_size);
         let shading = paint::shading(&body, &mesh);
-        Self { body, mesh, influences, skirt, atlas, shading }
+        let texel_points = atlas
+            .texels
+            .par_iter()
+            .map(|(_, point)| {
+                let flat = on_triangle(&mesh, point.triangle, point.weights);
+                let round = body.project(flat);
+                // Across a crease the exact surface may be far; then the triangle is what is seen.
+                if round.distance(flat) < 0.01 { round } else { flat }
+            })
+            .collect();
+        Self { body, mesh, influences, skirt, atlas, texel_points, shading }
     }
 
     /// The texture: row by row from the top, sRGB.
     #[must_use]
     pub fn texture(&self) -> Vec<[u8; 3]> {
-        let colours: Vec<Vec3> = self.atlas.texels.par_iter().map(|&(_, point)| {
-            paint::colour(&self.body, self.rest_point(point.triangle, point.weights)) * self.light(point.triangle, point.weights)
-        }).collect();
+        let colours: Vec<Vec3> = self
+            .atlas
+            .texels
+            .par_iter()
+            .zip(&self.texel_points)
+            .map(|(&(_, point), &rest)| paint::colour(&self.body, rest) * self.light(point.triangle, point.weights))
+            .collect();
         let mut image = vec![[128; 3]; self.atlas.size * self.atlas.size];
         for (&(index, _), colour) in self.atlas.texels.iter().zip(&colours) {
             image[index as usize] = bytes(*colour);
@@ -61,11 +77,10 @@ impl Figure {
         image
     }
 
-    /// The point of the bind pose at barycentric `weights` of `triangle`, put onto the exact surface.
+    /// The point of the bind pose at barycentric `weights` of `triangle`.
     #[must_use]
     pub fn rest_point(&self, triangle: u32, weights: Vec3) -> Vec3 {
-        let [a, b, c] = self.mesh.triangles[triangle as usize].map(|v| self.mesh.positions[v as usize]);
-        a * weights.x + b * weights.y + c * weights.z
+        on_triangle(&self.mesh, triangle, weights)
     }
 
     /// Baked light at barycentric `weights` of `triangle`.
@@ -80,6 +95,11 @@ impl Figure {
     pub fn skinned(&self, skin: &skinning::Skin) -> Vec<Vec3> {
         self.mesh.positions.iter().zip(&self.influences).map(|(&p, influences)| skin.motion(influences).apply(p)).collect()
     }
+}
+
+fn on_triangle(mesh: &Mesh, triangle: u32, weights: Vec3) -> Vec3 {
+    let [a, b, c] = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize]);
+    a * weights.x + b * weights.y + c * weights.z
 }
 
 /// A colour of 0 to 1 as bytes.

@@ -71,7 +71,7 @@ impl Gait {
             gait.turns.push(turn);
             heading += turn / RATE;
             place += Quat::from_rotation_y(heading) * Vec3::Z * (speed / RATE);
-            phase += (0.566 + 0.28 * speed) * smoothstep(0.02, 0.4, speed) / RATE;
+            phase += (0.566 + 0.28 * speed) * smoothstep(0.01, 0.22, speed) / RATE;
         }
         gait.align_phase(route);
         gait.feet = [gait.track(0), gait.track(1)];
@@ -82,7 +82,7 @@ impl Gait {
     fn align_phase(&mut self, route: &Route) {
         let standing = 0.05;
         let shift = if route.starts {
-            standing
+            0.11
         } else if route.stops {
             let last = self.phases.last().copied().unwrap_or(0.0);
             standing - last.rem_euclid(0.5) + if noise1(route.seed, 0.3) > 0.0 { 0.5 } else { 0.0 }
@@ -216,7 +216,7 @@ impl Gait {
             let swing = sign * wave(0.04);
             c.0[arm(Channel::FlexL)] += going * (reach * swing + 3.0 - 8.0 * running);
             c.0[arm(Channel::ElbowL)] += going * (6.0 + 10.0 * swing.max(-0.5) + 66.0 * running + 8.0 * running * swing);
-            c.0[arm(Channel::SpreadL)] += going * (-1.0 + 4.0 * running);
+            c.0[arm(Channel::SpreadL)] += going * (-3.0 + 4.0 * running);
             c.0[arm(Channel::TwistL)] += going * (8.0 + 22.0 * running * (0.5 + 0.5 * swing));
         }
         c

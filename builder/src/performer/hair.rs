@@ -15,6 +15,8 @@ const STEPS: usize = 8;
 pub struct Ponytail {
     points: [Vec3; 4],
     previous: [Vec3; 4],
+    /// Where the chain would be if it were stiff, in the step before.
+    rest: [Vec3; 4],
     head: Rigid,
 }
 
@@ -37,7 +39,7 @@ impl Ponytail {
     pub fn new(world: &[Rigid; JOINT_COUNT]) -> Self {
         let head = world[joint::HEAD];
         let points = rest_points(&head);
-        Self { points, previous: points, head }
+        Self { points, previous: points, rest: points, head }
     }
 
     /// Moves the chain on by `seconds` to the head of `world`, and writes its joints there.
@@ -62,12 +64,14 @@ impl Ponytail {
         let lengths = offsets().map(Vec3::length);
         for k in 1..4 {
             let velocity = (self.points[k] - self.previous[k]) / dt;
+            let carried = velocity - (rest[k] - self.rest[k]) / dt;
             // Hair is springy near the tie and hangs freely at the tip.
-            let stiffness = [0.0, 220.0, 70.0, 30.0][k];
-            let acceleration = (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 4.0 - velocity * 5.0;
+            let stiffness = [0.0, 160.0, 42.0, 14.0][k];
+            let acceleration = (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 9.81 - carried * 3.6 - velocity * 0.7;
             self.previous[k] = self.points[k];
             self.points[k] += (velocity + acceleration * dt) * dt;
         }
+        self.rest = rest;
         self.previous[0] = self.points[0];
         self.points[0] = rest[0];
         for k in 1..4 {

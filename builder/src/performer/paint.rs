@@ -105,6 +105,9 @@ fn skin(p: Vec3) -> Vec3 {
     SKIN * (1.0 + 0.012 * noise4(11, p * 45.0, 0.0))
 }
 
+/// Size of the painted eyes, against those of an adult.
+const EYE: f32 = 1.18;
+
 /// The face, in the frame of the head joint at natural size.
 fn head(p: Vec3) -> Vec3 {
     let mut colour = skin(p);
@@ -119,7 +122,7 @@ fn head(p: Vec3) -> Vec3 {
     let tip = (-((q - Vec2::new(0.0, 0.08)) / Vec2::new(0.013, 0.01)).length_squared()).exp();
     colour = mix(colour, Vec3::new(0.93, 0.5, 0.43), 0.36 * blush + 0.2 * tip);
     // Eyes: white, iris, pupil, lid line and a light.
-    let eye = near - Vec2::new(0.0395, 0.1085);
+    let eye = (near - Vec2::new(0.0395, 0.1085)) / EYE;
     let white = ellipse(eye, Vec2::ZERO, Vec2::new(0.0172, 0.0158));
     let socket = ellipse(eye, Vec2::new(0.0, 0.002), Vec2::new(0.024, 0.021));
     colour = mix(colour, Vec3::new(0.8, 0.56, 0.46), 0.4 * smoothstep(0.006, -0.004, socket));
@@ -129,14 +132,14 @@ fn head(p: Vec3) -> Vec3 {
     colour = mix(colour, Vec3::new(0.2, 0.33, 0.3), inside * within(iris.length() - 0.0108));
     colour = mix(colour, Vec3::new(0.33, 0.5, 0.43), inside * within((iris - Vec2::new(0.0, -0.003)).length() - 0.0068));
     colour = mix(colour, DARK, inside * within(iris.length() - 0.0058));
-    let spark = Vec2::new(p.x, p.y) - Vec2::new(side * 0.0395 + 0.0042, 0.1132);
+    let spark = (Vec2::new(p.x, p.y) - Vec2::new(side * 0.0395 + 0.0045, 0.1142)) / EYE;
     colour = mix(colour, Vec3::ONE, within(spark.length() - 0.0029));
     colour = mix(colour, Vec3::new(0.6, 0.5, 0.48), inside * 0.5 * smoothstep(0.006, 0.015, eye.y));
     let lash = (white.abs() - 0.0014).max(-eye.y + 0.001 - 0.12 * eye.x);
     let wing = stroke(eye - Vec2::new(0.0165, 0.0055), 0.0055, 0.003, 0.003);
     colour = mix(colour, DARK, within(lash.min(wing)));
     // Brows.
-    let brow = eye - Vec2::new(0.002, 0.029);
+    let brow = eye - Vec2::new(0.002, 0.0265);
     let brow = stroke(Vec2::new(brow.x, brow.y + 0.1 * brow.x), 0.019, -0.0062, 0.0055);
     colour = mix(colour, HAIR, 0.92 * within(brow));
     // Nostrils and mouth.
@@ -154,8 +157,10 @@ fn head(p: Vec3) -> Vec3 {
 /// Strands, darker towards the parting.
 fn hair(p: Vec3) -> Vec3 {
     // Combed back to the tie.
-    let from_tie = p - Vec3::new(0.0, 0.18, -0.118);
-    let angle = from_tie.x.atan2(from_tie.y);
+    let tie = Vec3::new(0.0, 0.18, -0.118);
+    let axis = (Vec3::new(0.01, 0.07, 0.1) - tie).normalize_or(Vec3::Z);
+    let from_tie = p - tie;
+    let angle = from_tie.x.atan2(from_tie.dot(axis.cross(Vec3::NEG_X)));
     let strand = noise1(21, angle * 24.0) * 0.5 + noise1(22, angle * 71.0) * 0.5;
     let gloss = (-((p.y - 0.19 - 0.02 * noise1(23, angle * 9.0)) / 0.018).powi(2)).exp() * smoothstep(-0.09, 0.0, p.z);
     HAIR * (1.0 + 0.2 * strand) + Vec3::new(0.2, 0.12, 0.08) * gloss * (0.55 + 0.3 * strand)
@@ -178,7 +183,7 @@ fn shirt(body: &Body, p: Vec3, side: usize) -> Vec3 {
     let along = (p - shoulder).dot((elbow - shoulder).normalize_or(Vec3::NEG_Y));
     let weave = 1.0 + 0.02 * noise4(31, p * 300.0, 0.0);
     // The sleeve begins at a seam around the shoulder.
-    let seam = p.x.abs() - 0.158 - 0.25 * (p.y - 1.38);
+    let seam = p.x.abs() - 0.158 - 0.3 * (1.38 - p.y);
     let sleeve = seam > 0.0;
     let band = if sleeve { stripes(along - 0.012, 0.036, 0.015) } else { stripes(p.y - 1.06, 0.036, 0.015) };
     let mut colour = mix(CREAM, NAVY, band);
@@ -192,7 +197,8 @@ fn shirt(body: &Body, p: Vec3, side: usize) -> Vec3 {
         colour = mix(colour, NAVY, within(-(cuff + 0.013)));
     }
     let collar = (p.y - 1.452) * 0.93 + (p.z + 0.01) * 0.36;
-    colour = mix(colour, NAVY, within(-(collar + 0.011)));
+    let from_neck = Vec2::new(p.x, 0.9 * (p.z + 0.02)).length();
+    colour = mix(colour, NAVY, within((-(collar + 0.012)).max(from_neck - 0.085)));
     colour * weave
 }
 

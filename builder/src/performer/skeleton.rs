@@ -167,7 +167,7 @@ impl Default for Controls {
         let mut controls = Self([0.0; CHANNEL_COUNT]);
         for (side, _) in joint::ARM.iter().enumerate() {
             let arm = |channel: Channel| channel as usize + side * 6;
-            controls.0[arm(Channel::SpreadL)] = 14.0;
+            controls.0[arm(Channel::SpreadL)] = 20.0;
             controls.0[arm(Channel::FlexL)] = 1.0;
             controls.0[arm(Channel::TwistL)] = 12.0;
             controls.0[arm(Channel::ElbowL)] = 16.0;

@@ -19,7 +19,7 @@ const FOLDS: f32 = 10.0;
 #[must_use]
 pub fn radius(angle: f32, y: f32) -> f32 {
     let down = ((TOP - y) / (TOP - HEM)).clamp(-0.1, 1.1);
-    let flare = 0.36 * down + 0.64 * sdf::smoothstep(-0.05, 1.35, down);
+    let flare = 0.58 * down + 0.42 * sdf::smoothstep(-0.05, 1.35, down);
     let (wide, deep) = (0.126 + 0.245 * flare, 0.098 + 0.245 * flare);
     let (sine, cosine) = angle.sin_cos();
     let ellipse = 1.0 / ((cosine / wide).powi(2) + (sine / deep).powi(2)).sqrt();
@@ -56,5 +56,8 @@ pub fn across(p: Vec3) -> f32 {
 pub fn cloth(p: Vec3, across: f32) -> f32 {
     let middle = 0.5 * (TOP + HEM);
     let half = Vec2::new(HALF_THICKNESS, 0.5 * (TOP - HEM));
-    sdf::rounded_box2(Vec2::new(across, p.y - middle), half, HALF_THICKNESS * 0.98)
+    let sheet = sdf::rounded_box2(Vec2::new(across, p.y - middle), half, HALF_THICKNESS * 0.98);
+    // The hem is rolled, which also gives it room for a row of triangles below.
+    let roll = Vec2::new(across, p.y - HEM - 0.012).length() - 0.0125;
+    sdf::blend(sheet, roll, 0.01)
 }
