@@ -26,7 +26,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rest = &figure.mesh.positions;
     let mut sheet = Sheet::new(4, 1, (600, 820));
     for (column, yaw) in [0.0, 0.7, 1.57, 2.7].into_iter().enumerate() {
-        sheet.draw(&figure, &texture, rest, column, 0, &View { yaw, centre: Vec3::Y * 0.92, height: 1.95, clay: column == 1 });
+        sheet.draw(
+            &figure,
+            &texture,
+            rest,
+            column,
+            0,
+            &View { yaw, centre: Vec3::Y * 0.92, height: 1.95, clay: column == 1 },
+        );
     }
     sheet.save(&out.join("bind.png"))?;
     let mut sheet = Sheet::new(3, 1, (600, 600));
@@ -50,7 +57,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let yaw = if side { -1.35 - heading } else { 0.5 - heading };
             sheet.draw(&figure, &texture, positions, column, row, &View { yaw, centre, height: 2.1, clay: false });
             if row == 0 {
-                sheet.draw(&figure, &texture, positions, column, 2, &View { yaw: -heading + 0.15, centre, height: 2.1, clay: false });
+                sheet.draw(
+                    &figure,
+                    &texture,
+                    positions,
+                    column,
+                    2,
+                    &View { yaw: -heading + 0.15, centre, height: 2.1, clay: false },
+                );
             }
         }
         sheet.save(&out.join(format!("{}.png", take.name)))
@@ -82,7 +96,15 @@ impl Sheet {
         self.image.save(path)
     }
 
-    fn draw(&mut self, figure: &Figure, texture: &[[u8; 3]], positions: &[Vec3], column: usize, row: usize, view: &View) {
+    fn draw(
+        &mut self,
+        figure: &Figure,
+        texture: &[[u8; 3]],
+        positions: &[Vec3],
+        column: usize,
+        row: usize,
+        view: &View,
+    ) {
         let (width, height) = self.cell;
         let scale = height as f32 / view.height;
         let turn = Quat::from_rotation_y(view.yaw);
@@ -116,10 +138,12 @@ impl Sheet {
                     depths[y * width + x] = depth;
                     let [ua, ub, uc] = figure.atlas.uvs[index];
                     let uv = (ua * w.x + ub * w.y + uc * w.z) * figure.atlas.size as f32;
-                    let texel = texture[(uv.y as usize).min(figure.atlas.size - 1) * figure.atlas.size + (uv.x as usize).min(figure.atlas.size - 1)];
+                    let texel = texture[(uv.y as usize).min(figure.atlas.size - 1) * figure.atlas.size
+                        + (uv.x as usize).min(figure.atlas.size - 1)];
                     let light = 0.35 + 0.65 * normal.dot(Vec3::new(0.4, 0.6, 0.7).normalize()).max(0.0);
                     let edge = if w.min_element() * area.abs().sqrt() < 0.35 { 0.8 } else { 1.0 };
-                    let colour = if view.clay { [210.0, 200.0, 190.0].map(|c: f32| (c * light * edge) as u8) } else { texel };
+                    let colour =
+                        if view.clay { [210.0, 200.0, 190.0].map(|c: f32| (c * light * edge) as u8) } else { texel };
                     // The inside of the surface must never be seen.
                     let colour = if area > 0.0 { [255, 0, 255] } else { colour };
                     self.image.put_pixel((column * width + x) as u32, (row * height + y) as u32, image::Rgb(colour));

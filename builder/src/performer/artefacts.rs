@@ -1,6 +1,5 @@
 //! What makes a capture differ from what happened, each with its ground truth.
 
-
 use std::str::FromStr;
 
 use glam::Vec3;
@@ -56,7 +55,9 @@ impl FromStr for Artefacts {
                 "light" => artefacts.light = true,
                 "holes" => artefacts.holes = true,
                 _ => {
-                    return Err(format!("there is no artefact {word:?}; choose from noise, drift, light, holes, all, none"));
+                    return Err(format!(
+                        "there is no artefact {word:?}; choose from noise, drift, light, holes, all, none"
+                    ));
                 }
             }
         }
@@ -246,7 +247,6 @@ pub fn frame_texture(
     figure.atlas.dilate(&mut image);
     (image, mask)
 }
-
 
 #[cfg(test)]
 mod tests {

@@ -224,7 +224,13 @@ fn halves(mesh: &Mesh, triangles: &[u32], adjacent: &[[u32; 3]]) -> Vec<Vec<u32>
     let low = centres.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = centres.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
     let size = high - low;
-    let axis = if size.x >= size.y.max(size.z) { 0 } else if size.y >= size.z { 1 } else { 2 };
+    let axis = if size.x >= size.y.max(size.z) {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
     let mut labels = vec![0; mesh.triangles.len()];
     for (&triangle, centre) in triangles.iter().zip(&centres) {
         labels[triangle as usize] = if centre[axis] < 0.5 * (low + high)[axis] { 1 } else { 2 };

@@ -141,13 +141,13 @@ impl Skirt {
         let upright = Quat::from_rotation_y(forward.x.atan2(forward.z));
         let hanging = upright.slerp(pelvis.rotation, 0.45);
         let centre = NEUTRAL[joint::PELVIS];
-        (0..COUNT)
-            .map(|k| {
-                let row = (k / COLUMNS) as f32 / (ROWS - 1) as f32;
-                let rotation = pelvis.rotation.slerp(hanging, smoothstep(0.1, 0.6, row));
-                pelvis.translation + rotation * (self.rest[k] - centre)
-            })
-            .collect()
+        let of_row = |row: usize| {
+            let down = row as f32 / (ROWS - 1) as f32;
+            Mat3::from_quat(pelvis.rotation.slerp(hanging, smoothstep(0.1, 0.6, down)))
+        };
+        let rotations: [Mat3; ROWS] = std::array::from_fn(of_row);
+        let rest = self.rest.iter().enumerate();
+        rest.map(|(k, &point)| pelvis.translation + rotations[k / COLUMNS] * (point - centre)).collect()
     }
 
     fn step(&self, body: &Body, moving: &mut MovingSkirt, world: &[Rigid; JOINT_COUNT], dt: f32) {
@@ -187,7 +187,8 @@ impl Skirt {
 fn collide(points: &mut [Vec3], before: &[Vec3], world: &[Rigid; JOINT_COUNT]) {
     for first in joint::LEG {
         let (hip, knee, ankle) = (world[first].translation, world[first + 1].translation, world[first + 2].translation);
-        let capsules = [(hip, knee, 0.08 + CLEARANCE, 0.058 + CLEARANCE), (knee, ankle, 0.058 + CLEARANCE, 0.05 + CLEARANCE)];
+        let capsules =
+            [(hip, knee, 0.08 + CLEARANCE, 0.058 + CLEARANCE), (knee, ankle, 0.058 + CLEARANCE, 0.05 + CLEARANCE)];
         for (start, end, r0, r1) in capsules {
             let axis = end - start;
             let squared = axis.length_squared();
@@ -287,7 +288,12 @@ fn riders(body: &Body, mesh: &Mesh, rest: &[Vec3]) -> Vec<Rider> {
         let (angle, y) = skirt::coordinates(p);
         let place = (angle / TAU * COLUMNS as f32, (skirt::TOP - y) / (skirt::TOP - skirt::HEM) * (ROWS - 1) as f32);
         let (at, frame) = sample(rest, place);
-        riders.push(Rider { vertex: vertex as u32, place, offset: frame.transpose() * (p - at), weight: weight.min(1.0) });
+        riders.push(Rider {
+            vertex: vertex as u32,
+            place,
+            offset: frame.transpose() * (p - at),
+            weight: weight.min(1.0),
+        });
     }
     riders
 }

@@ -93,7 +93,12 @@ impl Figure {
     /// Skinned positions in the pose of `skin`, before the skirt has its say.
     #[must_use]
     pub fn skinned(&self, skin: &skinning::Skin) -> Vec<Vec3> {
-        self.mesh.positions.iter().zip(&self.influences).map(|(&p, influences)| skin.motion(influences).apply(p)).collect()
+        self.mesh
+            .positions
+            .iter()
+            .zip(&self.influences)
+            .map(|(&p, influences)| skin.motion(influences).apply(p))
+            .collect()
     }
 }
 

@@ -28,7 +28,8 @@ pub fn flatten(triangles: &[[u32; 3]], corners: &[[Vec3; 3]], count: usize) -> V
 pub fn flipped(triangles: &[[u32; 3]], places: &[Vec2]) -> usize {
     let turned = |t: &&[u32; 3]| {
         let [a, b, c] = t.map(|v| places[v as usize]);
-        (b - a).perp_dot(c - a) <= 1e-10
+        let area = (b - a).perp_dot(c - a);
+        area.is_nan() || area <= 1e-10
     };
     triangles.iter().filter(turned).count()
 }
@@ -153,8 +154,13 @@ fn rigid_step(triangles: &[[u32; 3]], shapes: &[[Vec2; 3]], cotangents: &[[f32; 
 
 /// Solves for both coordinates at once, each with its own step lengths, preconditioned by the diagonal.
 fn conjugate_gradients(
-    apply: impl Fn(&[Vec2]) -> Vec<Vec2>, right: &[Vec2], diagonal: &[f32], start: &[Vec2],
+    apply: impl Fn(&[Vec2]) -> Vec<Vec2>,
+    right: &[Vec2],
+    diagonal: &[f32],
+    start: &[Vec2],
 ) -> Vec<Vec2> {
+    // A coordinate that is solved already has no direction left; rounding must not make one.
+    let share = |a: Vec2, b: Vec2| Vec2::select(b.cmpgt(Vec2::splat(1e-25)), a / b, Vec2::ZERO);
     let dot = |a: &[Vec2], b: &[Vec2]| a.iter().zip(b).map(|(x, y)| *x * *y).sum::<Vec2>();
     let precondition = |r: &[Vec2]| r.iter().zip(diagonal).map(|(r, d)| *r / d.max(1e-9)).collect::<Vec<_>>();
     let mut x = start.to_vec();
@@ -168,14 +174,14 @@ fn conjugate_gradients(
             break;
         }
         let image = apply(&direction);
-        let step = energy / dot(&direction, &image).max(Vec2::splat(1e-20));
+        let step = share(energy, dot(&direction, &image));
         for k in 0..x.len() {
             x[k] += direction[k] * step;
             residual[k] -= image[k] * step;
         }
         z = precondition(&residual);
         let next = dot(&residual, &z);
-        let keep = next / energy.max(Vec2::splat(1e-20));
+        let keep = share(next, energy);
         for k in 0..x.len() {
             direction[k] = z[k] + direction[k] * keep;
         }

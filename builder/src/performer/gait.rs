@@ -130,7 +130,9 @@ impl Gait {
 
     fn track(&self, side: usize) -> FootTrack {
         let offset = side as f32 * 0.5;
-        let (Some(&first), Some(&last)) = (self.phases.first(), self.phases.last()) else { return FootTrack::default() };
+        let (Some(&first), Some(&last)) = (self.phases.first(), self.phases.last()) else {
+            return FootTrack::default();
+        };
         let outwards = if side == 0 { 1.0 } else { -1.0 };
         let mut plants = Vec::new();
         for stride in (first - offset).floor() as i64 - 1..=(last - offset).ceil() as i64 {
@@ -183,7 +185,8 @@ impl Gait {
 
     fn controls(&self, t: f32) -> Controls {
         // Muscles do not change their minds at once: speed and turn are averaged over 0.3 s.
-        let average = |values: &[f32]| (0..7).map(|k| self.sample(values, t + (k as f32 - 3.0) * 0.05)).sum::<f32>() / 7.0;
+        let average =
+            |values: &[f32]| (0..7).map(|k| self.sample(values, t + (k as f32 - 3.0) * 0.05)).sum::<f32>() / 7.0;
         let (speed, turn) = (average(&self.speeds), average(&self.turns));
         let ahead = self.sample(&self.speeds, t + 0.25) - self.sample(&self.speeds, t - 0.25);
         let phase = self.sample(&self.phases, t);
@@ -205,8 +208,11 @@ impl Gait {
         c[Channel::PelvisPitch] = going * (2.0 + 6.0 * running) + 2.5 * ahead.clamp(-1.2, 2.0);
         c[Channel::TrunkYaw] = going * (9.5 + 9.0 * running) * wave(0.03) * vary(5) + turn.to_degrees() * 0.08;
         c[Channel::TrunkRoll] = -going * 3.0 * wave(0.22) - lean.to_degrees() * 0.15;
-        c[Channel::TrunkPitch] = going * (1.0 + 5.0 * running) + 1.0 * going * twice(0.08) + 2.0 * ahead.clamp(-1.2, 2.0);
-        c[Channel::HeadYaw] = -going * 4.5 * wave(0.03) + turn.to_degrees().clamp(-90.0, 90.0) * 0.26 + 4.0 * noise1(mix(self.seed, 6), t * 0.5);
+        c[Channel::TrunkPitch] =
+            going * (1.0 + 5.0 * running) + 1.0 * going * twice(0.08) + 2.0 * ahead.clamp(-1.2, 2.0);
+        c[Channel::HeadYaw] = -going * 4.5 * wave(0.03)
+            + turn.to_degrees().clamp(-90.0, 90.0) * 0.26
+            + 4.0 * noise1(mix(self.seed, 6), t * 0.5);
         c[Channel::HeadPitch] = -going * (1.5 + 8.0 * running) - 1.2 * going * twice(0.15);
         c[Channel::HeadRoll] = lean.to_degrees() * 0.6;
         for side in 0..2 {
@@ -215,7 +221,8 @@ impl Gait {
             let reach = (22.0 + 15.0 * running) * vary(7 + side as u64);
             let swing = sign * wave(0.04);
             c.0[arm(Channel::FlexL)] += going * (reach * swing + 3.0 - 8.0 * running);
-            c.0[arm(Channel::ElbowL)] += going * (6.0 + 10.0 * swing.max(-0.5) + 66.0 * running + 8.0 * running * swing);
+            c.0[arm(Channel::ElbowL)] +=
+                going * (6.0 + 10.0 * swing.max(-0.5) + 66.0 * running + 8.0 * running * swing);
             c.0[arm(Channel::SpreadL)] += going * (-3.0 + 4.0 * running);
             c.0[arm(Channel::TwistL)] += going * (8.0 + 22.0 * running * (0.5 + 0.5 * swing));
         }
@@ -239,7 +246,11 @@ fn roll(land: f32, lift: f32, speed: f32, leaving: f32) -> Curve {
     if lift.is_finite() {
         let seconds = (lift - land.max(-100.0)).min(200.0);
         let off = off_angle(leaving);
-        keys.extend([(seconds - 0.4 * stance.min(0.8), 0.0), (seconds - 0.18 * stance.min(0.8), 0.36 * off), (seconds, off)]);
+        keys.extend([
+            (seconds - 0.5 * stance.min(0.8), 0.0),
+            (seconds - 0.22 * stance.min(0.8), 0.36 * off),
+            (seconds, off),
+        ]);
     }
     Curve::new(&keys)
 }
@@ -258,7 +269,12 @@ fn swing(speed: f32) -> Swing {
     let strike = -strike_angle(speed);
     let back = 0.035 + 0.21 * running;
     Swing {
-        height: Curve::new(&[(0.0, 0.0), (0.32 + 0.06 * running, back + 0.02), (0.72, 0.022 + 0.07 * running), (1.0, 0.0)]),
+        height: Curve::new(&[
+            (0.0, 0.0),
+            (0.32 + 0.06 * running, back + 0.02),
+            (0.72, 0.022 + 0.07 * running),
+            (1.0, 0.0),
+        ]),
         pitch: Curve::new(&[
             (0.0, off),
             (0.14, off * 1.18 + 12.0 * running),

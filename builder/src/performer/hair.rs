@@ -67,7 +67,8 @@ impl Ponytail {
             let carried = velocity - (rest[k] - self.rest[k]) / dt;
             // Hair is springy near the tie and hangs freely at the tip.
             let stiffness = [0.0, 160.0, 42.0, 14.0][k];
-            let acceleration = (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 9.81 - carried * 3.6 - velocity * 0.7;
+            let acceleration =
+                (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 9.81 - carried * 3.6 - velocity * 0.7;
             self.previous[k] = self.points[k];
             self.points[k] += (velocity + acceleration * dt) * dt;
         }
@@ -79,7 +80,8 @@ impl Ponytail {
             self.points[k] = self.points[k - 1] + link.normalize_or(Vec3::NEG_Y) * lengths[k - 1];
             // Stay out of neck and back.
             let local = chest.inverse().apply(self.points[k]);
-            let back = -0.135 - 0.02 * (local.y / 0.2).clamp(0.0, 1.0) + 0.06 * ((local.x.abs() - 0.12) / 0.1).clamp(0.0, 1.0);
+            let back =
+                -0.135 - 0.02 * (local.y / 0.2).clamp(0.0, 1.0) + 0.06 * ((local.x.abs() - 0.12) / 0.1).clamp(0.0, 1.0);
             if local.z > back && local.y < 0.3 {
                 self.points[k] = chest.apply(Vec3::new(local.x, local.y, back));
             }

@@ -30,12 +30,7 @@ pub fn two_bones(start: Vec3, target: Vec3, forward: Vec3, upper: &Vec3, lower: 
     let middle = start + along * (a * cosine) + bend * (a * (1.0 - cosine * cosine).max(0.0).sqrt());
     let end = start + along * distance;
     let hinge = bend.cross(along).normalize_or(Vec3::X);
-    TwoBones {
-        upper: aligned(*upper, middle - start, hinge),
-        lower: aligned(*lower, end - middle, hinge),
-        middle,
-        end,
-    }
+    TwoBones { upper: aligned(*upper, middle - start, hinge), lower: aligned(*lower, end - middle, hinge), middle, end }
 }
 
 /// The rotation that takes `neutral` to the direction of `wanted`, and +X to `hinge`.

@@ -103,20 +103,28 @@ impl Mesh {
     /// Enclosed volume in cubic metres, positive where triangles face outwards.
     #[must_use]
     pub fn volume(&self) -> f32 {
-        let sum: f64 = self.triangles.iter().map(|t| {
-            let [a, b, c] = t.map(|v| self.positions[v as usize].as_dvec3());
-            a.dot(b.cross(c)) / 6.0
-        }).sum();
+        let sum: f64 = self
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| self.positions[v as usize].as_dvec3());
+                a.dot(b.cross(c)) / 6.0
+            })
+            .sum();
         sum as f32
     }
 
     /// Surface area in square metres.
     #[must_use]
     pub fn area(&self) -> f32 {
-        let sum: f64 = self.triangles.iter().map(|t| {
-            let [a, b, c] = t.map(|v| self.positions[v as usize].as_dvec3());
-            (b - a).cross(c - a).length() * 0.5
-        }).sum();
+        let sum: f64 = self
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| self.positions[v as usize].as_dvec3());
+                (b - a).cross(c - a).length() * 0.5
+            })
+            .sum();
         sum as f32
     }
 
@@ -155,16 +163,20 @@ impl Mesh {
     pub fn compact(&self) -> Self {
         let mut number = vec![u32::MAX; self.positions.len()];
         let mut positions = Vec::new();
-        let triangles = self.triangles.iter().map(|t| {
-            t.map(|vertex| {
-                let slot = &mut number[vertex as usize];
-                if *slot == u32::MAX {
-                    *slot = positions.len() as u32;
-                    positions.push(self.positions[vertex as usize]);
-                }
-                *slot
+        let triangles = self
+            .triangles
+            .iter()
+            .map(|t| {
+                t.map(|vertex| {
+                    let slot = &mut number[vertex as usize];
+                    if *slot == u32::MAX {
+                        *slot = positions.len() as u32;
+                        positions.push(self.positions[vertex as usize]);
+                    }
+                    *slot
+                })
             })
-        }).collect();
+            .collect();
         Self { positions, triangles }
     }
 }

@@ -130,7 +130,8 @@ fn head(p: Vec3) -> Vec3 {
     let iris = Vec2::new(eye.x * 1.0 + 0.0006 * side, eye.y);
     let inside = within(white);
     colour = mix(colour, Vec3::new(0.2, 0.33, 0.3), inside * within(iris.length() - 0.0108));
-    colour = mix(colour, Vec3::new(0.33, 0.5, 0.43), inside * within((iris - Vec2::new(0.0, -0.003)).length() - 0.0068));
+    colour =
+        mix(colour, Vec3::new(0.33, 0.5, 0.43), inside * within((iris - Vec2::new(0.0, -0.003)).length() - 0.0068));
     colour = mix(colour, DARK, inside * within(iris.length() - 0.0058));
     let spark = (Vec2::new(p.x, p.y) - Vec2::new(side * 0.0395 + 0.0045, 0.1142)) / EYE;
     colour = mix(colour, Vec3::ONE, within(spark.length() - 0.0029));
@@ -210,7 +211,8 @@ fn arm(body: &Body, p: Vec3, side: usize) -> Vec3 {
     let warm = smoothstep(-0.12, -0.17, q.y);
     let colour = mix(colour, Vec3::new(0.93, 0.6, 0.5), 0.3 * warm);
     let gap = [0.0175, -0.0005, -0.018].iter().map(|z| (q.z - z).abs() - 0.0011).fold(f32::INFINITY, f32::min);
-    let lines = smoothstep(-0.086, -0.094, q.y) * smoothstep(0.036, 0.03, q.z) * (1.0 - smoothstep(0.02, 0.03, inward.abs()));
+    let lines =
+        smoothstep(-0.086, -0.094, q.y) * smoothstep(0.036, 0.03, q.z) * (1.0 - smoothstep(0.02, 0.03, inward.abs()));
     let colour = mix(colour, Vec3::new(0.72, 0.47, 0.38), 0.62 * lines * within(gap));
     // A thin bracelet on the left wrist.
     if side == 0 { mix(colour, TEAL, within((q.y - 0.012).abs() - 0.0055)) } else { colour }

@@ -20,11 +20,14 @@ const BLOCK: i32 = 8;
 pub fn polygonise(low: Vec3, high: Vec3, cell: f32, distance: impl Fn(Vec3) -> f32 + Sync) -> Mesh {
     let size = ((high - low) / cell).ceil().as_ivec3() + IVec3::ONE;
     let place = |lattice: IVec3| low + lattice.as_vec3() * cell;
-    let blocks: Vec<IVec3> = (0..size.z).step_by(BLOCK as usize).flat_map(|z| {
-        (0..size.y).step_by(BLOCK as usize).flat_map(move |y| {
-            (0..size.x).step_by(BLOCK as usize).map(move |x| IVec3::new(x, y, z))
+    let blocks: Vec<IVec3> = (0..size.z)
+        .step_by(BLOCK as usize)
+        .flat_map(|z| {
+            (0..size.y)
+                .step_by(BLOCK as usize)
+                .flat_map(move |y| (0..size.x).step_by(BLOCK as usize).map(move |x| IVec3::new(x, y, z)))
         })
-    }).collect();
+        .collect();
     let reach = cell * BLOCK as f32 * 0.9 * 1.5;
     let samples: Vec<Option<Vec<f32>>> = blocks
         .par_iter()
@@ -87,9 +90,7 @@ impl Builder {
                 ([a, b], [c, d]) => vec![cut(*a, *c), cut(*a, *d), cut(*b, *d), cut(*b, *c)],
                 _ => continue,
             };
-            let centre = |set: &[usize]| {
-                set.iter().map(|&c| corner(c).as_vec3()).sum::<Vec3>() / set.len() as f32
-            };
+            let centre = |set: &[usize]| set.iter().map(|&c| corner(c).as_vec3()).sum::<Vec3>() / set.len() as f32;
             self.face(&ring, centre(&outside) - centre(&inside));
         }
     }
@@ -97,7 +98,8 @@ impl Builder {
     /// One or two triangles over `ring`, facing `outwards`.
     fn face(&mut self, ring: &[u32], outwards: Vec3) {
         let at = |k: usize| self.mesh.positions[ring[k] as usize];
-        let normal = if ring.len() == 4 { (at(2) - at(0)).cross(at(3) - at(1)) } else { (at(1) - at(0)).cross(at(2) - at(0)) };
+        let normal =
+            if ring.len() == 4 { (at(2) - at(0)).cross(at(3) - at(1)) } else { (at(1) - at(0)).cross(at(2) - at(0)) };
         let flip = normal.dot(outwards) < 0.0;
         for k in 1..ring.len() - 1 {
             let [a, b, c] = [ring[0], ring[k], ring[k + 1]];
@@ -107,7 +109,8 @@ impl Builder {
 
     fn vertex(&mut self, origin: IVec3, a: usize, b: usize, corners: &[f32; 8], place: &impl Fn(IVec3) -> Vec3) -> u32 {
         let from = origin + corner(a);
-        let key = i64::from(from.x) + i64::from(self.size.x + 9) * (i64::from(from.y) + i64::from(self.size.y + 9) * i64::from(from.z));
+        let key = i64::from(from.x)
+            + i64::from(self.size.x + 9) * (i64::from(from.y) + i64::from(self.size.y + 9) * i64::from(from.z));
         let mesh = &mut self.mesh;
         *self.crossing.entry((key, a ^ b)).or_insert_with(|| {
             // Keep off the lattice points, where triangles would have no area.

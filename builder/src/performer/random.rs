@@ -50,11 +50,7 @@ pub fn noise4(seed: u64, place: Vec3, time: f32) -> f32 {
 /// Three independent [`noise4`] fields as a vector.
 #[must_use]
 pub fn vector_noise(seed: u64, place: Vec3, time: f32) -> Vec3 {
-    Vec3::new(
-        noise4(mix(seed, 1), place, time),
-        noise4(mix(seed, 2), place, time),
-        noise4(mix(seed, 3), place, time),
-    )
+    Vec3::new(noise4(mix(seed, 1), place, time), noise4(mix(seed, 2), place, time), noise4(mix(seed, 3), place, time))
 }
 
 fn fade(t: f32) -> f32 {

@@ -228,7 +228,8 @@ impl Editor {
                 continue;
             }
             let at = |v: u32| self.at(v);
-            let old = normal([at(a), at(b), at(c)]).normalize_or_zero() + normal([at(b), at(a), at(d)]).normalize_or_zero();
+            let old =
+                normal([at(a), at(b), at(c)]).normalize_or_zero() + normal([at(b), at(a), at(d)]).normalize_or_zero();
             let new = [normal([at(c), at(d), at(b)]), normal([at(d), at(c), at(a)])];
             if new.iter().any(|n| n.normalize_or_zero().dot(old) < 0.9) {
                 continue;

@@ -61,9 +61,30 @@ pub mod joint {
 
 /// Names of the joints, as the truth files give them.
 pub const JOINT_NAMES: [&str; JOINT_COUNT] = [
-    "pelvis", "spine", "chest", "neck", "head", "clavicle_l", "upper_arm_l", "forearm_l", "hand_l", "clavicle_r",
-    "upper_arm_r", "forearm_r", "hand_r", "thigh_l", "shin_l", "foot_l", "toes_l", "thigh_r", "shin_r", "foot_r",
-    "toes_r", "tail_1", "tail_2", "tail_3",
+    "pelvis",
+    "spine",
+    "chest",
+    "neck",
+    "head",
+    "clavicle_l",
+    "upper_arm_l",
+    "forearm_l",
+    "hand_l",
+    "clavicle_r",
+    "upper_arm_r",
+    "forearm_r",
+    "hand_r",
+    "thigh_l",
+    "shin_l",
+    "foot_l",
+    "toes_l",
+    "thigh_r",
+    "shin_r",
+    "foot_r",
+    "toes_r",
+    "tail_1",
+    "tail_2",
+    "tail_3",
 ];
 
 /// Parent of each joint; the pelvis is its own.

@@ -97,22 +97,43 @@ fn nearest_joint(body: &Body, p: Vec3) -> usize {
     };
     let side = usize::from(p.x < 0.0);
     if fields.tail < fields.hair.min(fields.head) - 0.002 {
-        return if p.y < at(joint::TAIL + 2).y { joint::TAIL + 2 } else if p.z < at(joint::TAIL + 1).z + 0.035 { joint::TAIL + 1 } else { joint::TAIL };
+        return if p.y < at(joint::TAIL + 2).y {
+            joint::TAIL + 2
+        } else if p.z < at(joint::TAIL + 1).z + 0.035 {
+            joint::TAIL + 1
+        } else {
+            joint::TAIL
+        };
     }
     let arm = joint::ARM[side];
     let shoulder = at(arm + 1);
     let along = (at(arm + 2) - shoulder).normalize_or_zero();
     let out = if side == 0 { Vec3::X } else { Vec3::NEG_X };
     let on_arm = (p - shoulder).dot((along + out).normalize_or_zero()) > 0.0 && (p - shoulder).dot(along) < 1.0;
-    if on_arm && fields.arms[side].min(fields.shirt) < 0.03 && (p - shoulder).reject_from_normalized(along).length() < 0.14 && p.y > 0.6 {
-        let distance_to_arm = distance_to_chain(p, &[shoulder, at(arm + 2), at(arm + 3), at(arm + 3) + (at(arm + 3) - at(arm + 2)).normalize_or_zero() * 0.2]);
+    if on_arm
+        && fields.arms[side].min(fields.shirt) < 0.03
+        && (p - shoulder).reject_from_normalized(along).length() < 0.14
+        && p.y > 0.6
+    {
+        let distance_to_arm = distance_to_chain(
+            p,
+            &[shoulder, at(arm + 2), at(arm + 3), at(arm + 3) + (at(arm + 3) - at(arm + 2)).normalize_or_zero() * 0.2],
+        );
         if distance_to_arm < 0.12 {
-            return if beyond_wrist(body, p, arm + 3) { arm + 3 } else if beyond(arm + 2) { arm + 2 } else { arm + 1 };
+            return if beyond_wrist(body, p, arm + 3) {
+                arm + 3
+            } else if beyond(arm + 2) {
+                arm + 2
+            } else {
+                arm + 1
+            };
         }
     }
     if p.y > at(joint::CHEST).y {
         let local = p - at(joint::HEAD);
-        if local.y + 0.3 * local.z.max(-0.05) > 0.0 || fields.hair.min(fields.head) < fields.shirt && p.y > at(joint::HEAD).y - 0.03 {
+        if local.y + 0.3 * local.z.max(-0.05) > 0.0
+            || fields.hair.min(fields.head) < fields.shirt && p.y > at(joint::HEAD).y - 0.03
+        {
             return joint::HEAD;
         }
         if p.y > at(joint::NECK).y - 0.01 && p.x.abs() < 0.075 {
@@ -127,7 +148,13 @@ fn nearest_joint(body: &Body, p: Vec3) -> usize {
             let local = body.to_joint(p, leg + 2);
             return if local.z > 0.112 - 0.35 * (local.y + 0.085) { leg + 3 } else { leg + 2 };
         }
-        return if beyond(leg + 2) { leg + 2 } else if beyond(leg + 1) { leg + 1 } else { leg };
+        return if beyond(leg + 2) {
+            leg + 2
+        } else if beyond(leg + 1) {
+            leg + 1
+        } else {
+            leg
+        };
     }
     if p.y > at(joint::SPINE).y - 0.01 { joint::SPINE } else { joint::PELVIS }
 }
@@ -137,10 +164,7 @@ fn beyond_wrist(body: &Body, p: Vec3, hand: usize) -> bool {
 }
 
 fn distance_to_chain(p: Vec3, chain: &[Vec3]) -> f32 {
-    chain
-        .windows(2)
-        .map(|pair| super::sdf::cone(p, pair[0], pair[1], 0.0, 0.0))
-        .fold(f32::INFINITY, f32::min)
+    chain.windows(2).map(|pair| super::sdf::cone(p, pair[0], pair[1], 0.0, 0.0)).fold(f32::INFINITY, f32::min)
 }
 
 /// A rigid motion as a dual quaternion.

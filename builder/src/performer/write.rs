@@ -107,12 +107,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the frames of a take with their artefacts and truth; `wrote` is called after each frame.
-    pub(super) fn take(
-        &self,
-        take: &Take,
-        frames: &[Frame],
-        wrote: &(dyn Fn() + Sync),
-    ) -> Result<(), PerformerError> {
+    pub(super) fn take(&self, take: &Take, frames: &[Frame], wrote: &(dyn Fn() + Sync)) -> Result<(), PerformerError> {
         self.folder(&take.name)?;
         self.folder(&format!("truth/{}", take.name))?;
         let truths: Vec<Result<(FrameTruth, Vec<u8>, Vec<u8>), PerformerError>> = frames

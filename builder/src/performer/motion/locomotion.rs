@@ -10,7 +10,14 @@ type At = Box<dyn Fn(f32) -> (BodyState, [bool; 2]) + Send + Sync>;
 /// From standing into a walk that bends a little.
 pub(super) fn walk(seconds: f32, seed: u64) -> At {
     let bend = 9.0 * signed(seed, 40);
-    go(seed, seconds, &[(0.1, 0.0), (0.7, 0.62), (1.5, 1.28), (9.0, 1.32)], &[(0.8, 0.0), (1.8, bend), (3.2, -bend)], true, false)
+    go(
+        seed,
+        seconds,
+        &[(0.1, 0.0), (0.7, 0.62), (1.5, 1.28), (9.0, 1.32)],
+        &[(0.8, 0.0), (1.8, bend), (3.2, -bend)],
+        true,
+        false,
+    )
 }
 
 /// From a walk into a run.
@@ -32,8 +39,7 @@ pub(super) fn turn_right(seconds: f32, seed: u64) -> At {
 }
 
 fn go(seed: u64, seconds: f32, speed: &[(f32, f32)], turn: &[(f32, f32)], starts: bool, stops: bool) -> At {
-    let route =
-        Route { speed: Curve::new(speed), turn: Curve::new(turn), seconds, starts, stops, seed: mix(seed, 42) };
+    let route = Route { speed: Curve::new(speed), turn: Curve::new(turn), seconds, starts, stops, seed: mix(seed, 42) };
     let gait = Gait::new(&route);
     Box::new(move |t| gait.at(t))
 }
