@@ -47,7 +47,8 @@ fn clay(albedo: vec3f, normal: vec3f, view: vec3f) -> vec3f {
     let rim = pow(grazing, 3.0) * (0.25 + 0.75 * smoothstep(-0.3, 0.9, normal.y));
     let halfway = normalize(frame.key + view);
     let sheen = 0.05 * pow(max(dot(normal, halfway), 0.0), 24.0);
-    return albedo * (0.52 * hemisphere + 0.62 * key) + rim * mix(0.16, 0.30, frame.dark) * vec3f(1.0, 0.95, 0.90) + sheen;
+    let exposure = mix(1.26, 1.0, frame.dark);
+    return albedo * exposure * (0.52 * hemisphere + 0.62 * key) + rim * mix(0.16, 0.30, frame.dark) * vec3f(1.0, 0.95, 0.90) + sheen;
 }
 
 // A captured colour keeps its light. A trace of sky and of the key lets the form be read where the texture is plain.
@@ -72,6 +73,6 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let weights = vec3f(0.2126, 0.7152, 0.0722);
     let tinted = tint * (dot(rgb, weights) + 0.02) / dot(tint, weights);
     let grazing = 1.0 - max(dot(normal, view), 0.0);
-    rgb = mix(rgb, min(tinted, vec3f(1.0)), actor.tint * (0.38 + 0.42 * grazing * grazing));
+    rgb = mix(rgb, min(tinted, vec3f(1.0)), actor.tint * (0.32 + 0.48 * grazing * grazing));
     return vec4f(rgb, 1.0);
 }
