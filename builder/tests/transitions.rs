@@ -128,10 +128,11 @@ fn plain_programme(window: &[Vec<f64>], slope: Option<u8>) -> Option<Cost> {
         for l in 0..columns {
             let mut candidates = Vec::new();
             let mut offer = |back: (usize, usize), nodes: Vec<f64>| {
-                if k >= back.0 && l >= back.1 {
-                    if let Some(before) = least[k - back.0][l - back.1] {
-                        candidates.push((before.0 + nodes.iter().sum::<f64>(), before.1 + nodes.len()));
-                    }
+                if k >= back.0
+                    && l >= back.1
+                    && let Some(before) = least[k - back.0][l - back.1]
+                {
+                    candidates.push((before.0 + nodes.iter().sum::<f64>(), before.1 + nodes.len()));
                 }
             };
             let column = |count: usize| (0..count.min(k + 1)).map(|back| window[k - back][l]).collect();

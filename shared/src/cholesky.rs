@@ -6,7 +6,7 @@
 //! single precision would lose digits, solving in it does not.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
 use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -17,8 +17,15 @@ use thiserror::Error;
 use crate::laplacian::{Laplacian, LaplacianPattern};
 use crate::topology::Topology;
 
-/// Pivots below this fraction of the mean diagonal are replaced by the mean diagonal.
-const LEAST_PIVOT: f64 = 1e-9;
+/// Vertices whose diagonal is below this fraction of the mean one are held by nothing.
+const LEAST_DIAGONAL: f64 = 1e-9;
+
+/// Tries at a matrix that is not positive definite: so many pivots are raised one by one, then the whole diagonal.
+const SINGLE_PIVOTS: usize = 8;
+const MOST_ATTEMPTS: usize = SINGLE_PIVOTS + 8;
+
+/// Marks a diagonal entry among numbers of edges.
+const DIAGONAL: u32 = u32::MAX;
 
 /// Columns of the factor that are worked on together.
 const PANEL: usize = 4;
@@ -118,7 +125,7 @@ struct Panel {
 #[derive(Clone, Debug, Default)]
 pub struct Factor {
     values: Vec<f32>,
-    /// Pivots that had to be replaced because the Laplacian was not positive definite: 0 on good meshes.
+    /// Pivots that had to be raised because the Laplacian was not positive definite: 0 on good meshes.
     pub regularised: usize,
 }
 
@@ -149,9 +156,9 @@ impl SymbolicCholesky {
 
         let mut lower: Vec<(u32, u32, u32)> = edges()
             .map(|(edge, [k, l])| (k, l, edge as u32))
-            .chain(diagonal(n).map(|(k, _)| (k, k, u32::MAX)))
+            .chain(diagonal(n).map(|(k, _)| (k, k, DIAGONAL)))
             .collect();
-        lower.sort_unstable();
+        lower.sort_unstable_by_key(|&(column, row, _)| (column, row));
         let edge_of_entry = lower.iter().map(|&(_, _, edge)| edge).collect();
         let (column_start, rows) = compressed(n, lower.into_iter().map(|(column, row, _)| (column, row)));
 
@@ -189,14 +196,47 @@ impl SymbolicCholesky {
         if !mean.is_finite() {
             return Err(CholeskyError::NotFinite);
         }
-        workspace.lower.clear();
-        for column in 0..n {
+        let mut regularised = self.set_lower(laplacian, mean, &mut workspace.lower);
+        for attempt in 0..MOST_ATTEMPTS {
+            let Some(pivot) = self.try_factorise(workspace)? else {
+                return Ok(Factor { values: self.pack(&workspace.values), regularised });
+            };
+            regularised += 1;
+            if attempt < SINGLE_PIVOTS {
+                workspace.lower[self.column_start[pivot.min(n - 1)] as usize] += mean;
+            } else {
+                let shift = mean * 1e-6 * 10_f64.powi((attempt - SINGLE_PIVOTS) as i32);
+                for &start in &self.column_start[..n] {
+                    workspace.lower[start as usize] += shift;
+                }
+            }
+        }
+        Err(CholeskyError::NotFinite)
+    }
+
+    /// Sets the lower triangle. Vertices that nothing holds (all their triangles are degenerate) have no diagonal: they
+    /// get the mean one; their number.
+    fn set_lower(&self, laplacian: &Laplacian, mean: f64, lower: &mut Vec<f64>) -> usize {
+        let mut loose = 0;
+        lower.clear();
+        for column in 0..self.structure.nrows() {
             let entries = self.column_start[column] as usize..self.column_start[column + 1] as usize;
-            workspace.lower.extend(self.edge_of_entry[entries].iter().map(|&edge| match edge {
-                u32::MAX => f64::from(laplacian.diagonal[column]),
+            let start = lower.len();
+            lower.extend(self.edge_of_entry[entries].iter().map(|&edge| match edge {
+                DIAGONAL => f64::from(laplacian.diagonal[column]),
                 edge => -f64::from(laplacian.weights[edge as usize]),
             }));
+            if lower[start] <= mean * LEAST_DIAGONAL {
+                lower[start] += mean;
+                loose += 1;
+            }
         }
+        loose
+    }
+
+    /// Factorises the workspace's lower triangle; the pivot that was not positive, if any.
+    fn try_factorise(&self, workspace: &mut Workspace) -> Result<Option<usize>, CholeskyError> {
+        let n = self.structure.nrows();
         let memory = match &mut workspace.memory {
             Some(memory) => memory,
             none => none.insert(memory(supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(
@@ -207,21 +247,17 @@ impl SymbolicCholesky {
         };
         workspace.values.resize(self.structure.len_val(), 0.0);
         let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.column_start, None, &self.rows);
-        let regularisation = LltRegularization {
-            dynamic_regularization_delta: mean,
-            dynamic_regularization_epsilon: mean * LEAST_PIVOT,
-        };
-        let info = supernodal::factorize_supernodal_numeric_llt(
+        let outcome = supernodal::factorize_supernodal_numeric_llt(
             &mut workspace.values,
             SparseColMatRef::new(pattern, &workspace.lower),
-            regularisation,
+            // faer's own regularisation leaves a zero on the factor's diagonal.
+            LltRegularization::default(),
             &self.structure,
             Par::Seq,
             MemStack::new(memory),
             Spec::default(),
-        )
-        .map_err(|_| CholeskyError::NotFinite)?;
-        Ok(Factor { values: self.pack(&workspace.values), regularised: info.dynamic_regularization_count })
+        );
+        Ok(outcome.err().map(|LltError::NonPositivePivot { index }| index))
     }
 
     /// Replaces `x` by `(L L^T)^-1 x`: three right sides, one per lane, in elimination order.

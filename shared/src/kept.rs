@@ -56,11 +56,6 @@ impl<T: Default> Kept<T> {
         &mut self.slots[index].thing
     }
 
-    /// Whether the thing in a slot is that of `frame`.
-    pub fn is_of(&self, index: usize, frame: u32) -> bool {
-        self.slots[index].frame == frame
-    }
-
     /// Frees a slot.
     pub fn forget(&mut self, index: usize) {
         self.slots.swap_remove(index);

@@ -126,7 +126,7 @@ fn degenerate_triangles_do_no_harm() {
     // A point, a line on an edge, and a vertex held by nothing but a line.
     triangles.extend([[3, 3, 3], [4, 5, 4], [10, 11, n]]);
     let mut points = points;
-    points.push((points[10] + points[11]) / 2.0);
+    points.push(points[10]);
     let (topology, points) = together(&[(points, triangles)], 0);
     let mut random = Random::new(3);
     let destination = bent(&points, 1.2, 0.8, 0.0, &mut random);

@@ -18,6 +18,6 @@ pub fn test() -> Result<()> {
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
     run("tests", cargo().args(["test", "--workspace"]))?;
-    demo::pack(&dist.join("demo.reprise"), "dev")?;
+    demo::pack(&dist.join("demo.reprise"), "release")?;
     browser::test(&dist)
 }

@@ -103,7 +103,7 @@ fn ln(x: f32) -> f32 {
     p = p.mul_add(f, 0.198_731_21);
     p = p.mul_add(f, -0.249_594_07);
     p = p.mul_add(f, 0.333_361_77);
-    p = p.mul_add(f, -0.500_006_65);
+    p = p.mul_add(f, -0.500_006_7);
     p = p.mul_add(f, 0.999_999_8);
     (exponent as f32).mul_add(std::f32::consts::LN_2, f * p)
 }

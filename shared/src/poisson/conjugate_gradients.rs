@@ -19,6 +19,14 @@ pub(super) struct System {
     scratch: Vec<Vec4>,
 }
 
+/// The factor of a pose.
+pub(super) struct Preconditioner<'a> {
+    pub symbolic: &'a SymbolicCholesky,
+    pub factor: &'a Factor,
+    /// Diagonal of that pose's Laplacian.
+    pub diagonal: &'a [f32],
+}
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Outcome {
@@ -43,6 +51,18 @@ impl System {
         }
     }
 
+    /// `z = M^-1 r`, and where the matrix is softer at a vertex than the preconditioner's pose, the difference besides:
+    /// errors there would otherwise hardly show in z. Symmetric and positive definite, as M is.
+    fn precondition(&mut self, laplacian: &Laplacian, preconditioner: &Preconditioner<'_>) {
+        self.preconditioned.copy_from_slice(&self.residual);
+        preconditioner.symbolic.solve(preconditioner.factor, &mut self.preconditioned, &mut self.scratch);
+        let diagonals = laplacian.diagonal.iter().zip(preconditioner.diagonal);
+        for ((z, &r), (&own, &other)) in self.preconditioned.iter_mut().zip(&self.residual).zip(diagonals) {
+            let softer = own < other && own > 0.0;
+            *z += r * if softer { 1.0 / own - 1.0 / other } else { 0.0 };
+        }
+    }
+
     /// Iterates until the error that is left is estimated at no more than `tolerance` metres at any vertex, or
     /// `most_solves` are spent.
     ///
@@ -53,17 +73,14 @@ impl System {
         &mut self,
         pattern: &LaplacianPattern,
         laplacian: &Laplacian,
-        (symbolic, factor): (&SymbolicCholesky, &Factor),
-        expected: f32,
-        tolerance: f32,
-        most_solves: usize,
+        preconditioner: &Preconditioner<'_>,
+        Stop { expected, tolerance, most_solves }: Stop,
     ) -> Outcome {
         let mut outcome = Outcome { solves: 0, error: f32::INFINITY, contraction: None, done: false };
         let mut product_before = DVec3::ZERO;
         let mut size_before = None;
         loop {
-            self.preconditioned.copy_from_slice(&self.residual);
-            symbolic.solve(factor, &mut self.preconditioned, &mut self.scratch);
+            self.precondition(laplacian, preconditioner);
             outcome.solves += 1;
             let product = dot(&self.residual, &self.preconditioned);
             if !product.is_finite() {
@@ -97,6 +114,16 @@ impl System {
             size_before = Some(size);
         }
     }
+}
+
+/// When to stop.
+pub(super) struct Stop {
+    /// What a solve is expected to leave of the error.
+    pub expected: f32,
+    /// Largest error at a vertex in metres.
+    pub tolerance: f32,
+    /// Solves that may be spent.
+    pub most_solves: usize,
 }
 
 /// Largest absolute value over three lanes.

@@ -104,9 +104,35 @@ impl Synthesiser {
         })
     }
 
-    /// The interpolator, to prepare frames ahead of time.
-    pub fn interpolator(&mut self) -> &mut PoissonInterpolator {
-        &mut self.interpolator
+    /// Does a piece of the next transition's work ahead of time, at most one factorisation; whether there was any. For
+    /// idle moments while recorded frames are shown.
+    ///
+    /// # Errors
+    /// A frame that cannot be read (yet), or a walk that does not belong to `graph`.
+    pub fn prepare(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+    ) -> Result<bool, PoseError> {
+        let Some(index) = self.legs.iter().find_map(|leg| match leg {
+            Leg::Synthetic(index) => Some(*index),
+            Leg::Recorded { .. } => None,
+        }) else {
+            return Ok(false);
+        };
+        let to = transition(graph, index)?;
+        let (_, lj) = to.warp.lengths();
+        let first = timeline.offset(to.to, 1 - lj as i64).ok_or(PoseError::OutOfRange(to.to))?;
+        for frame in [to.from, first] {
+            let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
+            ground.place(frame, Placement::IDENTITY, &mut self.placed[0])?;
+            let pose = KeyedPose { frame, pose: &self.placed[0] };
+            if self.interpolator.prepare(pose).map_err(|_| PoseError::Damaged(frame))? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Begins `walk`, which starts at `frame`, the actor standing at `placement`. That frame is the first to come.

@@ -6,7 +6,7 @@ pub mod meshes;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use glam::{DVec3, Vec3, Vec3Swizzles};
 use shared::align::{Placement, align_heading, centre_of_mass};
@@ -34,6 +34,7 @@ pub fn captured(name: &str, frames: &[usize]) -> Option<(Topology, Vec<Vec<Vec3>
 /// The folder that a capture was unpacked into, once per test binary.
 fn unpacked(name: &str) -> Option<PathBuf> {
     static ROOT: OnceLock<tempfile::TempDir> = OnceLock::new();
+    static UNPACKING: Mutex<()> = Mutex::new(());
     let archive = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../shared/data/captured/{name}.tar.xz"));
     if !archive.exists() {
         assert!(std::env::var_os("CI").is_none(), "{} is required where CI is set", archive.display());
@@ -42,6 +43,7 @@ fn unpacked(name: &str) -> Option<PathBuf> {
     }
     let root = ROOT.get_or_init(|| tempfile::tempdir().unwrap()).path();
     let folder = root.join(name);
+    let _one_at_a_time = UNPACKING.lock().unwrap();
     if !folder.exists() {
         let status = Command::new("tar").arg("-xJf").arg(&archive).arg("-C").arg(root).status().unwrap();
         assert!(status.success(), "tar could not unpack {}", archive.display());
