@@ -23,6 +23,12 @@ extern "C" {
     pub(super) fn now() -> f64;
 }
 
+impl Default for Player {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 fn array(points: &[Vec3]) -> Float32Array {
     Float32Array::from(bytemuck::cast_slice::<Vec3, f32>(points))
 }
@@ -42,7 +48,7 @@ impl Player {
     /// # Errors
     /// They are no bundle, one of a later version, or damaged.
     pub fn push(&mut self, bytes: &[u8]) -> Result<(), JsValue> {
-        Ok(self.inner.push(bytes).map_err(bundle_error)?)
+        self.inner.push(bytes).map_err(bundle_error)
     }
 
     /// No more bytes will come.
@@ -50,7 +56,7 @@ impl Player {
     /// # Errors
     /// The bundle is cut off, or was wrong before.
     pub fn finish(&self) -> Result<(), JsValue> {
-        Ok(self.inner.loading().finish().map_err(bundle_error)?)
+        self.inner.loading().finish().map_err(bundle_error)
     }
 
     /// Whether the positions of `frame` have arrived.

@@ -10,7 +10,7 @@ use web_sys::{HtmlCanvasElement, ImageBitmap};
 use super::error::{Kind, error};
 use super::player::{Player, now};
 use crate::camera::{Camera, Subject};
-use crate::gpu::context::{Gpu, extent, view};
+use crate::gpu::context::{Gpu, extent};
 use crate::gpu::pose::Numbered;
 use crate::gpu::readback::read;
 use crate::gpu::scene::{Measures, Moment, Scene};
@@ -115,9 +115,9 @@ async fn open(canvas: &HtmlCanvasElement) -> Result<Opened, JsValue> {
     let mut configuration = surface
         .get_default_config(&adapter, size[0], size[1])
         .ok_or_else(|| error(Kind::NoAdapter, "the canvas has no format that can be drawn"))?;
-    // Blending in linear light: drawn through an sRGB view of the canvas, whose own format has none.
+    // Blending in linear light: pictures are drawn in the sRGB format beside the canvas's own, and copied.
     let format = configuration.format.add_srgb_suffix();
-    configuration.view_formats = vec![format];
+    configuration.usage |= wgpu::TextureUsages::COPY_DST;
     configuration.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
     surface.configure(&device, &configuration);
     let gpu = Gpu::new(device, queue, format, report);
@@ -199,9 +199,8 @@ impl Stage {
                 return;
             }
         };
-        let descriptor = wgpu::TextureViewDescriptor { format: Some(self.scene.gpu.format), ..Default::default() };
-        let target = picture.texture.create_view(&descriptor);
-        self.scene.draw(&self.camera.view(), &self.target, &target);
+        self.scene.draw(&self.camera.view(), &self.target);
+        self.target.copy_to(&self.scene.gpu, &picture.texture);
         self.scene.gpu.queue.present(picture);
     }
 
@@ -377,17 +376,15 @@ impl Stage {
         super::error::json(&Adapter { name: &self.adapter.name, fallback })
     }
 
-    /// RGBA of the last picture, drawn once more.
+    /// RGBA of the last picture.
     ///
     /// # Errors
     /// The device is lost.
     #[wasm_bindgen(unchecked_return_type = "Promise<Uint8ClampedArray>")]
-    pub fn read_pixels(&mut self) -> Result<Promise, JsValue> {
+    pub fn read_pixels(&self) -> Result<Promise, JsValue> {
         self.alive()?;
-        let (gpu, size) = (self.scene.gpu.clone(), self.target.size);
-        let texture = gpu.target(size, gpu.format, 1, wgpu::TextureUsages::COPY_SRC);
-        self.scene.draw(&self.camera.view(), &self.target, &view(&texture));
-        Ok(pixels_promise(|then| read(&gpu, &texture, size, false, then)))
+        let target = &self.target;
+        Ok(pixels_promise(|then| read(&self.scene.gpu, &target.picture, target.size, false, then)))
     }
 
     fn alive(&self) -> Result<(), JsValue> {

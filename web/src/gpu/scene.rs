@@ -134,8 +134,8 @@ impl Scene {
         self.trail.write(&self.gpu, &strip);
     }
 
-    /// Draws a picture of what `view` sees into `picture`.
-    pub fn draw(&mut self, view: &View, target: &Target, picture: &wgpu::TextureView) {
+    /// Draws a picture of what `view` sees.
+    pub fn draw(&mut self, view: &View, target: &Target) {
         let reach = self.measures.height * 4.2;
         let mut uniform = self.look.uniform(view, self.measures.floor, self.ground, reach);
         uniform.shadow_origin = self.square.origin.to_array();
@@ -146,7 +146,7 @@ impl Scene {
             self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square);
         }
         {
-            let mut pass = target.begin(&mut encoder, picture, self.look.clear());
+            let mut pass = target.begin(&mut encoder, self.look.clear());
             pass.set_bind_group(0, &self.frame.group, &[]);
             self.grid.draw(&mut pass, &self.shadow);
             self.trail.draw(&mut pass);

@@ -1,9 +1,7 @@
 //! Thumbnails: a pose alone, three-quarter view, on a transparent background.
 
 use glam::{Vec2, Vec3};
-use wgpu::TextureUsages;
 
-use super::context::{Gpu, view};
 use super::frame::{FrameGroup, Look};
 use super::mesh::Mesh;
 use super::pose::{ActorUniform, Numbered, PoseGroup};
@@ -17,7 +15,6 @@ pub struct Thumbnails {
     frame: FrameGroup,
     pose: PoseGroup,
     target: Target,
-    texture: wgpu::Texture,
 }
 
 impl Thumbnails {
@@ -25,12 +22,10 @@ impl Thumbnails {
     #[must_use]
     pub fn new(scene: &Scene, vertex_count: usize) -> Self {
         let gpu = &scene.gpu;
-        let target = Target::new(gpu, [1, 1]);
         Self {
             frame: FrameGroup::new(gpu),
             pose: PoseGroup::new(gpu, &scene.pose_layout, vertex_count),
-            texture: picture(gpu, target.size),
-            target,
+            target: Target::new(gpu, [1, 1]),
         }
     }
 
@@ -46,7 +41,6 @@ impl Thumbnails {
         let size = size.map(|side| side.clamp(1, 1024));
         if self.target.size != size {
             self.target = Target::new(gpu, size);
-            self.texture = picture(gpu, size);
         }
         self.pose.forget();
         let numbered = Numbered { number: 0, pose };
@@ -59,19 +53,15 @@ impl Thumbnails {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.record(&mut encoder, &scene.mesh);
         gpu.queue.submit([encoder.finish()]);
-        read(gpu, &self.texture, size, true, then);
+        read(gpu, &self.target.picture, size, true, then);
     }
 
     fn record(&self, encoder: &mut wgpu::CommandEncoder, mesh: &Mesh) {
-        let mut pass = self.target.begin(encoder, &view(&self.texture), wgpu::Color::TRANSPARENT);
+        let mut pass = self.target.begin(encoder, wgpu::Color::TRANSPARENT);
         pass.set_bind_group(0, &self.frame.group, &[]);
         pass.set_bind_group(1, self.pose.group(), &[]);
         mesh.draw(&mut pass);
     }
-}
-
-fn picture(gpu: &Gpu, size: [u32; 2]) -> wgpu::Texture {
-    gpu.target(size, gpu.format, 1, TextureUsages::COPY_SRC)
 }
 
 /// What a thumbnail frames: all thumbnails at one scale where the pose allows, so that a duck is lower than a jump.
