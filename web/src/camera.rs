@@ -157,7 +157,7 @@ impl Camera {
 
     /// Eases by `seconds`. True while it still moves.
     pub fn step(&mut self, seconds: f32) -> bool {
-        let seconds = seconds.clamp(0.0, 0.1);
+        let seconds = seconds.clamp(0.0, 0.5);
         let orbit_moves = self.orbit != self.goal;
         if orbit_moves {
             let part = if self.instant { 1.0 } else { 1.0 - (-EASE * seconds).exp() };

@@ -31,6 +31,8 @@ pub struct Stage {
     camera: Camera,
     drawn: Option<Drawn>,
     due: bool,
+    /// Whether the camera moved in the last picture.
+    eased: bool,
     time: f64,
 }
 
@@ -80,6 +82,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             camera,
             drawn: None,
             due: true,
+            eased: false,
             time: now(),
         };
         Ok(stage.into())
@@ -170,13 +173,15 @@ impl Stage {
     /// Uploads what changed and draws; does nothing where nothing changed.
     pub fn draw(&mut self, player: &Player) {
         let now = now();
-        let seconds = ((now - self.time) / 1000.0) as f32;
+        // After a rest the first step is a usual one: the camera sets off gently.
+        let seconds = if self.eased { (now - self.time) / 1000.0 } else { 1.0 / 60.0 };
         self.time = now;
         if self.lost() || !self.show(player) {
             return;
         }
         self.camera.set_aspect(self.target.size[0] as f32 / self.target.size[1] as f32);
-        let moved = self.camera.step(seconds);
+        let moved = self.camera.step(seconds as f32);
+        self.eased = moved;
         if !(moved || std::mem::take(&mut self.due)) {
             return;
         }

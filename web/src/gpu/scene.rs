@@ -143,8 +143,7 @@ impl Scene {
         self.frame.write(&self.gpu, &uniform);
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if std::mem::take(&mut self.shadow_due) {
-            let height = self.measures.height;
-            self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square, height);
+            self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square);
         }
         {
             let mut pass = target.begin(&mut encoder, picture, self.look.clear());

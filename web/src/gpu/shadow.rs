@@ -37,6 +37,8 @@ pub struct Square {
     pub origin: Vec2,
     /// Side in metres.
     pub side: f32,
+    /// Height of the actor in metres, which the blurs follow.
+    pub height: f32,
 }
 
 impl Square {
@@ -51,14 +53,14 @@ impl Square {
             high = high.max(Vec2::new(p.x, p.z));
         }
         if !(low.is_finite() && high.is_finite()) {
-            return Self { origin: Vec2::ZERO, side: 1.0 };
+            return Self { origin: Vec2::ZERO, side: 1.0, height };
         }
         let step = (height * 0.5).max(1e-3);
         let side = ((high - low).max_element() + 6.0 * WIDE * height).max(step);
         let side = (side / step).ceil() * step;
         let texel = side / SIDE as f32;
         let origin = ((low + high - side) * 0.5 / texel).floor() * texel;
-        Self { origin, side }
+        Self { origin, side, height }
     }
 }
 
@@ -110,7 +112,7 @@ impl Shadow {
         Self { occlusion, blur, blurs, groups, maps, layout, group }
     }
 
-    /// Draws the map of `square` for an actor `height` metres high.
+    /// Draws the map of `square`.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -119,9 +121,8 @@ impl Shadow {
         pose: &PoseGroup,
         mesh: &Mesh,
         square: Square,
-        height: f32,
     ) {
-        let step = height / square.side / TAPS_PER_DEVIATION;
+        let step = square.height / square.side / TAPS_PER_DEVIATION;
         for (buffer, axis) in self.blurs.iter().zip([Vec2::X, Vec2::Y]) {
             let uniform =
                 BlurUniform { red: (axis * NARROW * step).to_array(), green: (axis * WIDE * step).to_array() };
@@ -155,6 +156,6 @@ mod tests {
             let inside = (Vec2::new(p.x, p.z) - square.origin) / square.side;
             assert!(inside.min_element() > 0.1 && inside.max_element() < 0.9, "{inside}");
         }
-        assert_eq!(Square::around([], 1.7), Square { origin: Vec2::ZERO, side: 1.0 });
+        assert_eq!(Square::around([], 1.7), Square { origin: Vec2::ZERO, side: 1.0, height: 1.7 });
     }
 }

@@ -82,6 +82,8 @@ pub struct Player {
     looping: bool,
     stalled: Option<u32>,
     reference: Vec<glam::Vec3>,
+    /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
+    main: Option<Vec<bool>>,
     /// Whether the picture changed other than by time since the last tick.
     changed: bool,
 }
@@ -103,6 +105,7 @@ impl Player {
             looping: true,
             stalled: None,
             reference: Vec::new(),
+            main: None,
             changed: false,
         };
         player.stand_up();
@@ -130,6 +133,9 @@ impl Player {
     }
 
     fn stand_up(&mut self) {
+        if let (None, Some(actor), Some(graph)) = (&self.main, &self.loading.actor, &self.loading.graph) {
+            self.main = Some(reach::main_component(graph, &actor.timeline));
+        }
         let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
         self.clock = Clock::new(actor.timeline.fps());
         if let Ok(frame) = self.recorded(actor.first_frame, Placement::IDENTITY) {
@@ -537,7 +543,8 @@ impl Player {
             return Plan::of_walk(from, &recorded(from, sequence.frame_count), graph);
         }
         let end = sequence.end_frame() - 1;
-        let way = if self.looping { way_back(timeline, graph, from) } else { None };
+        let main = self.main.as_deref().filter(|_| self.looping);
+        let way = main.and_then(|main| way_back(timeline, graph, main, from));
         let walk = match way {
             Some((exit, back)) => {
                 let mut walk = recorded(exit, exit - from);
@@ -568,10 +575,9 @@ impl Player {
 
 /// The last frame of the recording, from `from` on, with a way back to its sequence's start, and that way. The start is
 /// the sequence's first frame in the largest component, where the actor never gets stuck.
-fn way_back(timeline: &Timeline, graph: &EssentialGraph, from: u32) -> Option<(u32, Walk)> {
+fn way_back(timeline: &Timeline, graph: &EssentialGraph, main: &[bool], from: u32) -> Option<(u32, Walk)> {
     let sequence = timeline.sequence_of(from)?;
-    let inside = reach::main_component(graph, timeline);
-    let is_in = |frame: &u32| inside.get(*frame as usize).copied().unwrap_or(false);
+    let is_in = |frame: &u32| main.get(*frame as usize).copied().unwrap_or(false);
     let start = (sequence.first_frame..sequence.end_frame()).find(is_in)?;
     let exit = (from..sequence.end_frame()).rev().find(is_in)?;
     Some((exit, cheapest_walk(graph, timeline, exit, start)?))

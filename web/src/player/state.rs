@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::plan::{Goal, LegReport, report_legs};
 use super::produce::{At, Frame};
-use super::{Player, PlayerError, reach};
+use super::{Player, PlayerError};
 use crate::trail::TrailPoint;
 
 /// The frames that the picture lies between.
@@ -211,7 +211,7 @@ impl Player {
             height: image.height,
             ready: self.loading.image(index).is_some(),
         });
-        let main = graph.map_or_else(Vec::new, |graph| reach::main_component(graph, timeline));
+        let main = self.main.as_deref().unwrap_or_default();
         Some(Info {
             name: &actor.name,
             fps: timeline.fps(),

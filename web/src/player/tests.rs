@@ -1,15 +1,18 @@
 //! The player on a small capture in memory.
 
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec3};
 use shared::align::Placement;
+use shared::bundle::{BundleInput, encode};
 use shared::capture::{Capture, Poses};
 use shared::graph::{EssentialGraph, Transition};
 use shared::surface::{Corner, Material, Part, Surface};
+use shared::synthesis::{PoseMemory, PosesOnGround, transition_placement};
 use shared::timeline::{Sequence, Timeline};
 use shared::topology::Topology;
 use shared::warp::{Move, Warp};
 
 use super::events::Event;
+use super::loading::{Loading, Phase};
 use super::{Player, PlayerError};
 
 /// A timeline of 25 frames per second with sequences of these lengths, cyclic or not.
@@ -34,13 +37,17 @@ pub fn jump(timeline: &Timeline, from: u32, to: u32) -> Option<Transition> {
 const CORNERS: [Vec3; 4] =
     [Vec3::new(0.3, 0.0, 0.0), Vec3::new(-0.2, 0.0, 0.3), Vec3::new(-0.2, 0.0, -0.3), Vec3::new(0.0, 1.8, 0.0)];
 
-/// A tetrahedron that walks 1 cm a frame in the direction of +X.
-fn player(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> Player {
+/// A tetrahedron that walks 1 cm a frame, turning a little; in every sequence from the same place, leaning more.
+fn capture(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> (Capture, EssentialGraph) {
     let timeline = timeline(sequences);
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
     let mut poses = Poses::new(4);
-    for frame in 0..timeline.frame_count() {
-        poses.push(&CORNERS.map(|p| p + Vec3::X * 0.01 * frame as f32));
+    for (index, sequence) in timeline.sequences().iter().enumerate() {
+        let lean = Quat::from_rotation_z(0.2 * index as f32);
+        for step in 0..sequence.frame_count {
+            let turn = Quat::from_rotation_y(0.01 * step as f32);
+            poses.push(&CORNERS.map(|p| turn * (lean * p) + Vec3::X * 0.01 * step as f32));
+        }
     }
     let corner = |vertex| Corner { vertex, uv: [0.0; 2], colour: [255; 4] };
     let material = Material { name: String::new(), base_colour: [1.0; 4], image: None, double_sided: false };
@@ -51,9 +58,7 @@ fn player(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> Player {
         materials: vec![material],
         images: vec![],
     };
-    let transitions = edges.iter().map(|&(from, to)| jump(&timeline, from, to).unwrap()).collect();
-    let graph = EssentialGraph::new(0.01, transitions, &timeline).unwrap();
-    let capture = Capture {
+    let mut capture = Capture {
         name: "tetrahedron".into(),
         topology: Topology::new(4, triangles, vec![1.0; 4]).unwrap(),
         surface,
@@ -61,7 +66,25 @@ fn player(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> Player {
         poses,
         vertex_of_file_vertex: vec![0, 1, 2, 3],
     };
+    let mut transitions: Vec<_> = edges.iter().map(|&(from, to)| jump(&capture.timeline, from, to).unwrap()).collect();
+    for transition in &mut transitions {
+        let mut memory = PoseMemory::default();
+        let mut ground = PosesOnGround::new(&mut capture.poses, capture.topology.weights(), &mut memory);
+        let ends = (transition.from, transition.to);
+        transition.placement = transition_placement(&capture.timeline, &mut ground, ends, &transition.warp).unwrap();
+    }
+    let graph = EssentialGraph::new(0.01, transitions, &capture.timeline).unwrap();
+    (capture, graph)
+}
+
+fn player(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> Player {
+    let (capture, graph) = capture(sequences, edges);
     Player::of_capture(capture, graph)
+}
+
+/// The largest distance that a vertex goes from one pose to another.
+fn largest_step(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 /// Ticks until the actor stands; all events on the way.
@@ -100,8 +123,9 @@ fn plays_at_the_rate_of_the_capture_between_the_frames() {
     player.play();
     player.tick(0.1);
     assert!((frame(&player) - 2.5).abs() < 1e-9);
+    let [two, three] = [2, 3].map(|frame| player.recorded_pose(frame).unwrap());
     let pose = player.picture().unwrap().pose();
-    assert!(pose[3].distance(CORNERS[3] + Vec3::X * 0.025) < 1e-6);
+    assert!(pose[3].distance((two[3] + three[3]) / 2.0) < 1e-6);
     player.pause();
     assert!(!player.tick(0.1));
     player.set_speed(2.0);
@@ -149,7 +173,7 @@ fn walks_back_out_of_a_dead_end() {
     let mut player = player(&[(10, false), (10, false)], &[(5, 15)]);
     player.seek(9.0).unwrap();
     let plan = player.plan(16).unwrap();
-    assert_eq!((plan.legs.len(), plan.frames), (3, 4 + 3 + 1));
+    assert_eq!((plan.legs.len(), plan.frames), (3, 4 + 2 + 1));
     assert_eq!(player.plan(3).unwrap().legs.len(), 1);
     player.seek(12.0).unwrap();
     assert_eq!(player.plan(3), Err(PlayerError::Unreachable { from: 12, to: 3 }));
@@ -202,5 +226,135 @@ fn leaves_a_trail() {
     run(&mut player);
     let trail: Vec<_> = player.trail().collect();
     assert_eq!(trail.len(), 31);
-    assert!(trail[30].ground.distance(trail[0].ground + Vec2::X * 0.3) < 1e-5);
+    assert!(trail.windows(2).all(|pair| pair[0].time < pair[1].time && !pair[1].starts));
+}
+
+#[test]
+fn a_walk_through_a_transition_arrives_where_it_was_foreseen() {
+    let mut player = player(&[(12, false), (12, false)], &[(4, 18)]);
+    let foreseen = player.arrival(21).unwrap();
+    let plan = player.go_to(21).unwrap();
+    assert_eq!((plan.transitions, plan.frames), (1, 4 + 2 + 3));
+    let mut events = Vec::new();
+    let mut before = player.picture().unwrap().pose();
+    while player.playing() {
+        player.tick(0.01);
+        events.extend(player.take_events());
+        let now = player.picture().unwrap().pose();
+        assert!(largest_step(&before, &now) < 0.06, "a pop");
+        before = now;
+    }
+    let passed = [
+        Event::TransitionStart { from: 4, to: 18 },
+        Event::TransitionEnd { from: 4, to: 18 },
+        Event::Arrive { frame: 21 },
+    ];
+    assert_eq!(events, passed);
+    let mut target = player.recorded_pose(21).unwrap();
+    foreseen.apply_all(&mut target);
+    assert!(largest_step(&target, &before) < 1e-5);
+    assert!(player.trail().any(|point| point.synthetic));
+}
+
+#[test]
+fn a_transition_under_way_is_finished_when_the_mind_changes() {
+    let mut player = player(&[(12, false), (12, false)], &[(4, 18)]);
+    player.seek(4.0).unwrap();
+    player.go_to(22).unwrap();
+    player.tick(0.02);
+    assert!(player.state().unwrap().transition.is_some());
+    assert_eq!(player.state().unwrap().mode, "synthetic");
+    let foreseen = player.arrival(19).unwrap();
+    let plan = player.go_to(19).unwrap();
+    assert_eq!(plan.frames, 1);
+    assert_eq!(player.state().unwrap().walk.unwrap().len(), 2);
+    assert_eq!(run(&mut player).last(), Some(&Event::Arrive { frame: 19 }));
+    let mut target = player.recorded_pose(19).unwrap();
+    foreseen.apply_all(&mut target);
+    assert!(largest_step(&target, &player.picture().unwrap().pose()) < 1e-5);
+
+    player.seek(4.0).unwrap();
+    player.go_to(22).unwrap();
+    player.tick(0.02);
+    player.cancel();
+    assert_eq!(player.state().unwrap().target, None);
+    assert_eq!(run(&mut player).last(), Some(&Event::TransitionEnd { from: 4, to: 18 }));
+    assert_eq!(frame(&player), 18.0);
+}
+
+#[test]
+fn playing_on_goes_round_through_the_graph() {
+    let mut player = player(&[(12, false), (12, false)], &[(4, 18), (8, 3), (20, 6)]);
+    player.play();
+    let mut transitions = 0;
+    for _ in 0..600 {
+        player.tick(0.02);
+        for event in player.take_events() {
+            assert!(matches!(event, Event::TransitionStart { .. } | Event::TransitionEnd { .. }), "{event:?}");
+            transitions += 1;
+        }
+    }
+    assert!(player.playing() && transitions > 10);
+}
+
+#[test]
+fn a_cyclic_sequence_walks_on_across_its_wrap() {
+    let mut player = player(&[(10, true)], &[]);
+    player.play();
+    let start = player.ground().unwrap();
+    let mut before = start;
+    for _ in 0..200 {
+        player.tick(0.02);
+        let now = player.ground().unwrap();
+        assert!(before.distance(now) < 0.02);
+        before = now;
+    }
+    assert!(player.take_events().is_empty());
+    assert!(player.state().unwrap().frame < 10.0);
+}
+
+#[test]
+fn a_bundle_plays_as_far_as_it_has_arrived() {
+    let (capture, graph) = capture(&[(200, false), (12, false)], &[(4, 206)]);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 0,
+        max_error: 1e-4,
+        poisson_order: None,
+        generator: "test".into(),
+    };
+    let (bytes, _) = encode(&input).unwrap();
+    let mut player = Player::new(Loading::default(), || 0.0);
+    assert!(player.picture().is_none() && !player.tick(0.1));
+    assert_eq!(player.go_to(3), Err(PlayerError::NotLoaded));
+    let mut pushed = 0;
+    let mut phases = vec![player.loading().phase()];
+    let mut stalled = false;
+    for chunk in bytes.chunks(64) {
+        player.push(chunk).unwrap();
+        pushed += chunk.len();
+        let phase = player.loading().phase();
+        if phases.last() != Some(&phase) {
+            phases.push(phase);
+        }
+        if player.picture().is_some() {
+            player.set_loop(false);
+            player.play();
+            for _ in 0..20 {
+                player.tick(0.1);
+            }
+            stalled |= player.take_events().iter().any(|event| matches!(event, Event::Stall { .. }));
+        }
+    }
+    assert_eq!(pushed, bytes.len());
+    assert_eq!((phases.first(), phases.last()), (Some(&Phase::Empty), Some(&Phase::Complete)));
+    assert!(phases.contains(&Phase::FirstPose) || phases.contains(&Phase::Partial), "{phases:?}");
+    assert!(stalled && player.loading().finish().is_ok());
+    player.take_events();
+    player.seek(0.0).unwrap();
+    player.go_to(208).unwrap();
+    assert_eq!(run(&mut player).last(), Some(&Event::Arrive { frame: 208 }));
+    let damaged: Vec<_> = bytes.iter().enumerate().map(|(k, byte)| byte ^ u8::from(k == bytes.len() / 2)).collect();
+    assert!(Player::new(Loading::default(), || 0.0).push(&damaged).is_err());
 }
