@@ -93,7 +93,8 @@ export interface ActorInfo {
 }
 
 export type Leg =
-  | { kind: 'recorded'; first: number; last: number; steps: number }
+  /** `back`: along the recording backwards, out of a dead end. */
+  | { kind: 'recorded'; first: number; last: number; steps: number; back: boolean }
   | { kind: 'synthetic'; from: number; to: number; frames: number; deformation: number; edge: number };
 
 export interface Walk {

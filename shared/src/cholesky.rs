@@ -196,12 +196,11 @@ impl SymbolicCholesky {
         if !mean.is_finite() {
             return Err(CholeskyError::NotFinite);
         }
-        let mut regularised = self.set_lower(laplacian, mean, &mut workspace.lower);
+        let loose = self.set_lower(laplacian, mean, &mut workspace.lower);
         for attempt in 0..MOST_ATTEMPTS {
             let Some(pivot) = self.try_factorise(workspace)? else {
-                return Ok(Factor { values: self.pack(&workspace.values), regularised });
+                return Ok(Factor { values: self.pack(&workspace.values), regularised: loose + attempt });
             };
-            regularised += 1;
             if attempt < SINGLE_PIVOTS {
                 workspace.lower[self.column_start[pivot.min(n - 1)] as usize] += mean;
             } else {

@@ -1,4 +1,5 @@
 //! All WGSL through naga, and the Rust twins of its uniforms against its layout.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};

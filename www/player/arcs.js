@@ -29,6 +29,35 @@ function trace(context, { start, a, b, end }) {
   context.bezierCurveTo(a.x, a.y, b.x, b.y, end.x, end.y);
 }
 
+/** Arcs that are drawn from one sequence to another, and how many seconds apart they must begin or end. */
+const MOST_A_PAIR = 2;
+const APART = 0.75;
+
+/**
+ * A few arcs that stand for all: the cheapest of every two sequences, each from or to another moment. The cheapest of
+ * all would be neighbours of each other, thousands of them.
+ * @param {import('./timeline.js').Timeline} timeline
+ * @param {Float32Array} quads from, to, deformation, frames; cheapest first
+ * @returns {Float32Array} some of them, in the same order
+ */
+export function chooseArcs(timeline, quads) {
+  const chosen = [];
+  const ofPair = new Map();
+  const moment = (frame) => Math.floor(frame / (APART * timeline.fps));
+  for (let at = 0; at < quads.length; at += 4) {
+    const [from, to] = [quads[at], quads[at + 1]];
+    const [source, target] = [timeline.indexOf(from), timeline.indexOf(to)];
+    const pair = `${source} ${target}`;
+    const others = ofPair.get(pair) ?? [];
+    const near = source === target && Math.abs(moment(from) - moment(to)) < 2;
+    const known = others.some((other) => moment(quads[other]) === moment(from) && moment(quads[other + 1]) === moment(to));
+    if (near || known || others.length === MOST_A_PAIR) continue;
+    ofPair.set(pair, [...others, at]);
+    chosen.push(...quads.subarray(at, at + 4));
+  }
+  return Float32Array.from(chosen);
+}
+
 /**
  * The graph behind the strips.
  * @param {Float32Array} quads from, to, deformation, frames; cheapest first
@@ -75,8 +104,8 @@ function drawRecorded(context, layout, leg, colour, done) {
 }
 
 /** A cyclic sequence may be left over its end: then the stretch has two pieces. Out of a dead end it runs backwards. */
-function stretches(layout, { first, last, steps }) {
-  if (last >= first || first - last === steps) return [[first, last]];
+function stretches(layout, { first, last, back }) {
+  if (last >= first || back) return [[first, last]];
   const sequence = layout.timeline.sequenceOf(first);
   return [[first, sequence.first + sequence.count - 1], [sequence.first, last]];
 }

@@ -41,6 +41,21 @@ export class Director {
     return JSON.parse(this.player.plan(to));
   }
 
+  /** Where the body would stand if the actor went to a frame: the middle of some of its vertices, in its place. */
+  arrivalOf(frame) {
+    const [heading, x, z] = this.player.arrival(frame);
+    const pose = this.player.recorded_pose(frame);
+    const middle = [0, 0, 0];
+    const step = 3 * Math.max(1, Math.floor(pose.length / 3 / 200));
+    let count = 0;
+    for (let at = 0; at + 2 < pose.length; at += step, count += 1) {
+      for (let axis = 0; axis < 3; axis += 1) middle[axis] += pose[at + axis];
+    }
+    const [px, y, pz] = middle.map((sum) => sum / Math.max(1, count));
+    const [sin, cos] = [Math.sin(heading), Math.cos(heading)];
+    return { x: cos * px + sin * pz + x, y, z: cos * pz - sin * px + z };
+  }
+
   /** The walk under way or the last one that was begun, with its cost; the facts show it. */
   goTo(to) {
     this.walk = JSON.parse(this.player.go_to(to));

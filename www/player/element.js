@@ -7,7 +7,7 @@ import { AttributeElement } from './attributes.js';
 import { Director } from './director.js';
 import { loadEngine } from './engine.js';
 import { PlayerError, checkSupport, kindOf } from './errors.js';
-import { walkSentence, poseName } from './format.js';
+import { poseName, title, walkSentence } from './format.js';
 import { Textures } from './images.js';
 import { handleKey } from './keyboard.js';
 import { actorAddress, openActor } from './loading.js';
@@ -15,8 +15,6 @@ import { FrameLoop, Median } from './loop.js';
 import { suggestPoses } from './suggestions.js';
 import { buildView } from './view.js';
 
-/** Transitions that are drawn as arcs; more would be a grey wall. */
-const MOST_ARCS = 120;
 /** A device lost this often within so many milliseconds is not tried again by itself. */
 const LOSSES = { most: 3, within: 30_000 };
 /** How often, and after how many milliseconds, a lost device is asked for again before the page says so. */
@@ -209,7 +207,7 @@ export class ReprisePlayer extends AttributeElement {
       this.#sendTextures();
       this.#view.score.wantThumbnails();
     }
-    if (this.#complete) this.#view.score.setArcs(director.player.arcs(MOST_ARCS));
+    if (this.#complete) this.#view.score.setArcs(director.player.arcs(director.info.transitions));
     this.#loop?.request();
   }
 
@@ -247,6 +245,7 @@ export class ReprisePlayer extends AttributeElement {
     };
     this.#textures
       .update(director.info, (index) => director.player.image(index), send)
+      .then(() => director === this.#director && this.#view.score.wantThumbnails())
       .catch((error) => director === this.#director && this.#fail(error));
   }
 
@@ -312,7 +311,7 @@ export class ReprisePlayer extends AttributeElement {
     } else if (type === 'stall') {
       this.#view.transport.say('waiting for the rest of the actor', 'waiting');
     } else if (type === 'end') {
-      this.#view.transport.say(`${timeline.sequenceOf(event.frame).name} ends here`, 'hint');
+      this.#view.transport.say(`${title(timeline.sequenceOf(event.frame))} ends here`, 'hint');
     }
     this.#dispatch(type, detail);
   }
@@ -438,7 +437,7 @@ export class ReprisePlayer extends AttributeElement {
     const director = this.#director;
     const wanted = () => run === this.#poses.run && director === this.#director;
     const frames = this.#poses.on && director?.info
-      ? await suggestPoses(director.player, director.timeline, director.state, wanted)
+      ? await suggestPoses(director, wanted)
       : [];
     if (!wanted() || !director) return;
     this.#poses.frames = frames;
@@ -452,7 +451,7 @@ export class ReprisePlayer extends AttributeElement {
 
   #thumbnail(frame, width, height) {
     const { stage } = this.#view;
-    return this.#shown && stage.alive() ? stage.stage.thumbnail(this.#director.player, frame, width, height) : null;
+    return this.#shown && this.#textures.dressed && stage.alive() ? stage.stage.thumbnail(this.#director.player, frame, width, height) : null;
   }
 
   #applyOptions() {

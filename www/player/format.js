@@ -29,9 +29,14 @@ export function walkSentence(walk) {
   return `goes there in ${duration(walk.seconds)}, ${way}`;
 }
 
+/** A sequence's name as people write it: file names have underscores for spaces. */
+export function title(sequence) {
+  return sequence.name.replaceAll('_', ' ');
+}
+
 /** `walk, 3.42 s`: a pose by its sequence and the time within it. */
 export function poseName(sequence, frame, fps) {
-  return `${sequence.name}, ${((frame - sequence.first) / fps).toFixed(2)} s`;
+  return `${title(sequence)}, ${((frame - sequence.first) / fps).toFixed(2)} s`;
 }
 
 /** Up to four significant digits, without an exponent for the sizes that occur here. */

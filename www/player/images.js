@@ -3,11 +3,18 @@
 export class Textures {
   constructor() {
     this.sent = new Set();
+    this.shown = new Set();
+  }
+
+  /** Whether a picture of the actor would show it as it is: some texture is there, or there is none to come. */
+  get dressed() {
+    return this.shown.size > 0 || this.none;
   }
 
   /** A new stage has none of them. */
   forget() {
     this.sent.clear();
+    this.shown.clear();
   }
 
   /**
@@ -18,6 +25,7 @@ export class Textures {
    * @returns {Promise<void>} when those have been handed over; rejects with a `damaged` error if one does not decode
    */
   async update(info, encoded, send) {
+    this.none = info.images.length === 0;
     const fresh = info.images.map((image, index) => ({ ...image, index })).filter(({ ready, index }) => ready && !this.sent.has(index));
     for (const { index } of fresh) this.sent.add(index);
     for (const { index, media_type: type } of fresh) {
@@ -27,6 +35,7 @@ export class Textures {
         throw Object.assign(new Error(`Texture ${index} (${type}) does not decode.`, { cause }), { kind: 'damaged' });
       });
       send(index, bitmap);
+      this.shown.add(index);
       bitmap.close();
     }
   }

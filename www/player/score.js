@@ -1,7 +1,8 @@
 /** The score: a strip of poses for every sequence, the graph's arcs over them, the playhead, the flag and the walk. */
 
-import { drawGraph, drawWalk } from './arcs.js';
+import { chooseArcs, drawGraph, drawWalk } from './arcs.js';
 import { h, icon, sizedContext } from './dom.js';
+import { title } from './format.js';
 import { layoutScore } from './layout.js';
 import { attachScorePointer } from './score-pointer.js';
 import { Strip } from './strip.js';
@@ -70,9 +71,9 @@ export class Score {
     this.relay();
   }
 
-  /** @param {Float32Array} quads from `Player.arcs` */
+  /** @param {Float32Array} quads all arcs, from `Player.arcs` */
   setArcs(quads) {
-    this.arcs = quads;
+    this.arcs = chooseArcs(this.timeline, quads);
     this.paintGraph();
   }
 
@@ -110,7 +111,7 @@ export class Score {
     const context = h('canvas').getContext('2d');
     const { fontSize, fontFamily, fontWeight } = getComputedStyle(this.strips[0].label);
     context.font = `${fontWeight} ${fontSize} ${fontFamily}`;
-    return this.timeline.sequences.map(({ name }) => Math.min(LONGEST_LABEL, Math.ceil(context.measureText(name).width)));
+    return this.timeline.sequences.map((sequence) => Math.min(LONGEST_LABEL, Math.ceil(context.measureText(title(sequence)).width)));
   }
 
   readColours() {

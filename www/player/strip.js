@@ -1,12 +1,13 @@
 /** One sequence of the score: its name, its film of thumbnails, and what a screen reader is told about it. */
 
 import { h, sizedContext } from './dom.js';
+import { title } from './format.js';
 import { THUMBNAIL } from './layout.js';
 
 export class Strip {
   constructor(sequence, index) {
     this.sequence = sequence;
-    this.label = h('span', { class: 'label', title: sequence.labels?.length ? sequence.labels.join(', ') : sequence.name }, sequence.name);
+    this.label = h('span', { class: 'label', title: sequence.labels?.length ? sequence.labels.join(', ') : title(sequence) }, title(sequence));
     this.film = h('canvas');
     this.root = h(
       'div',
@@ -14,7 +15,7 @@ export class Strip {
         class: 'strip',
         role: 'slider',
         tabindex: index === 0 ? 0 : -1,
-        'aria-label': sequence.name,
+        'aria-label': title(sequence),
         'aria-describedby': 'score-hint',
         'aria-valuemin': 0,
         'aria-valuemax': sequence.count - 1,

@@ -9,16 +9,15 @@ const APART = 0.8;
 const rest = () => new Promise((resolve) => setTimeout(resolve, 0));
 
 /**
- * @param {object} player
- * @param {import('./timeline.js').Timeline} timeline
- * @param {{x: number, z: number}} actor where the actor stands
+ * @param {import('./director.js').Director} director
  * @param {() => boolean} wanted false when the answer is no longer of use
  * @returns {Promise<number[]>} frames
  */
-export async function suggestPoses(player, timeline, actor, wanted) {
+export async function suggestPoses(director, wanted) {
+  const actor = director.state;
   const reachable = [];
-  for (const frame of candidates(timeline)) {
-    const way = approach(player, frame);
+  for (const frame of candidates(director.timeline)) {
+    const way = approach(director, frame);
     if (way) reachable.push(way);
     await rest();
     if (!wanted()) return [];
@@ -32,13 +31,12 @@ function candidates(timeline) {
   return timeline.sequences.flatMap(({ first, count }) => [1 / 3, 2 / 3].map((share) => first + Math.floor(count * share)));
 }
 
-function approach(player, frame) {
+function approach(director, frame) {
   try {
-    if (!player.loaded(frame)) return null;
-    const { seconds } = JSON.parse(player.plan(frame));
+    if (!director.player.loaded(frame)) return null;
+    const { seconds } = director.plan(frame);
     if (seconds < SOON.least || seconds > SOON.most) return null;
-    const [, x, z] = player.arrival(frame);
-    return { frame, seconds, x, z };
+    return { frame, seconds, ...director.arrivalOf(frame) };
   } catch {
     // Out of reach from here: not a pose to suggest.
     return null;

@@ -63,10 +63,10 @@ export class Testing {
 
   /** Where on the screen a ghost's middle is. */
   placeOfGhost(frame) {
-    const { view } = this.inside();
-    const [, x, z] = this.player.arrival(frame);
+    const { director, view } = this.inside();
+    const { x, y, z } = director.arrivalOf(frame);
     const { left, top } = view.stage.root.getBoundingClientRect();
-    const [cssX, cssY, visible] = this.stage.project(x, 1, z);
+    const [cssX, cssY, visible] = this.stage.project(x, y, z);
     return { x: left + cssX, y: top + cssY, visible: visible > 0 };
   }
 

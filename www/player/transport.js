@@ -1,7 +1,7 @@
 /** Play and pause, the time, speed and loop, and the line that says where the actor is going. */
 
 import { h, icon } from './dom.js';
-import { clock } from './format.js';
+import { clock, title } from './format.js';
 import { WalkBar } from './walk-bar.js';
 
 const SPEEDS = [0.25, 0.5, 1, 1.5, 2];
@@ -73,7 +73,7 @@ export class Transport {
   update(state, timeline) {
     const sequence = timeline.sequenceOf(state.frame);
     this.time.textContent = clock((state.frame - sequence.first) / timeline.fps);
-    if (this.name.textContent !== sequence.name) this.name.textContent = sequence.name;
+    if (this.name.textContent !== title(sequence)) this.name.textContent = title(sequence);
     this.walk.update(state, timeline);
   }
 }

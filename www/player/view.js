@@ -3,6 +3,7 @@
 import { h } from './dom.js';
 import { ErrorCard } from './errors.js';
 import { Facts } from './facts.js';
+import { title } from './format.js';
 import { KeysDialog } from './keyboard.js';
 import { ProgressBar } from './loading.js';
 import { Preview } from './preview.js';
@@ -158,7 +159,7 @@ class View {
   /** What a screen reader says of the picture; rewritten only when it would say something else. */
   describeStage(state, timeline, info) {
     const does = state.mode === 'paused' ? 'standing still in' : state.mode === 'synthetic' ? 'in a transition to' : 'in';
-    const text = `${info.name}, ${does} ${timeline.sequenceOf(state.frame).name}`;
+    const text = `${info.name}, ${does} ${title(timeline.sequenceOf(state.frame))}`;
     if (this.stage.root.getAttribute('aria-label') !== text) this.stage.root.setAttribute('aria-label', text);
   }
 

@@ -1,7 +1,7 @@
 /** The walk as one bar in time: recorded stretches solid green, synthetic ones hatched red, and how far the actor is. */
 
 import { h } from './dom.js';
-import { duration } from './format.js';
+import { duration, title } from './format.js';
 
 export class WalkBar {
   constructor() {
@@ -44,7 +44,7 @@ export class WalkBar {
 }
 
 function legTitle(leg, timeline) {
-  if (leg.kind === 'recorded') return `${timeline.sequenceOf(leg.first).name}, ${duration(leg.steps / timeline.fps)} as recorded`;
-  const [from, to] = [timeline.sequenceOf(leg.from).name, timeline.sequenceOf(leg.to).name];
+  if (leg.kind === 'recorded') return `${title(timeline.sequenceOf(leg.first))}, ${duration(leg.steps / timeline.fps)} as recorded`;
+  const [from, to] = [leg.from, leg.to].map((frame) => title(timeline.sequenceOf(frame)));
   return `${from} to ${to}, ${duration(leg.frames / timeline.fps)} synthetic`;
 }

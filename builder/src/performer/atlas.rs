@@ -45,7 +45,7 @@ impl Atlas {
     /// Cuts, flattens and packs `mesh`, the figure in the bind pose, for a texture of `size` by `size` texels.
     #[must_use]
     pub fn new(body: &Body, mesh: &Mesh, size: usize) -> Self {
-        let mut flats: Vec<Flat> = charts::cut(body, mesh).par_iter().map(|chart| lay_out(mesh, chart)).collect();
+        let mut flats = lay_out_all(body, mesh);
         flats.sort_by(|a, b| b.extent.y.total_cmp(&a.extent.y));
         let (scale, places) = pack(&flats, size);
         let mut uvs = vec![[Vec2::ZERO; 3]; mesh.triangles.len()];
@@ -90,6 +90,40 @@ impl Atlas {
             front = next;
         }
     }
+}
+
+/// Flattens all charts; one that would lie over itself is divided.
+fn lay_out_all(body: &Body, mesh: &Mesh) -> Vec<Flat> {
+    let mut open = charts::cut(body, mesh);
+    let mut flats = Vec::new();
+    while !open.is_empty() {
+        let laid: Vec<Flat> = open.par_iter().map(|chart| lay_out(mesh, chart)).collect();
+        let mut divided = Vec::new();
+        for (chart, flat) in open.iter().zip(laid) {
+            if chart.triangles.len() > 2 && overlaps_itself(&flat) {
+                divided.extend(charts::divide(body, mesh, chart));
+            } else {
+                flats.push(flat);
+            }
+        }
+        open = divided;
+    }
+    flats
+}
+
+/// Whether a triangle is turned over, or a point lies in two triangles, as far as a raster over the chart tells.
+fn overlaps_itself(flat: &Flat) -> bool {
+    let size = 768;
+    let scale = 1.0 / flat.extent.max_element().max(1e-9);
+    let mut used = vec![false; size * size];
+    let mut twice = flat.corners.iter().any(|[a, b, c]| (*b - *a).perp_dot(*c - *a) <= 0.0);
+    for corners in &flat.corners {
+        for_each_texel(&corners.map(|corner| corner * scale), size, -1e-4, |index, _| {
+            twice |= used[index];
+            used[index] = true;
+        });
+    }
+    twice
 }
 
 fn lay_out(mesh: &Mesh, chart: &charts::Chart) -> Flat {

@@ -30,9 +30,21 @@ pub fn cut(body: &Body, mesh: &Mesh) -> Vec<Chart> {
     }
     let mut labels = components(&labels, &adjacent);
     merge_small(mesh, &mut labels, &adjacent);
-    let mut charts: Vec<Chart> = Vec::new();
-    let mut open: Vec<Vec<u32>> = gather(&labels);
-    open.reverse();
+    gather(&labels).into_iter().flat_map(|triangles| discs(body, mesh, &adjacent, triangles)).collect()
+}
+
+/// Cuts a chart that cannot be laid flat into two or more.
+#[must_use]
+pub fn divide(body: &Body, mesh: &Mesh, chart: &Chart) -> Vec<Chart> {
+    let adjacent = adjacency(mesh);
+    let parts = halves(mesh, &chart.triangles, &adjacent);
+    parts.into_iter().flat_map(|triangles| discs(body, mesh, &adjacent, triangles)).collect()
+}
+
+/// Cuts connected `triangles` into discs.
+fn discs(body: &Body, mesh: &Mesh, adjacent: &[[u32; 3]], triangles: Vec<u32>) -> Vec<Chart> {
+    let mut charts = Vec::new();
+    let mut open = vec![triangles];
     while let Some(triangles) = open.pop() {
         if triangles.is_empty() {
             continue;
@@ -41,7 +53,7 @@ pub fn cut(body: &Body, mesh: &Mesh) -> Vec<Chart> {
             let density = density(body, mesh, &triangles);
             charts.push(Chart { triangles, density });
         } else {
-            open.extend(halves(mesh, &triangles, &adjacent));
+            open.extend(halves(mesh, &triangles, adjacent));
         }
     }
     charts
@@ -93,8 +105,8 @@ fn first_labels(body: &Body, mesh: &Mesh) -> Vec<usize> {
 }
 
 /// Gives a triangle the label of its neighbours where two of them agree against it.
-fn smooth(labels: &mut Vec<usize>, adjacent: &[[u32; 3]]) {
-    let before = labels.clone();
+fn smooth(labels: &mut [usize], adjacent: &[[u32; 3]]) {
+    let before = labels.to_vec();
     for (label, near) in labels.iter_mut().zip(adjacent) {
         let [a, b, c] = near.map(|t| before[t as usize]);
         if a == b || a == c {

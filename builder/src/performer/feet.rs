@@ -5,6 +5,9 @@ use glam::Vec3;
 use super::curve::Curve;
 use super::skeleton::Foot;
 
+/// A foot rolled further than this, in radians, only leaves its toes or its heel on the ground: it does not stand.
+const STANDING: f32 = 0.3;
+
 /// A foot on the ground.
 #[derive(Clone, Debug)]
 pub struct Plant {
@@ -83,7 +86,8 @@ impl FootTrack {
             Some(target) if t > plant.to => (swinging(plant, target, t), false),
             _ => {
                 let pitch = plant.roll.at(t - plant.from).to_radians();
-                (Foot { place: plant.place, yaw: plant.yaw, pitch, toes_level: 1.0 }, true)
+                let foot = Foot { place: plant.place, yaw: plant.yaw, pitch, toes_level: 1.0 };
+                (foot, pitch.abs() < STANDING)
             }
         }
     }

@@ -9,6 +9,8 @@ use super::skeleton::{JOINT_COUNT, NEUTRAL, Rigid, joint};
 /// Length of the last joint's bone, whose end carries no joint.
 const TIP: Vec3 = Vec3::new(0.0, -0.1, 0.008);
 const STEPS: usize = 8;
+/// Largest angle of each link against where it would be if the hair were stiff, in radians.
+const LARGEST_BEND: [f32; 3] = [0.6, 1.15, 1.5];
 
 /// State of the chain; carry it from frame to frame.
 #[derive(Clone, Debug)]
@@ -68,7 +70,7 @@ impl Ponytail {
             // Hair is springy near the tie and hangs freely at the tip.
             let stiffness = [0.0, 160.0, 42.0, 14.0][k];
             let acceleration =
-                (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 9.81 - carried * 3.6 - velocity * 0.7;
+                (rest[k] - self.points[k]) * stiffness + Vec3::NEG_Y * 9.81 - carried * 4.6 - velocity * 0.7;
             self.previous[k] = self.points[k];
             self.points[k] += (velocity + acceleration * dt) * dt;
         }
@@ -77,7 +79,8 @@ impl Ponytail {
         self.points[0] = rest[0];
         for k in 1..4 {
             let link = self.points[k] - self.points[k - 1];
-            self.points[k] = self.points[k - 1] + link.normalize_or(Vec3::NEG_Y) * lengths[k - 1];
+            let stiff = (rest[k] - rest[k - 1]).normalize_or(Vec3::NEG_Y);
+            self.points[k] = self.points[k - 1] + limited(link, stiff, LARGEST_BEND[k - 1]) * lengths[k - 1];
             // Stay out of neck and back.
             let local = chest.inverse().apply(self.points[k]);
             let back =
@@ -97,5 +100,41 @@ impl Ponytail {
             rotation = (Quat::from_rotation_arc(now, wanted) * rotation).normalize();
             world[joint::TAIL + k] = Rigid { rotation, translation: self.points[k] };
         }
+    }
+}
+
+/// The direction of `link`, turned back towards `stiff` where it is more than `largest` radians away.
+fn limited(link: Vec3, stiff: Vec3, largest: f32) -> Vec3 {
+    let link = link.normalize_or(stiff);
+    let aside = (link - stiff * link.dot(stiff)).normalize_or_zero();
+    if link.dot(stiff) >= largest.cos() { link } else { stiff * largest.cos() + aside * largest.sin() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::performer::skeleton::bind_pose;
+
+    #[test]
+    fn links_keep_their_lengths_and_come_to_rest() {
+        let mut world = bind_pose();
+        let mut tail = Ponytail::new(&world);
+        world[joint::HEAD].translation.x += 0.3;
+        let mut last = Vec3::ZERO;
+        for _ in 0..200 {
+            last = tail.points[3];
+            tail.advance(&mut world, 0.02);
+        }
+        assert!(last.distance(tail.points[3]) < 1e-4, "the tip still moves");
+        for (k, offset) in offsets().into_iter().enumerate() {
+            assert!((tail.points[k].distance(tail.points[k + 1]) - offset.length()).abs() < 2e-3);
+        }
+    }
+
+    #[test]
+    fn bends_are_limited() {
+        let turned = limited(Vec3::X, Vec3::NEG_Y, 0.6);
+        assert!((turned.angle_between(Vec3::NEG_Y) - 0.6).abs() < 1e-4 && turned.x > 0.0);
+        assert_eq!(limited(Vec3::NEG_Y, Vec3::NEG_Y, 0.6), Vec3::NEG_Y);
     }
 }

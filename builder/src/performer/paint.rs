@@ -127,7 +127,7 @@ fn head(p: Vec3) -> Vec3 {
     let socket = ellipse(eye, Vec2::new(0.0, 0.002), Vec2::new(0.024, 0.021));
     colour = mix(colour, Vec3::new(0.8, 0.56, 0.46), 0.4 * smoothstep(0.006, -0.004, socket));
     colour = mix(colour, WHITE, within(white));
-    let iris = Vec2::new(eye.x * 1.0 + 0.0006 * side, eye.y);
+    let iris = Vec2::new(eye.x + 0.0006 * side, eye.y);
     let inside = within(white);
     colour = mix(colour, Vec3::new(0.2, 0.33, 0.3), inside * within(iris.length() - 0.0108));
     colour =
@@ -248,8 +248,8 @@ fn shoe(q: Vec3) -> Vec3 {
         colour = mix(colour, CREAM * 0.9, within(tongue) * 0.6);
         colour = mix(colour, WHITE, over * lace);
     }
-    let rim = q.y - 0.0 + 0.004;
-    colour = mix(colour, WHITE, within(-rim));
+    // The rim around the ankle.
+    colour = mix(colour, WHITE, within(-0.004 - q.y));
     let sole = within(q.y + 0.056);
     colour = mix(colour, WHITE * 0.97, sole);
     colour = mix(colour, NAVY, within((q.y + 0.0625).abs() - 0.0022));

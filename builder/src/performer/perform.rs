@@ -36,7 +36,7 @@ pub struct Frame {
     pub joints: [Rigid; JOINT_COUNT],
     /// Controls, root and feet.
     pub state: BodyState,
-    /// Whether the left and the right foot stand on the ground.
+    /// Whether the left and the right foot stand on the ground, rolled by less than 17 degrees.
     pub planted: [bool; 2],
 }
 

@@ -165,10 +165,9 @@ impl Editor {
         short.sort_by(|x, y| self.relative(x.0, x.1).total_cmp(&self.relative(y.0, y.1)));
         for (a, b) in short {
             // Earlier collapses may have moved or removed the edge.
-            if !self.around[a as usize].is_empty() && !self.around[b as usize].is_empty() {
-                if self.across(a, b).is_some() && self.relative(a, b) < length * 0.8 {
-                    self.collapse(a, b, length * 4.0 / 3.0);
-                }
+            let there = !self.around[a as usize].is_empty() && self.across(a, b).is_some();
+            if there && self.relative(a, b) < length * 0.8 {
+                self.collapse(a, b, length * 4.0 / 3.0);
             }
         }
     }

@@ -44,7 +44,7 @@ fn spread(index: usize) -> f32 {
         joint::PELVIS..=joint::CHEST => 0.05,
         joint::NECK | joint::HEAD => 0.022,
         8 | 12 => 0.016,
-        15 | 16 | 19 | 20 => 0.014,
+        15 | 16 | 19 | 20 => 0.01,
         joint::TAIL.. => 0.03,
         _ => 0.028,
     }
@@ -202,8 +202,8 @@ impl Skin {
             let motion = &self.motions[index as usize];
             // The double cover: blend on the hemisphere of the strongest joint.
             let weight = if first.real.dot(motion.real) < 0.0 { -weight } else { weight };
-            real = real + motion.real * weight;
-            dual = dual + motion.dual * weight;
+            real += motion.real * weight;
+            dual += motion.dual * weight;
         }
         let scale = 1.0 / real.length();
         let (real, dual) = (real * scale, dual * scale);

@@ -53,12 +53,19 @@ struct FrameTruth {
     hole: Option<Hole>,
 }
 
+/// What a written frame adds to the truth of its take; drift and noise as bytes.
+struct Written {
+    truth: FrameTruth,
+    drift: Vec<u8>,
+    noise: Vec<u8>,
+}
+
 /// What stays the same in all takes.
 #[derive(Serialize)]
 struct Constants<'a> {
     joints: &'a [&'a str],
     parents: &'a [usize],
-    /// Vertices of the shoes, whose planted ones do not move.
+    /// How the numbers of the truth files are to be read.
     note: &'a str,
     seed: u64,
     artefacts: [(&'a str, bool); 4],
@@ -110,7 +117,7 @@ impl<'a> Writer<'a> {
     pub(super) fn take(&self, take: &Take, frames: &[Frame], wrote: &(dyn Fn() + Sync)) -> Result<(), PerformerError> {
         self.folder(&take.name)?;
         self.folder(&format!("truth/{}", take.name))?;
-        let truths: Vec<Result<(FrameTruth, Vec<u8>, Vec<u8>), PerformerError>> = frames
+        let truths: Vec<Result<Written, PerformerError>> = frames
             .par_iter()
             .enumerate()
             .map(|(index, frame)| {
@@ -121,10 +128,10 @@ impl<'a> Writer<'a> {
             .collect();
         let (mut list, mut drift, mut noise) = (Vec::new(), Vec::new(), Vec::new());
         for truth in truths {
-            let (frame, ways, heights) = truth?;
-            list.push(frame);
-            drift.extend(ways);
-            noise.extend(heights);
+            let written = truth?;
+            list.push(written.truth);
+            drift.extend(written.drift);
+            noise.extend(written.noise);
         }
         if self.options.artefacts.drift {
             self.bytes(&format!("truth/{}/drift.f32", take.name), &drift)?;
@@ -137,12 +144,7 @@ impl<'a> Writer<'a> {
         self.json(&format!("truth/{}/motion.json", take.name), &truth)
     }
 
-    fn frame(
-        &self,
-        take: &Take,
-        index: usize,
-        frame: &Frame,
-    ) -> Result<(FrameTruth, Vec<u8>, Vec<u8>), PerformerError> {
+    fn frame(&self, take: &Take, index: usize, frame: &Frame) -> Result<Written, PerformerError> {
         let (on, fps) = (self.options.artefacts, self.options.fps);
         let drift: Option<Drift> =
             on.drift.then(|| artefacts::drift(self.figure, &self.around, &self.normals, take, index, fps));
@@ -172,7 +174,8 @@ impl<'a> Writer<'a> {
         }
         let little = |values: &mut dyn Iterator<Item = f32>| values.flat_map(f32::to_le_bytes).collect::<Vec<u8>>();
         let ways = drift.map_or(Vec::new(), |d| little(&mut d.ways.iter().flat_map(|way| way.to_array())));
-        Ok((frame_truth(frame, light, hole), ways, little(&mut heights.iter().copied())))
+        let noise = little(&mut heights.iter().copied());
+        Ok(Written { truth: frame_truth(frame, light, hole), drift: ways, noise })
     }
 
     /// Writes the manifest and returns its path.

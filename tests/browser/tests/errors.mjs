@@ -94,7 +94,7 @@ export const tests = {
   },
 
   'a device that is lost again and again, and tried anew': async (browser) => {
-    const player = await browser.open(wide);
+    const player = await browser.open({ ...wide, forgive: [/Device was destroyed/] });
     await player.loaded();
     for (let loss = 1; loss <= 4; loss += 1) {
       await player.run((element) => element.testing.loseDevice());

@@ -49,7 +49,7 @@ export const tests = {
   'draws nothing while nothing changes': async (browser) => {
     const player = await browser.open();
     await player.loaded();
-    await player.until('all thumbnails', (element) => element.testing.thumbnails().complete);
+    await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0);
     const draws = await player.run(async (element) => {
       element.pause();
       await new Promise((resolve) => setTimeout(resolve, 1500));

@@ -54,14 +54,16 @@ export const tests = {
     await player.loaded();
     const sizes = () => player.run((element) => {
       const canvas = element.shadowRoot.querySelector('.view canvas');
-      return { backing: [canvas.width, canvas.height], css: [canvas.clientWidth, canvas.clientHeight] };
+      return { backing: [canvas.width, canvas.height] };
     });
     for (const viewport of [{ width: 700, height: 500 }, { width: 500, height: 640 }]) {
       await player.page.setViewportSize(viewport);
-      await player.page.waitForTimeout(300);
-      const { backing, css } = await sizes();
-      assert.equal(css[0], viewport.width);
-      backing.forEach((pixels, axis) => assert.ok(Math.abs(pixels - css[axis] * 2) <= 2, `${backing} for ${css}`));
+      await player.until('the new size', (element, width) => {
+        const canvas = element.shadowRoot.querySelector('.view canvas');
+        const follows = (pixels, css) => Math.abs(pixels - css * 2) <= 2;
+        return canvas.clientWidth === width && follows(canvas.width, canvas.clientWidth) && follows(canvas.height, canvas.clientHeight);
+      }, viewport.width);
+      const { backing } = await sizes();
       const picture = await player.run((element) => element.testing.picture());
       assert.equal(picture.bytes, backing[0] * backing[1] * 4);
     }
@@ -74,9 +76,7 @@ export const tests = {
     const corner = await player.run(async (element) => (await element.testing.picture()).corner);
     assert.ok(Math.max(...corner) < 80, `the stage's corner is ${corner}`);
     await player.page.emulateMedia({ colorScheme: 'light' });
-    await player.page.waitForTimeout(200);
-    const light = await player.run(async (element) => (await element.testing.picture()).corner);
-    assert.ok(Math.min(...light) > 180, `the stage's corner is ${light}`);
+    await player.until('a light stage', async (element) => Math.min(...(await element.testing.picture()).corner) > 180);
     await player.close();
   },
 

@@ -18,7 +18,8 @@ async function take(browser, screen, colorScheme) {
 
   const player = await browser.open(context);
   await player.loaded();
-  await player.until('all thumbnails', (element) => element.testing.thumbnails().complete);
+  await player.run((element) => element.pause());
+  await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
   await player.picture(name('idle'));
   const frame = await player.target();
   const { x, y } = await player.run((element, wanted) => element.testing.placeOf(wanted), frame);
@@ -36,7 +37,7 @@ async function take(browser, screen, colorScheme) {
     element.tint = false;
     element.play();
   });
-  await player.event('arrive');
+  await player.event('arrive', 120_000);
   await player.picture(name('arrived'));
   assert.equal((await player.heard('arrive'))[0].frame, target);
   await player.keyboard.press('p');

@@ -1,0 +1,92 @@
+//! The command line: exit codes, what is on stdout, and that no output is half-written.
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn builder(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_builder")).args(arguments).output().unwrap()
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A few frames of a tetrahedron that turns.
+fn write_frames(folder: &Path, count: usize) {
+    fs::create_dir_all(folder).unwrap();
+    for frame in 0..count {
+        let (sin, cos) = (0.1 * frame as f32).sin_cos();
+        let text = format!(
+            "v 0 0 0\nv {cos} 0 {sin}\nv 0 1 0\nv {} 0.5 {}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+            -sin + 0.2 * (0.3 * frame as f32).sin(),
+            cos
+        );
+        fs::write(folder.join(format!("frame_{frame:03}.obj")), text).unwrap();
+    }
+}
+
+#[test]
+fn packs_inspects_and_validates() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 60);
+    let bundle = folder.path().join("turn.reprise");
+    let (frames, bundle) = (frames.to_str().unwrap(), bundle.to_str().unwrap());
+
+    let packed = builder(&["pack", frames, "-o", bundle, "--fps", "30", "--json", "--threads", "1"]);
+    assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+    let report: Value = serde_json::from_slice(&packed.stdout).unwrap();
+    assert_eq!(report["capture"]["frames"], 60);
+    for stage in ["import", "distances", "transitions", "graph", "appearance", "bundle"] {
+        assert!(report["seconds"][stage].is_number(), "{stage}");
+    }
+    assert_eq!(report["bundle"]["bytes"], fs::metadata(bundle).unwrap().len());
+
+    let inspected = builder(&["inspect", bundle, "--json"]);
+    let found: Value = serde_json::from_slice(&inspected.stdout).unwrap();
+    assert_eq!((found["kind"].as_str(), found["capture"]["vertices"].as_u64()), (Some("bundle"), Some(4)));
+    let input: Value = serde_json::from_slice(&builder(&["inspect", frames, "--json"]).stdout).unwrap();
+    assert_eq!((input["kind"].as_str(), input["capture"]["frames"].as_u64()), (Some("input"), Some(60)));
+
+    assert_eq!(code(&builder(&["validate", bundle])), 0);
+    let mut damaged = fs::read(bundle).unwrap();
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    fs::write(bundle, damaged).unwrap();
+    let validated = builder(&["validate", bundle, "--json"]);
+    assert_eq!(code(&validated), 1);
+    let findings: Value = serde_json::from_slice(&validated.stdout).unwrap();
+    assert_eq!(findings[0]["code"], "damaged");
+}
+
+#[test]
+fn bad_input_is_exit_code_1_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 20);
+    fs::write(frames.join("frame_007.obj"), "v 0 0 0\nv 1 0 nan\nv 0 1 0\nv 0 0 1\nf 1 3 2\n").unwrap();
+    let bundle = folder.path().join("turn.reprise");
+    let packed = builder(&["pack", frames.to_str().unwrap(), "-o", bundle.to_str().unwrap()]);
+    assert_eq!(code(&packed), 1);
+    assert!(stderr(&packed).contains("frame_007.obj"), "{}", stderr(&packed));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "something was left behind");
+    assert_eq!(code(&builder(&["pack", "no-such-folder", "-o", bundle.to_str().unwrap()])), 1);
+    assert_eq!(code(&builder(&["validate", "no-such-file"])), 1);
+}
+
+#[test]
+fn bad_usage_is_exit_code_2() {
+    assert_eq!(code(&builder(&[])), 2);
+    assert_eq!(code(&builder(&["pack"])), 2);
+    assert_eq!(code(&builder(&["pack", "x", "-o", "y", "--alpha", "-1"])), 2);
+    assert_eq!(code(&builder(&["pack", "x", "-o", "y", "--threads", "0"])), 2);
+    assert_eq!(code(&builder(&["--version"])), 0);
+}

@@ -1,0 +1,115 @@
+//! The whole pipeline: files to a bundle, a bundle to a walk.
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use builder::distance::DistanceOptions;
+use builder::import::ImportOptions;
+use builder::pack::{PackOptions, PackReport, pack};
+use builder::performer::{PerformerOptions, write_performer};
+use builder::progress::silent;
+use builder::transitions::TransitionOptions;
+use glam::Vec3;
+use shared::bundle::{BundleReader, Severity, validate};
+use shared::graph::DEFAULT_ALPHA;
+use shared::pose_source::PoseSource;
+
+fn options(fps: Option<f32>) -> PackOptions {
+    PackOptions {
+        import: ImportOptions { fps, ..ImportOptions::default() },
+        distance: DistanceOptions::default(),
+        transition: TransitionOptions::default(),
+        alpha: DEFAULT_ALPHA,
+        max_error: None,
+    }
+}
+
+fn pack_with_threads(threads: usize, inputs: &[String], options: &PackOptions) -> (Vec<u8>, PackReport) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| pack(inputs, options, &silent)).unwrap()
+}
+
+/// The performer, small enough to be packed twice in a test.
+fn small_performer(folder: &Path) -> Vec<String> {
+    let small = PerformerOptions { frames: 400, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
+    write_performer(&small, folder, &|_| ()).unwrap();
+    vec![folder.to_str().unwrap().into()]
+}
+
+#[test]
+fn the_performer_becomes_an_actor() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = small_performer(folder.path());
+    let (bytes, report) = pack_with_threads(1, &inputs, &options(None));
+    let (again, _) = pack_with_threads(2, &inputs, &options(None));
+    assert!(bytes == again, "the bundle depends on the number of threads");
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    assert!(report.graph.largest_component > 100, "{:?}", report.graph);
+    assert!(validate(&bytes).iter().all(|finding| finding.severity < Severity::Error));
+
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    let sequences = reader.timeline().unwrap().sequences();
+    let middle = |name: &str| {
+        let sequence = sequences.iter().find(|sequence| sequence.name == name).unwrap();
+        sequence.first_frame + sequence.frame_count / 2
+    };
+    let (from, to) = (middle("walk"), middle("wave"));
+    let frames = tests::synthesise(&bytes, from, to).unwrap();
+    check_walk(&bytes, &frames, from, to);
+}
+
+#[test]
+fn the_real_capture_becomes_an_actor() {
+    let Some(folders) = real_capture() else { return };
+    let inputs: Vec<String> =
+        ["crane", "jumping"].iter().map(|name| folders.path().join(name).to_str().unwrap().to_string()).collect();
+    let (bytes, report) = pack(&inputs, &options(Some(25.0)), &silent).unwrap();
+    assert_eq!((report.capture.frames, report.capture.vertices, report.capture.triangles), (325, 10_002, 20_000));
+    assert!(validate(&bytes).iter().all(|finding| finding.severity < Severity::Error));
+    assert!(report.bundle.max_error < 0.000_6, "{:?}", report.bundle);
+    let frames = tests::synthesise(&bytes, 60, 175 + 90).unwrap();
+    check_walk(&bytes, &frames, 60, 175 + 90);
+}
+
+/// A walk begins and ends with the recorded poses, and no vertex jumps on the way.
+fn check_walk(bundle: &[u8], frames: &[Vec<Vec3>], from: u32, to: u32) {
+    let mut reader = BundleReader::from_bytes(bundle).unwrap();
+    let mut recorded = frames[0].clone();
+    reader.read(from, &mut recorded).unwrap();
+    assert_eq!(frames[0], recorded);
+    reader.read(to, &mut recorded).unwrap();
+    let last = frames.last().unwrap();
+    let weights = reader.topology().unwrap().weights().to_vec();
+    let heading = shared::align::align_heading(last, &recorded, &weights);
+    let centre = |pose: &[Vec3]| shared::align::centre_of_mass(pose, &weights);
+    let (there, here) = (centre(last), centre(&recorded));
+    let ground = |v: Vec3| glam::Vec2::new(v.x, v.z);
+    let placement = shared::align::Placement::turning(heading, ground(here), ground(there));
+    for (end, recorded) in last.iter().zip(&recorded) {
+        assert!(end.distance(placement.apply(*recorded)) < 1e-4, "the walk does not end in the pose");
+    }
+    let steps =
+        frames.windows(2).map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max));
+    let fps = reader.timeline().unwrap().fps();
+    let fastest = steps.fold(0.0, f32::max) * fps;
+    // A running foot or a kicking one reaches about 15 m/s.
+    assert!(fastest < 20.0, "a vertex moves at {fastest} m/s");
+}
+
+/// The captured frames, unpacked; `None` where they are not at hand and need not be.
+fn real_capture() -> Option<tempfile::TempDir> {
+    let data = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/captured"));
+    if !data.is_dir() {
+        assert!(std::env::var_os("CI").is_none(), "{} is missing", data.display());
+        eprintln!("skipped: {} is not here", data.display());
+        return None;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["crane", "jumping"] {
+        let archive = data.join(format!("{name}.tar.xz"));
+        let status = Command::new("tar").arg("-xJf").arg(&archive).arg("-C").arg(folder.path()).status();
+        assert!(status.is_ok_and(|status| status.success()), "cannot unpack {}", archive.display());
+    }
+    Some(folder)
+}
