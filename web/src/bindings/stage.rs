@@ -27,6 +27,8 @@ pub struct Stage {
     adapter: wgpu::AdapterInfo,
     scene: Scene,
     target: Target,
+    /// The last picture, as the canvas shows it.
+    resolved: wgpu::Texture,
     thumbnails: Thumbnails,
     camera: Camera,
     drawn: Option<Drawn>,
@@ -70,7 +72,9 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
         let scene = Scene::new(opened.gpu, &surface, topology.triangles().to_vec(), &reference);
         let camera = Camera::new(subject(scene.measures, &first));
         let thumbnails = Thumbnails::new(&scene, first.len());
-        let target = Target::new(&scene.gpu, [opened.configuration.width, opened.configuration.height]);
+        let size = [opened.configuration.width, opened.configuration.height];
+        let target = Target::new(&scene.gpu, size);
+        let resolved = resolved(&scene.gpu, size);
         let stage = Stage {
             canvas,
             surface: opened.surface,
@@ -78,6 +82,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             adapter: opened.adapter,
             scene,
             target,
+            resolved,
             thumbnails,
             camera,
             drawn: None,
@@ -115,13 +120,19 @@ async fn open(canvas: &HtmlCanvasElement) -> Result<Opened, JsValue> {
     let mut configuration = surface
         .get_default_config(&adapter, size[0], size[1])
         .ok_or_else(|| error(Kind::NoAdapter, "the canvas has no format that can be drawn"))?;
-    // Blending in linear light: drawn through an sRGB view of the canvas, whose own format has none.
+    // Blending in linear light: drawn into an sRGB texture, whose bytes the canvas takes as they are. Not through an
+    // sRGB view of the canvas: Chromium's software device resolves samples into such a view without encoding them.
     let format = configuration.format.add_srgb_suffix();
-    configuration.view_formats = vec![format];
+    configuration.usage |= wgpu::TextureUsages::COPY_DST;
     configuration.alpha_mode = wgpu::CompositeAlphaMode::Opaque;
     surface.configure(&device, &configuration);
     let gpu = Gpu::new(device, queue, format, report);
     Ok(Opened { surface, configuration, adapter: adapter.get_info(), gpu })
+}
+
+/// What pictures of `size` pixels are resolved into, on their way to the canvas.
+fn resolved(gpu: &Gpu, size: [u32; 2]) -> wgpu::Texture {
+    gpu.target(size, gpu.format, 1, wgpu::TextureUsages::COPY_SRC)
 }
 
 fn subject(measures: Measures, pose: &[Vec3]) -> Subject {
@@ -167,6 +178,8 @@ impl Stage {
         (self.configuration.width, self.configuration.height) = (size[0], size[1]);
         self.surface.configure(&self.scene.gpu.device, &self.configuration);
         self.target = Target::new(&self.scene.gpu, size);
+        self.resolved.destroy();
+        self.resolved = resolved(&self.scene.gpu, size);
         self.due = true;
     }
 
@@ -192,10 +205,13 @@ impl Stage {
                 return;
             }
         };
-        let descriptor = wgpu::TextureViewDescriptor { format: Some(self.scene.gpu.format), ..Default::default() };
-        let target = picture.texture.create_view(&descriptor);
-        self.scene.draw(&self.camera.view(), &self.target, &target);
-        self.scene.gpu.queue.present(picture);
+        self.scene.draw(&self.camera.view(), &self.target, &view(&self.resolved));
+        let gpu = &self.scene.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let (source, canvas) = (self.resolved.as_image_copy(), picture.texture.as_image_copy());
+        encoder.copy_texture_to_texture(source, canvas, extent(self.target.size));
+        gpu.queue.submit([encoder.finish()]);
+        gpu.queue.present(picture);
     }
 
     /// Uploads the moment that the player shows. False before its first pose.
