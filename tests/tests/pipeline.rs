@@ -89,9 +89,8 @@ fn check_walk(bundle: &[u8], frames: &[Vec<Vec3>], from: u32, to: u32) {
     for (end, recorded) in last.iter().zip(&recorded) {
         assert!(end.distance(placement.apply(*recorded)) < 1e-4, "the walk does not end in the pose");
     }
-    let steps = frames.windows(2).map(|pair| {
-        pair[0].iter().zip(&pair[1]).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
-    });
+    let steps =
+        frames.windows(2).map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max));
     let fps = reader.timeline().unwrap().fps();
     let fastest = steps.fold(0.0, f32::max) * fps;
     // A running foot or a kicking one reaches about 15 m/s.

@@ -35,7 +35,7 @@ pub struct RibbonCorner {
 
 /// The ribbon of `points`, which are in order of time, `width` metres wide, as a triangle strip.
 ///
-/// Points closer together than a third of the width are skipped, and so are pieces that stay within six widths of where
+/// Points closer together than a third of the width are skipped, and so are pieces that stay within four widths of where
 /// they begin; pieces are joined by triangles without area.
 #[must_use]
 pub fn ribbon<'a>(points: impl IntoIterator<Item = &'a TrailPoint>, now: f64, width: f32) -> Vec<RibbonCorner> {
@@ -53,7 +53,7 @@ pub fn ribbon<'a>(points: impl IntoIterator<Item = &'a TrailPoint>, now: f64, wi
     let mut strip = Vec::new();
     // A body that sways on the spot leaves no path.
     let leads_away =
-        |piece: &&Vec<TrailPoint>| piece.iter().any(|point| piece[0].ground.distance(point.ground) > 6.0 * width);
+        |piece: &&Vec<TrailPoint>| piece.iter().any(|point| piece[0].ground.distance(point.ground) > 4.0 * width);
     for piece in pieces.iter().filter(leads_away) {
         add_piece(&mut strip, piece, now, width);
     }

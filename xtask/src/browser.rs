@@ -8,8 +8,7 @@ use anyhow::{Result, bail};
 use crate::command::{root, run, succeeds};
 
 /// Chromium, and the OpenGL vendor without which it loses its WebGPU device.
-const PACKAGES: [&str; 6] =
-    ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
+const PACKAGES: [&str; 6] = ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
 
 /// Runs the browser tests on the page in `dist`; fetches what they need first.
 pub fn test(dist: &std::path::Path) -> Result<()> {

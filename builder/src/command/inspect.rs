@@ -52,9 +52,8 @@ fn is_bundle(path: &Path) -> bool {
 fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
     let bytes =
         std::fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
-    let reader = BundleReader::from_bytes(&bytes)
-        .with_context(|| path.display().to_string())
-        .map_err(Failure::Input)?;
+    let reader =
+        BundleReader::from_bytes(&bytes).with_context(|| path.display().to_string()).map_err(Failure::Input)?;
     let (Some(meta), Some(timeline), Some(topology)) = (reader.meta(), reader.timeline(), reader.topology()) else {
         return Err(Failure::Input(anyhow!("{} ends before its content is described", path.display())));
     };

@@ -16,11 +16,7 @@ pub fn run(arguments: &PerformerArguments, terminal: &Terminal) -> Result<(), Fa
         return Err(Failure::Input(error));
     }
     let progress = |step: builder::performer::Progress| {
-        terminal.progress(Progress {
-            what: "performer",
-            done: step.frames_done as u64,
-            total: step.frames as u64,
-        });
+        terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
     };
     let summary = write_performer(&options(arguments), out, &progress).map_err(|error| match error {
         PerformerError::Option { .. } => Failure::Usage(error.to_string()),

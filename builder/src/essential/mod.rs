@@ -17,8 +17,8 @@ use shared::timeline::Timeline;
 use thiserror::Error;
 
 pub use self::components::{Components, strongly_connected};
-pub use self::graph::{BuildError, Findings, build_graph};
 use self::costs::Costs;
+pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;
 use self::paths::PathLengths;
 use crate::simd::Level;

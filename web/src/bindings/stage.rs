@@ -165,6 +165,13 @@ fn pixels_promise(start: impl FnOnce(Box<dyn FnOnce(Option<Vec<u8>>)>)) -> Promi
     })
 }
 
+impl Drop for Stage {
+    fn drop(&mut self) {
+        // The browser's garbage collector would keep the GPU's memory for a while.
+        self.lose();
+    }
+}
+
 #[wasm_bindgen]
 impl Stage {
     /// The canvas is now so many physical pixels large.

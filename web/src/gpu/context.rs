@@ -28,9 +28,12 @@ impl Gpu {
     pub fn new(device: wgpu::Device, queue: wgpu::Queue, format: TextureFormat, report: fn(&str)) -> Self {
         let lost = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&lost);
-        device.set_device_lost_callback(move |_, reason| {
+        device.set_device_lost_callback(move |reason, message| {
             flag.store(true, Ordering::Relaxed);
-            report(&reason);
+            // Given up on purpose: nobody needs to be told.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                report(&message);
+            }
         });
         let flag = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {

@@ -130,7 +130,7 @@ impl Scene {
 
     /// Uploads the path walked so far, at the player's time `now`.
     pub fn show_trail<'a>(&mut self, points: impl IntoIterator<Item = &'a TrailPoint>, now: f64) {
-        let strip = if self.look.path { ribbon(points, now, self.measures.height * 0.014) } else { Vec::new() };
+        let strip = if self.look.path { ribbon(points, now, self.measures.height * 0.02) } else { Vec::new() };
         self.trail.write(&self.gpu, &strip);
     }
 

@@ -3,7 +3,6 @@
 use glam::{Vec2, Vec3};
 use shared::align::{Placement, align_heading, centre_of_mass};
 use shared::graph::EssentialGraph;
-use shared::poisson::KeyedPose;
 use shared::pose_source::{PoseError, PoseSource};
 use shared::search::{Leg, Walk};
 use shared::synthesis::{FrameInfo, FrameKind, PoseMemory, PosesOnGround, Synthesiser, arrival, recorded_step};
@@ -86,8 +85,8 @@ pub struct Producer {
     made: u64,
     memory: PoseMemory,
     synthesiser: Option<Synthesiser>,
-    /// The transition that is being prepared, and how many of its ends are.
-    prepared: (u32, usize),
+    /// The transition that is being prepared, and whether all is done.
+    prepared: Option<(u32, bool)>,
     /// Milliseconds that the last synthetic frames took, in a ring.
     times: Vec<f64>,
 }
@@ -96,14 +95,7 @@ impl Producer {
     /// `now` tells milliseconds, only to say how long synthesis takes.
     #[must_use]
     pub fn new(now: fn() -> f64) -> Self {
-        Self {
-            now,
-            made: 0,
-            memory: PoseMemory::default(),
-            synthesiser: None,
-            prepared: (u32::MAX, 0),
-            times: Vec::new(),
-        }
+        Self { now, made: 0, memory: PoseMemory::default(), synthesiser: None, prepared: None, times: Vec::new() }
     }
 
     /// Recorded frame `frame`, placed by `placement`.
@@ -163,8 +155,8 @@ impl Producer {
             info.ok_or(PoseError::OutOfRange(transition.to))
         };
         if let Some(placement) = begin {
-            let walk = Walk { legs: vec![Leg::Synthetic(edge)], ..Walk::default() };
-            synthesiser.begin_walk(transition.from, placement, &walk);
+            synthesiser.begin_walk(transition.from, placement, &transition_alone(edge));
+            self.prepared = None;
             // The frame that the walk begins with is on the stage already.
             next(synthesiser)?;
         }
@@ -223,23 +215,19 @@ impl Producer {
         Ok(())
     }
 
-    /// Does a piece of the work that the beginning of transition `edge` would have to wait for: one factorisation, of
-    /// the frame that it leaves, then of the first one on the other side. Without effect once both are done.
+    /// Does a piece of the work that the beginning of transition `edge` would have to wait for. Not within a transition.
     pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) {
-        if self.prepared.0 != edge {
-            self.prepared = (edge, 0);
+        if self.prepared == Some((edge, true)) || self.warm(loading, actor).is_err() {
+            return;
         }
-        let Some(transition) = graph.transitions().get(edge as usize) else { return };
-        let (_, lj) = transition.warp.lengths();
-        let ends = [Some(transition.from), actor.timeline.offset(transition.to, 1 - lj as i64)];
-        let Some(&Some(frame)) = ends.get(self.prepared.1) else { return };
-        self.prepared.1 += 1;
-        let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
-        let ready = self.warm(loading, actor).and_then(|()| loading.source.read(frame, &mut pose));
-        if let (Ok(()), Some(synthesiser)) = (ready, &mut self.synthesiser) {
-            // What fails here fails again, and is told, when the transition begins.
-            let _ = synthesiser.interpolator().prepare(KeyedPose { frame, pose: &pose });
+        let Some(synthesiser) = &mut self.synthesiser else { return };
+        if self.prepared.is_none_or(|(before, _)| before != edge) {
+            let from = graph.transitions().get(edge as usize).map_or(0, |transition| transition.from);
+            synthesiser.begin_walk(from, Placement::IDENTITY, &transition_alone(edge));
         }
+        // What fails here fails again, and is told, when the transition begins.
+        let more = synthesiser.prepare(graph, &actor.timeline, &mut loading.source).unwrap_or(false);
+        self.prepared = Some((edge, !more));
     }
 
     fn note(&mut self, milliseconds: f64) {
@@ -254,6 +242,10 @@ impl Producer {
         self.made += 1;
         Frame { number: self.made, pose, at, placement, ground: Vec2::new(centre.x, centre.z) }
     }
+}
+
+fn transition_alone(edge: u32) -> Walk {
+    Walk { legs: vec![Leg::Synthetic(edge)], ..Walk::default() }
 }
 
 fn at(info: &FrameInfo) -> At {

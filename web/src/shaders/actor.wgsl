@@ -73,6 +73,6 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     let weights = vec3f(0.2126, 0.7152, 0.0722);
     let tinted = tint * (dot(rgb, weights) + 0.02) / dot(tint, weights);
     let grazing = 1.0 - max(dot(normal, view), 0.0);
-    rgb = mix(rgb, min(tinted, vec3f(1.0)), actor.tint * (0.32 + 0.48 * grazing * grazing));
+    rgb = mix(rgb, min(tinted, vec3f(1.0)), actor.tint * (0.26 + 0.5 * grazing * grazing));
     return vec4f(rgb, 1.0);
 }
