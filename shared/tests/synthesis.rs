@@ -1,4 +1,5 @@
 //! Walks: continuity, identities, and changes of mind.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
 
 mod common;
 
