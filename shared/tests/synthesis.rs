@@ -1,5 +1,5 @@
 //! Walks: continuity, identities, and changes of mind.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
 
 mod common;
 

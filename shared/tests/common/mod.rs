@@ -1,5 +1,6 @@
 //! What several tests share: captured poses and comparisons.
 #![allow(dead_code, reason = "each test binary uses its part")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
 
 pub mod exact;
 pub mod meshes;
