@@ -1,9 +1,5 @@
 //! Laplacians and their Cholesky factors.
-<<<<<<< HEAD
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
-=======
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
->>>>>>> poisson
 
 mod common;
 

@@ -1,9 +1,5 @@
 //! Deformation gradients against 3x3 singular value decompositions in double precision.
-<<<<<<< HEAD
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
-=======
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
->>>>>>> poisson
 
 mod common;
 

@@ -1,9 +1,5 @@
 //! Poisson interpolation against a plain solution in double precision.
-<<<<<<< HEAD
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
-=======
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
->>>>>>> poisson
 
 mod common;
 
