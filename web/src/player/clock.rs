@@ -21,6 +21,11 @@ impl Clock {
         Self { fps: f64::from(fps), speed: 1.0, weight: 0.0, played: 0.0 }
     }
 
+    /// Counts `fps` frames per second from now on; the speed stays.
+    pub fn set_fps(&mut self, fps: f32) {
+        self.fps = f64::from(fps);
+    }
+
     /// Plays `speed` times as fast; between 0 and 8.
     pub fn set_speed(&mut self, speed: f64) {
         if speed.is_finite() {

@@ -137,7 +137,7 @@ impl Player {
             self.main = Some(reach::main_component(graph, &actor.timeline));
         }
         let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
-        self.clock = Clock::new(actor.timeline.fps());
+        self.clock.set_fps(actor.timeline.fps());
         if let Ok(frame) = self.recorded(actor.first_frame, Placement::IDENTITY) {
             self.reference.clone_from(&frame.pose);
             self.show_at(frame, None, 0.0);
