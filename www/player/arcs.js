@@ -29,30 +29,26 @@ function trace(context, { start, a, b, end }) {
   context.bezierCurveTo(a.x, a.y, b.x, b.y, end.x, end.y);
 }
 
-/** Arcs that are drawn from one sequence to another, and how many seconds apart they must begin or end. */
-const MOST_A_PAIR = 2;
-const APART = 0.75;
+/** An arc within a sequence is shown only if it leads this many seconds away. */
+const AWAY = 1;
 
 /**
- * A few arcs that stand for all: the cheapest of every two sequences, each from or to another moment. The cheapest of
- * all would be neighbours of each other, thousands of them.
+ * A few arcs that stand for all: the cheapest from every sequence to every other. The cheapest of all would be
+ * neighbours of each other, thousands of them.
  * @param {import('./timeline.js').Timeline} timeline
  * @param {Float32Array} quads from, to, deformation, frames; cheapest first
  * @returns {Float32Array} some of them, in the same order
  */
 export function chooseArcs(timeline, quads) {
   const chosen = [];
-  const ofPair = new Map();
-  const moment = (frame) => Math.floor(frame / (APART * timeline.fps));
+  const pairs = new Set();
   for (let at = 0; at < quads.length; at += 4) {
     const [from, to] = [quads[at], quads[at + 1]];
     const [source, target] = [timeline.indexOf(from), timeline.indexOf(to)];
     const pair = `${source} ${target}`;
-    const others = ofPair.get(pair) ?? [];
-    const near = source === target && Math.abs(moment(from) - moment(to)) < 2;
-    const known = others.some((other) => moment(quads[other]) === moment(from) && moment(quads[other + 1]) === moment(to));
-    if (near || known || others.length === MOST_A_PAIR) continue;
-    ofPair.set(pair, [...others, at]);
+    const near = source === target && Math.abs(from - to) < AWAY * timeline.fps;
+    if (near || pairs.has(pair)) continue;
+    pairs.add(pair);
     chosen.push(...quads.subarray(at, at + 4));
   }
   return Float32Array.from(chosen);
@@ -68,7 +64,7 @@ export function drawGraph(context, layout, quads, colour) {
   const last = Math.max(1, quads.length / 4 - 1);
   // The cheapest are the darkest, and on top.
   for (let at = quads.length / 4 - 1; at >= 0; at -= 1) {
-    context.globalAlpha = 0.45 - 0.33 * (at / last);
+    context.globalAlpha = 0.42 - 0.3 * (at / last);
     context.beginPath();
     trace(context, arcBetween(layout, quads[at * 4], quads[at * 4 + 1]));
     context.stroke();
