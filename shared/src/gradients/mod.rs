@@ -15,7 +15,7 @@ mod batches;
 
 pub use batches::{Batch, TriangleBatches};
 
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 use crate::lanes::{LANES, Lanes, Lanes3};
 
@@ -246,20 +246,4 @@ fn in_between(pair: &PairBatch, lambda: Lanes) -> [Lanes3; 2] {
         e + t.scale(cos) + q.cross(t)
     };
     [rotate(first), rotate(second)]
-}
-
-/// `T~(lambda)` of one triangle between two poses, written down plainly (thesis equation 2.46): its columns are where the
-/// source's unit axes go. Identity for a degenerate triangle. For tests and for looking at single triangles.
-#[must_use]
-pub fn triangle_gradient(source: [Vec3; 3], destination: [Vec3; 3], lambda: f32) -> Mat3 {
-    let triangles = TriangleBatches::new(&[[0, 1, 2]]);
-    let mut pair = PairGradients::default();
-    pair.set(&triangles, &source, &destination);
-    let [first, second] = pair.triangle_edges(0, lambda);
-    let [e, f] = [source[1] - source[0], source[2] - source[0]];
-    let (normal, moved) = (e.cross(f), first.cross(second));
-    if normal.length_squared() == 0.0 || moved.length_squared() == 0.0 {
-        return Mat3::IDENTITY;
-    }
-    Mat3::from_cols(first, second, moved / moved.length()) * Mat3::from_cols(e, f, normal / normal.length()).inverse()
 }
