@@ -17,7 +17,7 @@ pub fn test() -> Result<()> {
     let mut docs = cargo();
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
-    run("tests", cargo().args(["test", "--workspace"]))?;
+    run("tests", cargo().args(["test", "--workspace", "--exclude", "xtask"]))?;
     demo::pack(&dist.join("demo.reprise"), "release")?;
     browser::test(&dist)
 }
