@@ -10,6 +10,8 @@ use super::mesh::Mesh;
 
 /// Texels kept free around every chart.
 pub const PADDING: usize = 5;
+/// A triangle may not lose more than all but this share of its area when it is flattened.
+const LEAST_AREA: f32 = 0.04;
 const NONE: u32 = u32::MAX;
 
 /// A point of the surface: a triangle and barycentric coordinates in it.
@@ -39,6 +41,8 @@ struct Flat {
     /// Corner places in metres times density, from (0, 0) upwards.
     corners: Vec<[Vec2; 3]>,
     extent: Vec2,
+    /// Smallest ratio of a triangle's area in the plane to its area in space; negative where it is turned over.
+    squash: f32,
 }
 
 impl Atlas {
@@ -111,12 +115,12 @@ fn lay_out_all(body: &Body, mesh: &Mesh) -> Vec<Flat> {
     flats
 }
 
-/// Whether a triangle is turned over, or a point lies in two triangles, as far as a raster over the chart tells.
+/// Whether a triangle is turned over or squashed, or a point lies in two triangles, as far as a raster over the chart tells.
 fn overlaps_itself(flat: &Flat) -> bool {
     let size = 768;
     let scale = 1.0 / flat.extent.max_element().max(1e-9);
     let mut used = vec![false; size * size];
-    let mut twice = flat.corners.iter().any(|[a, b, c]| (*b - *a).perp_dot(*c - *a) <= 0.0);
+    let mut twice = flat.squash < LEAST_AREA;
     for corners in &flat.corners {
         for_each_texel(&corners.map(|corner| corner * scale), size, -1e-4, |index, _| {
             twice |= used[index];
@@ -148,7 +152,13 @@ fn lay_out(mesh: &Mesh, chart: &charts::Chart) -> Flat {
     let (low, extent) = bounds(best.1);
     let corners =
         triangles.iter().map(|t| t.map(|v| (best.1.rotate(places[v as usize]) - low) * chart.density)).collect();
-    Flat { triangles: chart.triangles.clone(), corners, extent: extent * chart.density }
+    let squash = triangles.iter().zip(&spatial).map(|(t, corners)| {
+        let [a, b, c] = t.map(|v| places[v as usize]);
+        let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+        (b - a).perp_dot(c - a) / area.max(1e-12)
+    });
+    let squash = squash.fold(f32::INFINITY, f32::min);
+    Flat { triangles: chart.triangles.clone(), corners, extent: extent * chart.density, squash }
 }
 
 /// Texels per unit, and the place of each chart, tallest first, on shelves.

@@ -10,13 +10,14 @@ use glam::{Vec2, Vec3};
 #[must_use]
 pub fn flatten(triangles: &[[u32; 3]], corners: &[[Vec3; 3]], count: usize) -> Vec<Vec2> {
     let shapes: Vec<[Vec2; 3]> = corners.iter().map(flat).collect();
+    let true_area: f32 = shapes.iter().map(|s| 0.5 * (s[1] - s[0]).perp_dot(s[2] - s[0])).sum();
     let start = tutte(triangles, &shapes, count);
     let mut best = start.clone();
     let cotangents: Vec<[f32; 3]> = shapes.iter().map(cotangents).collect();
     let mut now = start;
     for round in 0..60 {
         now = rigid_step(triangles, &shapes, &cotangents, &now);
-        if round >= 4 && flipped(triangles, &now) == 0 {
+        if round >= 4 && flipped(triangles, &now) == 0 && (0.5..2.0).contains(&(area(triangles, &now) / true_area)) {
             best.clone_from(&now);
         }
     }
@@ -32,6 +33,14 @@ pub fn flipped(triangles: &[[u32; 3]], places: &[Vec2]) -> usize {
         area.is_nan() || area <= 1e-10
     };
     triangles.iter().filter(turned).count()
+}
+
+fn area(triangles: &[[u32; 3]], places: &[Vec2]) -> f32 {
+    let double = triangles.iter().map(|t| {
+        let [a, b, c] = t.map(|v| places[v as usize]);
+        (b - a).perp_dot(c - a)
+    });
+    0.5 * double.sum::<f32>()
 }
 
 /// A triangle laid into the plane.
@@ -160,7 +169,7 @@ fn conjugate_gradients(
     start: &[Vec2],
 ) -> Vec<Vec2> {
     // A coordinate that is solved already has no direction left; rounding must not make one.
-    let share = |a: Vec2, b: Vec2| Vec2::select(b.cmpgt(Vec2::splat(1e-25)), a / b, Vec2::ZERO);
+    let share = |a: Vec2, b: Vec2| Vec2::select(b.cmpgt(Vec2::splat(1e-20)), a / b, Vec2::ZERO);
     let dot = |a: &[Vec2], b: &[Vec2]| a.iter().zip(b).map(|(x, y)| *x * *y).sum::<Vec2>();
     let precondition = |r: &[Vec2]| r.iter().zip(diagonal).map(|(r, d)| *r / d.max(1e-9)).collect::<Vec<_>>();
     let mut x = start.to_vec();
@@ -170,7 +179,8 @@ fn conjugate_gradients(
     let mut energy = dot(&residual, &z);
     let first = energy.max_element().max(1e-20);
     for _ in 0..120 {
-        if energy.max_element() < 1e-9 * first {
+        // In metres squared: a ten-thousandth of a millimetre is near enough.
+        if energy.max_element() < (1e-9 * first).max(1e-14) {
             break;
         }
         let image = apply(&direction);

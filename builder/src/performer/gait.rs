@@ -247,8 +247,8 @@ fn roll(land: f32, lift: f32, speed: f32, leaving: f32) -> Curve {
         let seconds = (lift - land.max(-100.0)).min(200.0);
         let off = off_angle(leaving);
         keys.extend([
-            (seconds - 0.5 * stance.min(0.8), 0.0),
-            (seconds - 0.22 * stance.min(0.8), 0.36 * off),
+            (seconds - 0.62 * stance.min(0.8), 0.0),
+            (seconds - 0.25 * stance.min(0.8), 0.26 * off),
             (seconds, off),
         ]);
     }

@@ -121,8 +121,10 @@ pub const NEUTRAL: [Vec3; JOINT_COUNT] = [
 
 /// Where the sole touches behind the ankle, seen from the ankle joint in the neutral pose.
 pub const HEEL_FROM_ANKLE: Vec3 = Vec3::new(0.0, -0.085, -0.05);
-/// The ball of the foot on the ground, seen from the ankle joint in the neutral pose.
-pub const BALL_FROM_ANKLE: Vec3 = Vec3::new(0.0, -0.085, 0.112);
+/// The toe joint, about which the heel rises while the toes stay, seen from the ankle joint in the neutral pose.
+pub const BALL_FROM_ANKLE: Vec3 = Vec3::new(0.0, -0.063, 0.112);
+/// Height of the ankle joint above the ground where the sole is flat.
+const ANKLE_HEIGHT: f32 = 0.085;
 
 /// One animated quantity. Angles in degrees, lengths in metres.
 #[allow(missing_docs)]
@@ -271,7 +273,7 @@ pub fn ankle_of(foot: &Foot) -> Rigid {
     let yaw = Quat::from_rotation_y(foot.yaw);
     let rotation = yaw * Quat::from_rotation_x(foot.pitch);
     let pivot = if foot.pitch > 0.0 { BALL_FROM_ANKLE } else { HEEL_FROM_ANKLE };
-    let flat_ankle = foot.place - Vec3::Y * BALL_FROM_ANKLE.y;
+    let flat_ankle = foot.place + Vec3::Y * ANKLE_HEIGHT;
     Rigid { rotation, translation: flat_ankle + yaw * pivot - rotation * pivot }
 }
 
