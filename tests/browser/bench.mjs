@@ -24,25 +24,28 @@ await player.loaded();
 await player.run((element) => element.pause());
 
 const figures = await player.run((element) => JSON.parse(element.testing.player.bench()));
-for (const [name, ms] of Object.entries(figures)) if (typeof ms === 'number') print(name.replaceAll('_', ' '), ms, 'ms', MARKS[name]);
+for (const [name, ms] of Object.entries(figures)) if (name in MARKS || name.includes('worst')) print(name.replaceAll('_', ' '), ms, 'ms', MARKS[name]);
 
-// From the call that a click makes to the drawing commands of the first changed frame.
-const clicks = await player.run(async (element) => {
+// What a click has to wait for on the processor: the plan, the first frame of the walk, and the commands that draw it.
+const clicks = await player.run((element) => {
   const times = [];
-  const { sequences } = element.info;
-  for (let run = 0; run < 12; run += 1) {
+  const { sequences, fps } = element.info;
+  const { player: inner, stage } = element.testing;
+  for (let run = 0; run < 24; run += 1) {
     const { first, count } = sequences[run % sequences.length];
     const start = performance.now();
     element.goTo(first + Math.floor(count / 2));
     const planned = performance.now();
-    await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    inner.tick(1 / fps);
+    stage.draw(inner);
     times.push([planned - start, performance.now() - start]);
   }
-  const median = (column) => times.map((row) => row[column]).sort((a, b) => a - b)[times.length >> 1];
-  return { plan: median(0), changed: median(1) };
+  const sorted = (column) => times.map((row) => row[column]).sort((a, b) => a - b);
+  return { plan: sorted(0)[times.length >> 1], changed: sorted(1)[times.length >> 1], worst: sorted(1).at(-1) };
 });
 print('click to plan, through the element', clicks.plan, 'ms', '5 ms');
-print('click to the first changed frame', clicks.changed, 'ms', '50 ms; includes up to two frames of the display');
+print('click to the commands of the first frame', clicks.changed, 'ms', '50 ms');
+print('the same, worst of 24', clicks.worst, 'ms', '50 ms');
 
 const bytes = await readFile(bundlePath);
 const firstPose = await player.page.evaluate(
