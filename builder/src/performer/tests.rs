@@ -46,32 +46,30 @@ fn weights_are_shares_of_few_joints() {
 
 #[test]
 fn charts_lie_apart_in_the_texture() {
-    let uvs = &FIGURE.atlas.uvs;
-    for (triangle, uv) in uvs.iter().enumerate().flat_map(|(k, corners)| corners.map(|uv| (k, uv))) {
-        let inside = (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
-        assert!(inside, "triangle {triangle} of chart {} is at {uv}", FIGURE.atlas.chart_of_triangle[triangle]);
-    }
-    for figure in [&*FIGURE, &Figure::new(5000, 128)] {
-        assert_eq!(atlas::overlaps(&figure.atlas.uvs, 2048), 0, "texels that lie in two triangles");
-    }
-    for (index, [a, b, c]) in uvs.iter().enumerate() {
-        let [p, q, r] = FIGURE.mesh.triangles[index].map(|v| FIGURE.mesh.positions[v as usize]);
-        let chart = FIGURE.atlas.chart_of_triangle[index];
-        let size = FIGURE.atlas.chart_of_triangle.iter().filter(|&&other| other == chart).count();
-        let (flat, area) = ((*b - *a).perp_dot(*c - *a), (q - p).cross(r - p).length());
-        assert!(flat > 0.0, "triangle {index} at {p} of chart {chart} ({size} triangles) is {flat}, {area} in space");
-    }
-    assert!(FIGURE.atlas.chart_count() <= 32, "{} charts", FIGURE.atlas.chart_count());
-    let filled = FIGURE.atlas.texels.len() as f32 / (512.0 * 512.0);
+    let usual = Figure::new(5000, 512);
+    check_atlas(&FIGURE);
+    check_atlas(&usual);
+    assert!(usual.atlas.chart_count() <= 40, "{} charts", usual.atlas.chart_count());
+    let filled = usual.atlas.texels.len() as f32 / (512.0 * 512.0);
     assert!(filled > 0.35, "only {filled} of the texture is used");
-    // Texels of different charts keep their distance.
-    let size = FIGURE.atlas.size;
-    let mut chart = vec![u32::MAX; size * size];
-    for &(index, point) in &FIGURE.atlas.texels {
-        chart[index as usize] = FIGURE.atlas.chart_of_triangle[point.triangle as usize];
+}
+
+fn check_atlas(figure: &Figure) {
+    let atlas = &figure.atlas;
+    for (index, [a, b, c]) in atlas.uvs.iter().enumerate() {
+        let (chart, flat) = (atlas.chart_of_triangle[index], (*b - *a).perp_dot(*c - *a));
+        let inside = [a, b, c].iter().all(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0);
+        assert!(inside && flat > 0.0, "triangle {index} of chart {chart} lies at {a}, {b}, {c}");
     }
-    for &(index, point) in &FIGURE.atlas.texels {
-        let own = FIGURE.atlas.chart_of_triangle[point.triangle as usize];
+    assert_eq!(atlas::overlaps(&atlas.uvs, 2048), 0, "texels that lie in two triangles");
+    // Texels of different charts keep their distance.
+    let size = atlas.size;
+    let mut chart = vec![u32::MAX; size * size];
+    for &(index, point) in &atlas.texels {
+        chart[index as usize] = atlas.chart_of_triangle[point.triangle as usize];
+    }
+    for &(index, point) in &atlas.texels {
+        let own = atlas.chart_of_triangle[point.triangle as usize];
         let (x, y) = (index as usize % size, index as usize / size);
         for step in 1..=atlas::PADDING {
             for (x, y) in [(x + step, y), (x, y + step)] {
