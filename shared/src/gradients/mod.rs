@@ -23,7 +23,7 @@ use crate::lanes::{LANES, Lanes, Lanes3};
 /// normal, and the wanted edges are blended linearly.
 const NARROWEST: f32 = 1e-4;
 
-/// Rotation, stretch and reference of every triangle between two poses: all that [`PairGradients::edges`] needs.
+/// Rotation, stretch and reference of every triangle between two poses: all that `edges` needs.
 #[derive(Clone, Debug, Default)]
 pub struct PairGradients {
     batches: Vec<PairBatch>,
@@ -88,7 +88,7 @@ impl PairGradients {
         if pair.narrow == ALL_WIDE { wanted } else { self.narrow[pair.narrow as usize].overrule(wanted, lambda) }
     }
 
-    /// What [`Self::edges`] gives, of one triangle.
+    /// What `edges` gives, of one triangle.
     #[must_use]
     pub fn triangle_edges(&self, triangle: usize, lambda: f32) -> [Vec3; 2] {
         let lane = triangle % LANES;
