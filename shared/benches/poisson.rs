@@ -3,7 +3,6 @@
 //! Marks (docs/performance.md): a solve of three right sides at 10,000 vertices 0.7 ms, a factorisation 10 ms, an
 //! in-between 2 ms.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
-#![allow(clippy::unwrap_used, missing_docs, reason = "a benchmark may fail loudly")]
 
 use std::f32::consts::TAU;
 use std::hint::black_box;
