@@ -58,7 +58,7 @@ impl Player {
                 std::hint::black_box(cheapest_walk(&graph, &actor.timeline, some(run), some(run + RUNS)));
             })
         });
-        let plans = plans.collect();
+        let plans = plans.collect::<Vec<_>>();
         let mut synthesiser =
             Synthesiser::new(&actor.topology, self.loading.order()).map_err(|_| PlayerError::Damaged(0))?;
         let stride = (graph.transitions().len() / TRANSITIONS).max(1);
@@ -80,9 +80,9 @@ impl Player {
         }
         Ok(Bench {
             synthetic_frame_worst: synthetic.iter().copied().fold(0.0, f64::max),
-            synthetic_frame: median(synthetic),
-            recorded_frame: median(recorded),
-            plan: median(plans),
+            synthetic_frame: median(&synthetic),
+            recorded_frame: median(&recorded),
+            plan: median(&plans),
             transitions,
         })
     }
