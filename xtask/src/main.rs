@@ -15,6 +15,7 @@ mod command;
 mod demo;
 mod serve;
 mod size;
+mod strip;
 mod test;
 mod web;
 
