@@ -61,8 +61,10 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/slow.reprise') return trickle(response, bundle, false);
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
-  const file = join(root, normalize(pathname === '/' ? '/index.html' : decodeURIComponent(pathname)));
-  const found = file.startsWith(root) && (await stat(file).catch(() => null))?.isFile();
+  const native = process.env.REPRISE_NATIVE && pathname.startsWith('/native/');
+  const [folder, path] = native ? [process.env.REPRISE_NATIVE, pathname.slice('/native'.length)] : [root, pathname];
+  const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));
+  const found = file.startsWith(folder) && (await stat(file).catch(() => null))?.isFile();
   if (found) return send(response, await readFile(file), extname(file));
   response.writeHead(404, { 'content-type': 'text/plain' });
   response.end('Not found');
