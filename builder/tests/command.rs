@@ -83,6 +83,28 @@ fn bad_input_is_exit_code_1_and_leaves_nothing() {
 }
 
 #[test]
+fn inputs_are_validated_with_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 20);
+    let path = frames.to_str().unwrap();
+    let codes = |path: &str| {
+        let validated = builder(&["validate", path, "--json"]);
+        let findings: Value = serde_json::from_slice(&validated.stdout).unwrap();
+        let codes = findings.as_array().unwrap().iter().map(|f| f["code"].as_str().unwrap().to_owned());
+        (code(&validated), codes.collect::<Vec<_>>())
+    };
+    assert_eq!(codes(path), (0, vec!["W_FPS_ASSUMED".to_owned()]));
+    fs::remove_file(frames.join("frame_011.obj")).unwrap();
+    assert_eq!(codes(path), (0, vec!["W_FRAMES_MISSING".to_owned(), "W_FPS_ASSUMED".to_owned()]));
+    fs::write(frames.join("frame_011.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert_eq!(codes(path), (1, vec!["E_VERTEX_COUNT".to_owned()]));
+    let bad = folder.path().join("damaged.reprise");
+    fs::write(&bad, b"anything else").unwrap();
+    assert_eq!(codes(bad.to_str().unwrap()), (1, vec!["not-reprise".to_owned()]));
+}
+
+#[test]
 fn bad_usage_is_exit_code_2() {
     assert_eq!(code(&builder(&[])), 2);
     assert_eq!(code(&builder(&["pack"])), 2);

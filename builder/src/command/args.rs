@@ -176,9 +176,12 @@ pub struct InspectArguments {
 /// Arguments of `builder validate`.
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
-    /// The bundle to check.
-    #[arg(value_name = "FILE")]
-    pub bundle: PathBuf,
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
     /// Print an object on stdout instead of text.
     #[arg(long)]
     pub json: bool,

@@ -216,12 +216,13 @@ impl Producer {
         Ok(())
     }
 
-    /// Does a piece of the work that the beginning of transition `edge` would have to wait for. Not within a transition.
-    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) {
+    /// Does a piece of the work that the beginning of transition `edge` would have to wait for; whether more of it is
+    /// left. Not within a transition.
+    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) -> bool {
         if self.prepared == Some((edge, true)) || self.warm(loading, actor).is_err() {
-            return;
+            return false;
         }
-        let Some(synthesiser) = &mut self.synthesiser else { return };
+        let Some(synthesiser) = &mut self.synthesiser else { return false };
         if self.prepared.is_none_or(|(before, _)| before != edge) {
             let from = graph.transitions().get(edge as usize).map_or(0, |transition| transition.from);
             synthesiser.begin_walk(from, Placement::IDENTITY, &transition_alone(edge));
@@ -229,6 +230,7 @@ impl Producer {
         // What fails here fails again, and is told, when the transition begins.
         let more = synthesiser.prepare(graph, &actor.timeline, &mut loading.source).unwrap_or(false);
         self.prepared = Some((edge, !more));
+        more
     }
 
     fn note(&mut self, milliseconds: f64) {

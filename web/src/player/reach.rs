@@ -73,6 +73,16 @@ pub fn reaching(graph: &EssentialGraph, timeline: &Timeline, to: u32) -> Vec<boo
     reached
 }
 
+/// For every frame, whether a walk leads to it from `from`.
+#[must_use]
+pub fn reached(graph: &EssentialGraph, timeline: &Timeline, from: u32) -> Vec<bool> {
+    let mut reached = vec![false; timeline.frame_count() as usize];
+    if (from as usize) < reached.len() {
+        Edges::new(graph, timeline, false).search(from, &mut reached);
+    }
+    reached
+}
+
 /// For every frame, whether it is in the largest strongly connected component (the first of equally large ones).
 ///
 /// Kosaraju and Sharir's algorithm. A frame that reaches itself in no way is a component of its own.
