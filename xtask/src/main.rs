@@ -13,6 +13,7 @@ mod bench;
 mod browser;
 mod command;
 mod demo;
+mod figures;
 mod serve;
 mod size;
 mod strip;
