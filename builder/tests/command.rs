@@ -34,6 +34,20 @@ fn write_frames(folder: &Path, count: usize) {
 }
 
 #[test]
+fn slope_limits_that_no_kernel_has_are_refused() {
+    for slope in ["0", "6", "many"] {
+        let refused = builder(&["pack", "nowhere", "-o", "nothing.reprise", "--slope", slope]);
+        assert_eq!(code(&refused), 2, "{}", stderr(&refused));
+        assert!(stderr(&refused).contains("from 1 to 5, or none"), "{}", stderr(&refused));
+    }
+    // These are refused for the missing input only.
+    for slope in ["1", "5", "none"] {
+        let refused = builder(&["pack", "nowhere", "-o", "nothing.reprise", "--slope", slope]);
+        assert_eq!(code(&refused), 1, "{}", stderr(&refused));
+    }
+}
+
+#[test]
 fn packs_inspects_and_validates() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("turn");

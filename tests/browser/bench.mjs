@@ -63,6 +63,7 @@ const browser = await Browser.launch();
 const player = await browser.open({ forgive: [/Device was destroyed/] });
 await player.loaded();
 await player.run((element) => element.pause());
+await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
 // The first run warms the code up.
 await player.run((element) => element.testing.player.bench());
 const figures = {

@@ -21,9 +21,10 @@ const chosen = [modules, native, loading, walking, errors, page, pictures].flatM
 const browser = await Browser.launch();
 let failed = 0;
 for (const [name, test] of chosen) {
+  const start = Date.now();
   try {
     await test(browser);
-    console.log(`ok      ${name}`);
+    console.log(`ok      ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
   } catch (error) {
     failed += 1;
     console.log(`FAILED  ${name}\n        ${String(error?.stack ?? error).replaceAll('\n', '\n        ')}`);

@@ -75,13 +75,16 @@ function send(response, bytes, extension) {
   response.end(bytes);
 }
 
+/** Milliseconds between the pieces of a slow download. */
+const PAUSE = 100;
+
 /** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
 async function trickle(response, bundle, breaks) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
   const piece = Math.ceil(bundle.length / 20);
   for (let at = 0; at < bundle.length; at += piece) {
     response.write(bundle.subarray(at, at + piece));
-    await new Promise((resolve) => setTimeout(resolve, 250));
+    await new Promise((resolve) => setTimeout(resolve, PAUSE));
     if (breaks && at > 0) {
       response.destroy();
       return;
