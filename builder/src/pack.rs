@@ -219,7 +219,7 @@ fn encode(
     graph: &EssentialGraph,
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
-    let order = elimination_order(&capture.topology).map_err(|error| PackError::Ours(error.to_string()))?;
+    let order = elimination_order(&capture.topology);
     let input = BundleInput {
         capture,
         graph,

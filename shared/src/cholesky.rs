@@ -1,17 +1,14 @@
 //! Sparse Cholesky factors of Laplacians: one elimination order and one symbolic factorisation per topology, a numeric
 //! factorisation per pose.
 //!
-//! faer orders (approximate minimum degree). The factorisation is our own, for the page's sake: faer's would be a third
-//! of all that the page loads, and no faster in WebAssembly. It is sequential and in double precision; the factor is kept
-//! in single precision, laid out for three right sides at once: factorising in single precision would lose digits,
-//! solving in it does not.
+//! All of it is our own for the page's sake: a general library's would be a sixth of all that the page loads, and no
+//! faster in WebAssembly. It is sequential and in double precision; the factor is kept in single precision, laid out for
+//! three right sides at once: factorising in single precision would lose digits, solving in it does not.
 
 mod numeric;
+mod order;
 mod structure;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
 use glam::Vec4;
 use thiserror::Error;
 
@@ -40,9 +37,6 @@ pub enum CholeskyError {
     /// An order does not name every vertex once.
     #[error("the elimination order does not name each of the {0} vertices once")]
     Order(usize),
-    /// The factor does not fit into memory, or the analysis failed.
-    #[error("the Laplacian's factor would be too large")]
-    TooLarge,
     /// The matrix holds something that is not a number.
     #[error("the pose's Laplacian is not finite")]
     NotFinite,
@@ -50,11 +44,8 @@ pub enum CholeskyError {
 
 /// A fill-reducing order of elimination for the Laplacians of `topology`: all vertices, each once; the last vertex of
 /// each connected component in it becomes its anchor.
-///
-/// # Errors
-/// [`CholeskyError::TooLarge`].
-pub fn elimination_order(topology: &Topology) -> Result<Vec<u32>, CholeskyError> {
-    let n = topology.vertex_count();
+#[must_use]
+pub fn elimination_order(topology: &Topology) -> Vec<u32> {
     let mut pairs = Vec::with_capacity(topology.triangles().len() * 6);
     for &[a, b, c] in topology.triangles() {
         for (k, l) in [(a, b), (b, c), (c, a)] {
@@ -65,15 +56,11 @@ pub fn elimination_order(topology: &Topology) -> Result<Vec<u32>, CholeskyError>
     }
     sort(&mut pairs);
     pairs.dedup();
-    let (column_start, rows) = compressed(n, &pairs);
-    let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &column_start, None, &rows);
-    let mut order = vec![0; n];
-    let mut inverse = vec![0; n];
-    let mut memory =
-        MemBuffer::try_new(amd::order_scratch::<u32>(n, rows.len())).map_err(|_| CholeskyError::TooLarge)?;
-    amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory))
-        .map_err(|_| CholeskyError::TooLarge)?;
-    Ok(order)
+    let mut neighbours = vec![Vec::new(); topology.vertex_count()];
+    for [_, _, vertex, neighbour] in pairs.into_iter().map(numbers) {
+        neighbours[vertex as usize].push(neighbour);
+    }
+    order::minimum_degree(neighbours)
 }
 
 /// `order` with the anchor of each component, its last vertex, moved to the end.
@@ -144,10 +131,8 @@ pub struct Workspace {
 
 impl SymbolicCholesky {
     /// Analyses a pattern.
-    ///
-    /// # Errors
-    /// [`CholeskyError::TooLarge`].
-    pub fn new(pattern: &LaplacianPattern) -> Result<Self, CholeskyError> {
+    #[must_use]
+    pub fn new(pattern: &LaplacianPattern) -> Self {
         let n = pattern.free_count();
         let (mut column_start, mut rows, mut edge_of_entry) = (vec![0], Vec::new(), Vec::new());
         for column in 0..n {
@@ -170,7 +155,7 @@ impl SymbolicCholesky {
             tallest: 0,
         };
         symbolic.lay_out_panels();
-        Ok(symbolic)
+        symbolic
     }
 
     /// Numbers in a factor.
@@ -185,7 +170,7 @@ impl SymbolicCholesky {
     /// such a factor is still a good preconditioner.
     ///
     /// # Errors
-    /// [`CholeskyError::NotFinite`] or [`CholeskyError::TooLarge`].
+    /// [`CholeskyError::NotFinite`].
     pub fn factorise(&self, laplacian: &Laplacian, workspace: &mut Workspace) -> Result<Factor, CholeskyError> {
         let n = self.structure.columns();
         let diagonal_sum: f64 = laplacian.diagonal.iter().map(|&d| f64::from(d)).sum();
@@ -368,18 +353,4 @@ fn backward<const W: usize>(values: &[f32], rows: &mut [Vec4]) {
         }
         own[j] = sum * head[j];
     }
-}
-
-/// Compressed columns of (column, row) pairs in order.
-fn compressed(n: usize, pairs: &[u128]) -> (Vec<u32>, Vec<u32>) {
-    let mut start = vec![0_u32; n + 1];
-    let mut rows = Vec::with_capacity(pairs.len());
-    for [_, _, column, row] in pairs.iter().map(|&pair| numbers(pair)) {
-        start[column as usize + 1] += 1;
-        rows.push(row);
-    }
-    for column in 0..n {
-        start[column + 1] += start[column];
-    }
-    (start, rows)
 }
