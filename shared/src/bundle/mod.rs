@@ -15,6 +15,7 @@ mod header;
 mod integers;
 mod layout;
 mod meta;
+mod motion;
 mod reader;
 mod sections;
 mod surface;
