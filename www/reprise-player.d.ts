@@ -4,16 +4,21 @@
  * Frames are counted over the whole capture, from 0; `info.sequences` tells where each sequence begins. Times are in
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
- * Attributes: `src`, `poster`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`; each has the property below.
- * Parts for styling: `player`, `stage`, `score`, `transport`, `walk`, `facts`, `error`. Custom properties:
- * `--reprise-accent`, `--reprise-background`, `--reprise-font`.
+ * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `camera`,
+ * `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
+ * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
+ * `--reprise-background`, `--reprise-font`.
  */
 export class ReprisePlayer extends HTMLElement {
   /** Address of a `.reprise` file. Setting it loads that file. */
   src: string;
   /** Address of a picture that is shown until the first pose is drawn. */
   poster: string;
-  /** Whether the score, the transport and the chips are shown. Off by default, as with `<video>`. */
+  /** What the actor is, for those who do not see it; else its name is told. */
+  alt: string;
+  /** `lazy` waits with loading until the element is about to be seen. */
+  loading: 'eager' | 'lazy';
+  /** Whether the tools, the score, the transport and the chips are shown. Off by default, as with `<video>`. */
   controls: boolean;
   /** Whether playing begins with the first pose; not where the user prefers reduced motion. */
   autoplay: boolean;
@@ -25,6 +30,13 @@ export class ReprisePlayer extends HTMLElement {
   theme: 'light' | 'dark' | null;
   /** 1 is the capture's own speed. */
   speed: number;
+  /**
+   * The first view, and the one that a double click goes back to: `45deg 10deg 1.5` is the angle about the actor, the
+   * angle above the ground, and the distance, 1 being that from which all of the actor is seen.
+   */
+  camera: string;
+  /** The tool in use. */
+  tool: Tool;
 
   /** What the bundle holds; `null` until `ready`. */
   readonly info: ActorInfo | null;
@@ -33,17 +45,40 @@ export class ReprisePlayer extends HTMLElement {
   /** Whether all of the bundle has arrived. */
   readonly complete: boolean;
   readonly playing: boolean;
+  /** Names of all behaviours: the sequences' labels, and the sequences without one. */
+  readonly behaviours: string[];
+  /** Targets that wait for their turn. */
+  readonly queued: Target[];
+  /** What has been asked with the tools, as data. Setting it asks for that; throws a `PlayerError` with a sentence. */
+  direction: Direction;
+  /** The best answer of the tool in use so far. */
+  readonly answer: Answer | null;
+  /** The direction as the part of an address behind `#`. */
+  readonly link: string;
 
   play(): void;
   pause(): void;
   /** Jumps to a frame, fractions allowed, and drops the target. */
   seek(frame: number): void;
-  /** The cheapest walk from the present to a frame, without leaving. Throws a `PlayerError`, also if there is none. */
-  plan(frame: number): Walk;
-  /** Leaves for a frame at once; during a walk this changes its mind. Throws as `plan` does. */
-  goTo(frame: number): Walk;
-  /** Stops on the way; a transition under way is finished first. */
+  /** The cheapest walk from the present to a target, without leaving. Throws a `PlayerError`, also if there is none. */
+  plan(target: Target): Walk;
+  /** Leaves for a target at once; during a walk this changes its mind. Throws as `plan` does. */
+  goTo(target: Target): Walk;
+  /** Goes to these targets, one after the other, after those that wait already. Throws where one is no target. */
+  queue(...targets: Target[]): void;
+  /** Stops on the way, a transition under way is finished first; drops the queue. */
   cancel(): void;
+  /** What is on the stage as pixels; with a frame, that pose alone on a transparent background. */
+  snapshot(options?: PictureOptions): Promise<ImageData>;
+  /** The same as an encoded picture. */
+  toBlob(options?: PictureOptions & { type?: string; quality?: number }): Promise<Blob>;
+  /** Back to the first view. */
+  recentre(): void;
+  /**
+   * Asks for the direction that an address carries behind `#`. What is wrong with it is said on the page.
+   * Tells whether there was one that could be used.
+   */
+  openLink(address: string): boolean;
   /** The frame at a time of a sequence. */
   frameOf(sequence: string, seconds?: number): number;
   /** Loads `src` again. Trouble becomes an `error` event. */
@@ -71,6 +106,36 @@ export class ReprisePlayer extends HTMLElement {
     listener: (this: ReprisePlayer, event: HTMLElementEventMap[K]) => unknown,
     options?: boolean | EventListenerOptions,
   ): void;
+}
+
+export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander';
+
+/** A frame; a pose by its sequence and the time within it; or the frame of a behaviour that is nearest. */
+export type Target = number | { frame: number } | { sequence: string; seconds?: number } | { behaviour: string };
+
+export interface PictureOptions {
+  frame?: number;
+  /** Pixels, for a picture of a frame; 512 by default. */
+  width?: number;
+  height?: number;
+}
+
+/** What has been asked with the tools. Only the parts in which something is asked are there. */
+export interface Direction {
+  /** The version of this format. */
+  reprise: 1;
+  tool: Tool;
+  /** Where to go, in metres, and which way to face there: radians from +Z about +Y; `null` for any. */
+  place?: { x: number; z: number; heading: number | null };
+  /**
+   * A spline through points of the ground (x, z). Stretches demand a behaviour; their ends are counted in points: 1.5 is
+   * between the second and the third.
+   */
+  path?: { points: [number, number][]; stretches: { from: number; to: number; behaviour: string }[] };
+  /** Key poses and when they should be reached, seconds after leaving. */
+  keys?: { frame: number; seconds: number }[];
+  /** A random walk: how often to show each behaviour, 1 being as often as the others. */
+  wander?: { seed: number; weights: Record<string, number> };
 }
 
 export interface ActorInfo {
@@ -164,6 +229,14 @@ export interface ReprisePlayerEventMap {
   transitionend: CustomEvent<{ from: number; to: number }>;
   /** The actor stands in the pose it was sent to. */
   arrive: CustomEvent<{ frame: number }>;
+  /** The picture shows another moment: at most once a display frame. */
+  frame: CustomEvent<{ frame: number; mode: PlayerState['mode']; x: number; z: number; heading: number }>;
+  /** Another tool is in use. */
+  toolchange: CustomEvent<{ tool: Tool }>;
+  /** What is asked has changed, by the user, by undoing, or by a page. */
+  change: CustomEvent<{ tool: Tool }>;
+  /** The search has found a walk, or a better one. */
+  answer: CustomEvent<{ answer: Answer }>;
   /** The actor waits for frames that have not arrived. */
   stall: CustomEvent<{ frame: number }>;
   /** A sequence has ended and does not loop. */

@@ -410,7 +410,8 @@ mod tests {
         let all = steps(Route::new(&to_start, Goal::Target(9)), &graph, &timeline);
         let wanted = [Step::Recorded(5), node(1), node(2), Step::Back(10), Step::Back(9)];
         assert_eq!(all, wanted);
-        let both_ends = steps(Route::new(&plan(&graph, &timeline, 7, 10).unwrap(), Goal::Target(10)), &graph, &timeline);
+        let both_ends =
+            steps(Route::new(&plan(&graph, &timeline, 7, 10).unwrap(), Goal::Target(10)), &graph, &timeline);
         assert_eq!(both_ends, [Step::Back(6), Step::Back(5), node(1), node(2), Step::Back(10)]);
         let within = steps(Route::new(&plan(&graph, &timeline, 13, 11).unwrap(), Goal::Target(11)), &graph, &timeline);
         assert_eq!(within, [Step::Back(12), Step::Back(11)]);

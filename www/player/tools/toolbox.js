@@ -1,0 +1,277 @@
+/**
+ * The tools: which one is in use, what has been asked with it, and the search for a walk that does it.
+ *
+ * A tool shows its part of the document in a dock under the stage and on the ground, and changes it; changes go through
+ * `edit`, which remembers them and searches anew. The tool in use hears of the answer.
+ */
+
+import { ToolBar } from './bar.js';
+import { EMPTY, checkDocument } from './document.js';
+import { History } from './history.js';
+import { Marks } from './marks.js';
+import { PathTool } from './path.js';
+import { PlaceTool } from './place.js';
+import { PoseTool } from './pose.js';
+import { SearchDriver } from './search.js';
+import { Share } from './share.js';
+import { TimingTool } from './timing.js';
+import { WanderTool } from './wander.js';
+
+const OVERVIEW = { elevation: 0.62, distance: 2.1 };
+
+export class Toolbox {
+  /** @param {import('../core.js').Core} core */
+  constructor(core) {
+    this.core = core;
+    this.history = new History(EMPTY);
+    this.marks = new Marks();
+    this.search = new SearchDriver(core, (answer) => this.answered(answer));
+    this.tools = Object.fromEntries([PoseTool, PlaceTool, PathTool, TimingTool, WanderTool].map((Tool) => [Tool.id, new Tool(this)]));
+    this.bar = new ToolBar(Object.values(this.tools), {
+      choose: (name) => (this.core.host.tool = name),
+      step: (by) => this.undo(by),
+    });
+    this.share = new Share(this);
+    this.bar.root.append(this.share.root);
+    this.tool = this.tools.pose;
+    this.director = null;
+    this.answer = null;
+    this.waiting = null;
+  }
+
+  get document() {
+    return this.history.now;
+  }
+
+  get calm() {
+    return this.core.view.calm.matches;
+  }
+
+  actions() {
+    return { tool: ({ key }) => this.pick(Object.keys(this.tools)[Number(key) - 1]) };
+  }
+
+  // ---- life -----------------------------------------------------------------------------------------------------
+
+  /** The whole actor is there: its graph too, so that searches can begin. */
+  open(director) {
+    this.director = director;
+    for (const tool of Object.values(this.tools)) tool.opened?.(director);
+    this.showTool();
+    const { waiting } = this;
+    this.waiting = null;
+    if (waiting) this.core.attempt(() => this.load(waiting));
+    else this.ask();
+  }
+
+  close() {
+    this.director = null;
+    this.search.stop();
+    this.answer = null;
+    this.history.reset(EMPTY);
+    if (this.core.view) this.refresh();
+  }
+
+  /** A new stage shows nothing of what the last one did. */
+  stageOpened() {
+    this.redraw();
+  }
+
+  // ---- choosing a tool ------------------------------------------------------------------------------------------
+
+  /** Chooses a tool as a user does, who wants to go on with the keyboard. */
+  pick(name) {
+    this.core.host.tool = name;
+    this.core.say(this.tool.hint);
+  }
+
+  choose(name) {
+    const tool = this.tools[name] ?? this.tools.pose;
+    if (tool === this.tool) return;
+    this.tool.leave?.();
+    this.search.stop();
+    this.answer = null;
+    this.tool = tool;
+    this.core.queue.clear();
+    this.showTool();
+    this.ask();
+    this.core.dispatch('toolchange', { tool: tool.id });
+  }
+
+  showTool() {
+    const { view } = this.core;
+    const { tool } = this;
+    this.bar.show(tool.id);
+    view.stage.tool = tool;
+    view.stage.root.dataset.tool = tool.id;
+    view.dock.replaceChildren(...(tool.dock ? [tool.dock] : []));
+    view.dock.hidden = !tool.dock;
+    view.score.root.hidden = Boolean(tool.dock);
+    this.lookOver(Boolean(tool.onGround));
+    if (this.director) this.core.say(tool.hint);
+    tool.enter?.();
+    this.refresh();
+    view.relay();
+  }
+
+  /** Tools that draw on the ground are used from higher up; afterwards the camera goes back to where it was. */
+  lookOver(on) {
+    const { stage } = this.core.view.stage;
+    if (!stage) {
+      this.before = null;
+      this.overDue = on;
+      return;
+    }
+    if (on && !this.before) {
+      this.before = Array.from(stage.camera());
+      stage.look_from(this.before[0], OVERVIEW.elevation, OVERVIEW.distance, false);
+    } else if (!on && this.before) {
+      stage.look_from(...this.before, false);
+      this.before = null;
+    }
+    this.core.redraw();
+  }
+
+  // ---- the document ---------------------------------------------------------------------------------------------
+
+  /**
+   * Changes what is asked.
+   * @param {object} part of the document, by the names of its parts
+   * @param {string | null} merge see `History.change`
+   */
+  edit(part, merge = null) {
+    this.history.change({ ...this.document, ...part }, merge);
+    this.refresh();
+    this.ask();
+    this.core.dispatch('change', { tool: this.tool.id });
+  }
+
+  undo(by) {
+    if (!this.history.step(by)) return;
+    this.refresh();
+    this.ask();
+    this.core.say(by < 0 ? 'undone' : 'done again');
+    this.core.dispatch('change', { tool: this.tool.id });
+  }
+
+  /** Takes a document that came from outside; what is wrong with it is thrown as a sentence. */
+  load(outside) {
+    if (!this.director) {
+      this.waiting = outside;
+      return;
+    }
+    const { tool, ...document } = checkDocument(outside, this.director.info);
+    this.history.change({ ...EMPTY, ...document });
+    this.history.settle();
+    this.core.host.tool = tool;
+    this.refresh();
+    this.ask();
+  }
+
+  refresh() {
+    this.bar.setSteps(this.history.canUndo, this.history.canRedo);
+    this.tool.refresh?.();
+    this.redraw();
+  }
+
+  // ---- searching ------------------------------------------------------------------------------------------------
+
+  /** Searches for a walk that does what the tool in use asks. */
+  ask() {
+    const request = this.director && this.tool.request?.();
+    this.answer = null;
+    if (!request) this.search.stop();
+    else this.search.start(request);
+    this.tool.answered?.(null);
+    this.redraw();
+  }
+
+  answered(answer) {
+    this.answer = answer;
+    this.tool.answered?.(answer);
+    this.redraw();
+    this.core.dispatch('answer', { answer });
+  }
+
+  /** Sends the actor on the best walk so far. */
+  go() {
+    if (!this.director || !this.tool.request) return;
+    this.core.attempt(() => {
+      const request = this.tool.request();
+      if (!request) {
+        this.core.say(this.tool.hint);
+        return;
+      }
+      this.search.go(request);
+    });
+  }
+
+  /** One slice of the search in a display frame. @returns whether more is to be done */
+  step() {
+    return this.search.step();
+  }
+
+  /** The actor was sent somewhere else. */
+  left() {
+    this.search.left();
+  }
+
+  happened(type, detail) {
+    this.search.happened(type, detail);
+    this.tool.happened?.(type, detail);
+  }
+
+  // ---- on the stage ---------------------------------------------------------------------------------------------
+
+  /** What the tool marks on the ground has changed. */
+  redraw() {
+    const { view } = this.core;
+    if (!view?.stage.stage) return;
+    this.marks.clear();
+    if (this.tool.draw) this.tool.draw(this.marks, this.colours());
+    view.stage.stage.set_marks(this.marks.data);
+    this.core.redraw();
+  }
+
+  /** Puts handles and labels over their places on the ground; called after the picture has been drawn. */
+  place() {
+    if (this.overDue) {
+      this.overDue = false;
+      this.lookOver(true);
+    }
+    this.tool.place?.((x, z) => this.core.view.stage.seen(x, z));
+  }
+
+  /** The page's colours, as bytes. @returns {(name: string, opacity?: number) => [number, number, number, number]} */
+  colours() {
+    const style = getComputedStyle(this.core.host);
+    return (name, opacity = 1) => {
+      const value = style.getPropertyValue(`--${name}`).trim();
+      const hex = /^#([0-9a-f]{6})$/i.exec(value);
+      const number = hex ? parseInt(hex[1], 16) : 0x3558c4;
+      return [number >> 16, (number >> 8) & 255, number & 255, Math.round(opacity * 255)];
+    };
+  }
+
+  /** @returns whether the key was used */
+  key(event) {
+    const { key } = event;
+    const inField = ['INPUT', 'TEXTAREA', 'SELECT'].includes(event.composedPath()[0]?.tagName);
+    if ((event.ctrlKey || event.metaKey) && !event.altKey && ['z', 'y', 'Z'].includes(key) && !inField) {
+      event.preventDefault();
+      this.undo(key === 'z' && !event.shiftKey ? -1 : 1);
+      return true;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || this.tool.id === 'pose') return false;
+    const used = this.tool.key?.(event, inField) ?? false;
+    const onButton = event.composedPath()[0]?.tagName === 'BUTTON';
+    if (!used && key === 'Enter' && !onButton && !inField) {
+      this.go();
+      event.preventDefault();
+      return true;
+    }
+    if (used) event.preventDefault();
+    // The score's keys mean nothing while another tool's dock is in its place.
+    return used || ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'Home', 'End'].includes(key) && event.composedPath()[0] !== this.core.view.stage.root;
+  }
+}
