@@ -122,7 +122,6 @@ export class Core {
     if (draws) this.draw();
     const walk = view.preview.plan ?? director.walk;
     view.update(director, { walk, frameMs: this.frameMs.value });
-    if (draws) this.toolbox.place();
     if (changed && draws) this.frameMs.add(performance.now() - start);
     if (changed) this.tellFrame();
     return director.player.playing() || changed || moving || searching || this.dirty;
@@ -133,6 +132,7 @@ export class Core {
     if (!stage.alive() || !this.director?.info) return;
     this.dirty = false;
     stage.stage.draw(this.director.player);
+    this.toolbox.place();
   }
 
   redraw() {

@@ -5,7 +5,7 @@ export const stageStyles = `
   position: absolute;
   inset: 0;
   display: grid;
-  grid-template-rows: auto minmax(0, 1fr) auto;
+  grid-template: auto minmax(0, 1fr) auto / minmax(0, 1fr);
   container: player / size;
   overflow: hidden;
 }

@@ -98,7 +98,6 @@ export class PathTool {
   arm() {
     this.armed = true;
     this.takeShape();
-    this.box.core.say(this.hint);
     this.refresh();
   }
 

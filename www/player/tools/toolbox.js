@@ -82,7 +82,6 @@ export class Toolbox {
   /** Chooses a tool as a user does, who wants to go on with the keyboard. */
   pick(name) {
     this.core.host.tool = name;
-    this.core.say(this.tool.hint);
   }
 
   choose(name) {
@@ -108,7 +107,7 @@ export class Toolbox {
     view.dock.hidden = !tool.dock;
     view.score.root.hidden = Boolean(tool.dock);
     this.lookOver(Boolean(tool.onGround));
-    if (this.director) this.core.say(tool.hint);
+    if (this.director) this.core.say(tool.dock ? '' : tool.hint);
     tool.enter?.();
     this.refresh();
     view.relay();
