@@ -300,8 +300,12 @@ export const tests = {
   'the frame loop waits where it stalls, and says so': async (browser) => {
     const player = await browser.open({ search: 'src=slow.reprise' });
     await player.event('ready');
+    await player.until('the test hook', (element) => Boolean(element.testing));
     await player.run((element) => {
-      element.speed = 8;
+      const { player: inner } = element.testing;
+      const { first, count } = element.info.sequences.at(-1);
+      const here = Array.from({ length: count - 1 }, (_, at) => first + at).find((frame) => inner.loaded(frame) && !inner.loaded(frame + 1));
+      element.seek(here);
       element.play();
     });
     await player.event('stall');

@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod clock;
 pub mod events;
+mod follow;
 pub mod loading;
 mod motion;
 pub mod plan;
@@ -376,13 +377,7 @@ impl Player {
     pub fn arrival(&mut self, to: u32) -> Result<Placement, PlayerError> {
         let (actor, graph) = self.ready(to)?;
         let walk = self.plan_from_here(to)?.walk();
-        let inside = self.route.as_ref().is_some_and(|route| route.inside().is_some());
-        let end = if inside {
-            self.producer.transition_end(&mut self.loading, &actor.timeline, &graph)?
-        } else {
-            self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
-        };
-        let start = end.unwrap_or(Placement::IDENTITY);
+        let (_, start) = self.leaves()?;
         Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
     }
 
