@@ -12,9 +12,11 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{graph, integers, surface};
+use super::{graph, integers, motion, surface};
 use crate::capture::Capture;
 use crate::graph::EssentialGraph;
+use crate::pose_source::{PoseError, PoseSource};
+use crate::search::Motion;
 
 /// Frames from one independent frame to the next: decoding any frame touches at most three others.
 const GROUP: u32 = 4;
@@ -151,6 +153,9 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     let graph = graph::encode(input.graph)
         .map_err(|transition| EncodeError::Inconsistent(format!("transition {transition} leads too far away")))?;
     drafts.push(one(Kind::Graph, graph));
+    if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {
+        drafts.push(one(Kind::Motion, motion));
+    }
     if let Some(order) = input.poisson_order {
         drafts.push(one(Kind::Order, integers::encode(order)));
     }
@@ -158,6 +163,25 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
         drafts.push(one(Kind::FileVertices, integers::encode(&capture.vertex_of_file_vertex)));
     }
     Ok(drafts)
+}
+
+/// The capture's motion; `None` where it cannot be measured, which a reader will find out in the same way.
+fn motion_of(capture: &Capture) -> Option<Motion> {
+    let mut source = Borrowed(capture);
+    Motion::measure(&capture.timeline, capture.topology.weights(), &mut source).ok()
+}
+
+/// The poses of a capture that is only read.
+struct Borrowed<'a>(&'a Capture);
+
+impl PoseSource for Borrowed<'_> {
+    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
+        if frame as usize >= self.0.poses.len() {
+            return Err(PoseError::OutOfRange(frame));
+        }
+        pose.copy_from_slice(self.0.poses.frame(frame));
+        Ok(())
+    }
 }
 
 fn sequences(capture: &Capture) -> Vec<SequenceMeta> {

@@ -8,7 +8,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped.
-pub const VERSION_MINOR: u16 = 0;
+pub const VERSION_MINOR: u16 = 1;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
@@ -36,11 +36,13 @@ pub enum Kind {
     Order,
     /// The welded vertex of each vertex of the input files.
     FileVertices,
+    /// Where the actor is and which way it faces in every frame.
+    Motion,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -49,9 +51,10 @@ impl Kind {
         Self::Graph,
         Self::Order,
         Self::FileVertices,
+        Self::Motion,
     ];
 
-    /// Its number in the file. Numbers 32 to 63 are reserved for appearance.
+    /// Its number in the file. Numbers 32 to 63 are reserved for appearance, those from 64 on for direction.
     #[must_use]
     pub fn number(self) -> u16 {
         match self {
@@ -63,6 +66,7 @@ impl Kind {
             Self::Graph => 6,
             Self::Order => 7,
             Self::FileVertices => 8,
+            Self::Motion => 64,
         }
     }
 
@@ -84,7 +88,14 @@ impl Kind {
             Self::Graph => "graph",
             Self::Order => "order",
             Self::FileVertices => "file-vertices",
+            Self::Motion => "motion",
         }
+    }
+
+    /// Whether a reader that does not know the kind may pass it over: kinds that came with a minor version.
+    #[must_use]
+    pub fn may_be_skipped(self) -> bool {
+        self == Self::Motion
     }
 
     /// Whether a bundle may hold several of it, told apart by their ordinals.
@@ -194,7 +205,7 @@ impl Header {
         bytes.resize(FIXED_BYTES, 0);
         for section in &self.sections {
             bytes.extend(section.number.to_le_bytes());
-            bytes.push(if section.kind.is_some() { 0 } else { MAY_BE_SKIPPED });
+            bytes.push(if section.kind.is_some_and(|kind| !kind.may_be_skipped()) { 0 } else { MAY_BE_SKIPPED });
             bytes.push(section.codec.number());
             bytes.extend(section.ordinal.to_le_bytes());
             bytes.extend(section.offset.to_le_bytes());

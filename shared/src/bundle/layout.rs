@@ -49,7 +49,7 @@ fn count(header: &Header, kind: Kind) -> usize {
 fn needs(kind: Kind) -> &'static [Kind] {
     match kind {
         Kind::Meta => &[],
-        Kind::Surface | Kind::Graph => &[Kind::Meta],
+        Kind::Surface | Kind::Graph | Kind::Motion => &[Kind::Meta],
         Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices => &[Kind::Meta, Kind::Surface],
         Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
     }

@@ -14,6 +14,7 @@ mod header;
 mod integers;
 mod layout;
 mod meta;
+mod motion;
 mod reader;
 mod sections;
 mod surface;

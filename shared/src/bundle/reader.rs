@@ -10,9 +10,10 @@ use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, Kind, SectionEntry};
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{graph, integers, layout, surface};
+use super::{graph, integers, layout, motion, surface};
 use crate::graph::EssentialGraph;
 use crate::pose_source::{PoseError, PoseSource};
+use crate::search::Motion;
 use crate::surface::{Image, Surface};
 use crate::timeline::Timeline;
 use crate::topology::Topology;
@@ -44,6 +45,7 @@ pub struct BundleReader {
     graph: Option<EssentialGraph>,
     order: Option<Vec<u32>>,
     file_vertices: Option<Vec<u32>>,
+    motion: Option<Motion>,
 }
 
 impl BundleReader {
@@ -178,6 +180,13 @@ impl BundleReader {
         self.file_vertices.as_deref()
     }
 
+    /// Where the actor is and which way it faces in every frame; `None` also where the bundle does not say. Then
+    /// [`crate::search::MotionMeter`] measures it.
+    #[must_use]
+    pub fn motion(&self) -> Option<&Motion> {
+        self.motion.as_ref()
+    }
+
     /// Whether the positions of `frame` have arrived.
     #[must_use]
     pub fn frame_loaded(&self, frame: u32) -> bool {
@@ -283,6 +292,10 @@ impl BundleReader {
             self.graph = Some(graph::decode(&raw, meta.transition_count, timeline)?);
             return Ok(());
         }
+        if kind == Kind::Motion {
+            self.motion = Some(motion::decode(&raw, timeline).map_err(wrong)?);
+            return Ok(());
+        }
         let Some(topology) = &self.topology else { return Err(wrong("came too early")) };
         let ordinal = entry.ordinal as usize;
         match kind {
@@ -312,7 +325,7 @@ impl BundleReader {
             Kind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
-            Kind::Meta | Kind::Surface | Kind::Graph => {}
+            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion => {}
         }
         Ok(())
     }

@@ -1,47 +1,11 @@
-//! Walks through the essential graph: the cheapest way from one frame to another.
+//! Shortest walks: Dijkstra's algorithm forwards from one frame, and backwards from targets to tables over all frames.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::walk::{Leg, Walk, steps_of};
 use crate::graph::EssentialGraph;
 use crate::timeline::Timeline;
-
-/// A stretch of a walk.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leg {
-    /// Recorded frames from `first` to `last`, both included, wrapping where their sequence is cyclic.
-    Recorded {
-        /// The frame that the stretch begins with.
-        first: u32,
-        /// The frame that it ends with.
-        last: u32,
-        /// Steps from `first` to `last`; more than one turn around a cyclic sequence counts them all.
-        steps: u32,
-    },
-    /// The transition with this index in [`EssentialGraph::transitions`].
-    Synthetic(u32),
-}
-
-/// A walk through the graph, from frame to frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Walk {
-    /// Its stretches, each beginning with the frame that the one before ends with.
-    pub legs: Vec<Leg>,
-    /// J: the sum of its edges' costs (TVCG equation 9).
-    pub cost: f64,
-    /// Sum of the transitions' surface deformation costs.
-    pub deformation: f64,
-    /// Duration in frames: recorded steps and transition lengths.
-    pub duration: u32,
-}
-
-impl Walk {
-    /// Number of transitions on the way.
-    #[must_use]
-    pub fn transition_count(&self) -> usize {
-        self.legs.iter().filter(|leg| matches!(leg, Leg::Synthetic(_))).count()
-    }
-}
 
 /// How a frame is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,6 +92,118 @@ fn walk_back(graph: &EssentialGraph, arrivals: &[Option<Arrival>], from: u32, to
     }
     walk.legs.reverse();
     walk
+}
+
+/// What a table of [`to_targets`] adds up along a walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The cost E of the edges.
+    Cost,
+    /// Steps from frame to frame ([`steps_of`]): the least time in frames.
+    Steps,
+}
+
+/// For every frame, the least measure of a walk to the nearest of `targets`; infinite where there is none.
+///
+/// One backward Dijkstra from all targets at once: O(m log n). Frames that do not exist are no targets.
+#[must_use]
+pub fn to_targets(graph: &EssentialGraph, timeline: &Timeline, targets: &[u32], measure: Measure) -> Vec<f64> {
+    let n = timeline.frame_count();
+    let mut least = vec![f64::INFINITY; n as usize];
+    if graph.frame_count() != n {
+        return least;
+    }
+    let arriving = Arriving::new(graph, n);
+    let mut queue = BinaryHeap::new();
+    for &target in targets.iter().filter(|&&target| target < n) {
+        least[target as usize] = 0.0;
+        queue.push(Reverse((0.0_f64.to_bits(), target)));
+    }
+    let step = if measure == Measure::Cost { graph.alpha() } else { 1.0 };
+    while let Some(Reverse((bits, frame))) = queue.pop() {
+        let known = f64::from_bits(bits);
+        if known > least[frame as usize] {
+            continue;
+        }
+        let mut reach = |before: u32, measured: f64| {
+            if measured < least[before as usize] {
+                least[before as usize] = measured;
+                queue.push(Reverse((measured.to_bits(), before)));
+            }
+        };
+        if let Some(before) = timeline.offset(frame, -1) {
+            reach(before, known + step);
+        }
+        for &index in arriving.at(frame) {
+            let transition = &graph.transitions()[index as usize];
+            let measured = match measure {
+                Measure::Cost => transition.cost(graph.alpha()),
+                Measure::Steps => f64::from(steps_of(transition)),
+            };
+            reach(transition.from, known + measured);
+        }
+    }
+    least
+}
+
+/// The walk from `from` that a table of [`to_targets`] by cost describes; `None` where it leads nowhere.
+#[must_use]
+pub fn walk_down(graph: &EssentialGraph, timeline: &Timeline, costs: &[f64], from: u32) -> Option<Walk> {
+    let at = |frame: u32| costs.get(frame as usize).copied().unwrap_or(f64::INFINITY);
+    if !at(from).is_finite() {
+        return None;
+    }
+    let mut legs = Walk::default();
+    let mut frame = from;
+    // Costs along the walk fall, but for edges that cost nothing: those are no loop that would end.
+    for _ in 0..=costs.len() {
+        if at(frame) <= 0.0 {
+            return Walk::of_legs(legs.legs, graph).ok();
+        }
+        let recorded = timeline.next(frame).map(|next| (at(next) + graph.alpha(), next, None));
+        let synthetic = graph.transitions_from(frame).map(|index| {
+            let transition = &graph.transitions()[index];
+            (at(transition.to) + transition.cost(graph.alpha()), transition.to, Some(index as u32))
+        });
+        let (_, next, how) = recorded.into_iter().chain(synthetic).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        match how {
+            None => legs.push_recorded(frame, next, 1),
+            Some(index) => legs.legs.push(Leg::Synthetic(index)),
+        }
+        frame = next;
+    }
+    None
+}
+
+/// Transitions by the frame that they arrive at.
+struct Arriving {
+    first: Vec<u32>,
+    indices: Vec<u32>,
+}
+
+impl Arriving {
+    fn new(graph: &EssentialGraph, frame_count: u32) -> Self {
+        let mut first = vec![0_u32; frame_count as usize + 1];
+        for transition in graph.transitions() {
+            first[transition.to as usize + 1] += 1;
+        }
+        for frame in 0..frame_count as usize {
+            first[frame + 1] += first[frame];
+        }
+        let mut next = first.clone();
+        let mut indices = vec![0; graph.transitions().len()];
+        for (index, transition) in graph.transitions().iter().enumerate() {
+            let slot = &mut next[transition.to as usize];
+            indices[*slot as usize] = index as u32;
+            *slot += 1;
+        }
+        Self { first, indices }
+    }
+
+    fn at(&self, frame: u32) -> &[u32] {
+        let frame = frame as usize;
+        &self.indices[self.first[frame] as usize..self.first[frame + 1] as usize]
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,100 @@
+//! Where the actor never gets stuck: the largest set of frames that all reach each other (Prada and others 2016, 7), and
+//! the frames that lead into it.
+
+use crate::graph::EssentialGraph;
+use crate::timeline::Timeline;
+
+/// What [`components`] finds out about every frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// Whether it is in the largest strongly connected component; of equally large ones the one of the first frame.
+    pub main: Vec<bool>,
+    /// Whether a walk leads from it into the main component: the frames that are no dead end. All frames where the main
+    /// component is a single frame, since then nothing can be planned around.
+    pub live: Vec<bool>,
+}
+
+/// The main component of the graph, and the frames that lead into it. Kosaraju and Sharir's algorithm.
+#[must_use]
+pub fn components(graph: &EssentialGraph, timeline: &Timeline) -> Components {
+    let edges = graph.transitions().iter().map(|transition| (transition.from, transition.to));
+    components_of(timeline, edges.collect())
+}
+
+/// The same for recorded steps and any `transitions` (from, to); those that name frames that do not exist are ignored.
+#[must_use]
+pub fn components_of(timeline: &Timeline, transitions: Vec<(u32, u32)>) -> Components {
+    let frames = timeline.frame_count();
+    let recorded = (0..frames).filter_map(|frame| Some((frame, timeline.next(frame)?)));
+    let mut edges: Vec<_> = recorded.chain(transitions).filter(|&(a, b)| a < frames && b < frames).collect();
+    let forwards = Edges::new(frames, &mut edges);
+    edges.iter_mut().for_each(|edge| *edge = (edge.1, edge.0));
+    let backwards = Edges::new(frames, &mut edges);
+
+    let mut reached = vec![false; frames as usize];
+    let order: Vec<_> = (0..frames).flat_map(|frame| forwards.search(frame, &mut reached)).collect();
+    reached.fill(false);
+    let mut largest: Vec<u32> = Vec::new();
+    for &frame in order.iter().rev() {
+        let component = backwards.search(frame, &mut reached);
+        let earlier = component.iter().min() < largest.iter().min();
+        if component.len() > largest.len() || component.len() == largest.len() && earlier {
+            largest = component;
+        }
+    }
+    let mut main = vec![false; frames as usize];
+    largest.iter().for_each(|&frame| main[frame as usize] = true);
+    let mut live = vec![largest.len() < 2; frames as usize];
+    if largest.len() > 1 {
+        backwards.search(largest[0], &mut live);
+    }
+    Components { main, live }
+}
+
+/// Edges by the frame that they leave.
+struct Edges {
+    first: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+impl Edges {
+    fn new(frames: u32, edges: &mut [(u32, u32)]) -> Self {
+        edges.sort_unstable();
+        let mut first = vec![0; frames as usize + 1];
+        for &(from, _) in edges.iter() {
+            first[from as usize + 1] += 1;
+        }
+        for frame in 0..frames as usize {
+            first[frame + 1] += first[frame];
+        }
+        Self { first, ends: edges.iter().map(|&(_, to)| to).collect() }
+    }
+
+    fn of(&self, frame: u32) -> &[u32] {
+        &self.ends[self.first[frame as usize] as usize..self.first[frame as usize + 1] as usize]
+    }
+
+    /// Marks in `reached` what can be reached from `start`, and gives it in the order in which it was left for good.
+    fn search(&self, start: u32, reached: &mut [bool]) -> Vec<u32> {
+        let mut left = Vec::new();
+        if std::mem::replace(&mut reached[start as usize], true) {
+            return left;
+        }
+        let mut way = vec![(start, 0)];
+        while let Some((frame, next)) = way.last_mut() {
+            match self.of(*frame).get(*next) {
+                Some(&end) => {
+                    *next += 1;
+                    if !std::mem::replace(&mut reached[end as usize], true) {
+                        way.push((end, 0));
+                    }
+                }
+                None => {
+                    left.push(*frame);
+                    way.pop();
+                }
+            }
+        }
+        left
+    }
+}

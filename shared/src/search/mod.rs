@@ -1,0 +1,57 @@
+//! Search: walks through the essential graph that do what is asked.
+//!
+//! ```text
+//! graph, timeline -> cheapest_walk            (a pose)
+//! graph, timeline, Motion -> Ways -> Search   (paths, key poses, places, behaviours, wandering, queues of them)
+//! ```
+//!
+//! [`Direction`] is the whole of it behind one call: a [`Request`], checked, is worked on in slices and can be asked for its
+//! best [`Answer`] at any time. The searches below it can be used by themselves. `docs/directing.md` describes requests
+//! and answers as JSON.
+//!
+//! This work is based on: Boukhayma and Boyer, TVCG section 4.3; Boukhayma, thesis (2017), section 3.5; Prada and others
+//! (2016), section 7. Where they search depth-first, the tool searches by layers that grow ([`Anytime`]); [`depth_first`] is
+//! the oracle.
+
+mod answer;
+mod anytime;
+mod behaviour;
+mod components;
+mod curve;
+mod depth_first;
+mod direct;
+mod keys;
+mod motion;
+mod path;
+mod place;
+mod random;
+mod request;
+mod shortest;
+mod spot;
+mod task;
+mod walk;
+mod wander;
+mod ways;
+
+pub use answer::{Answer, Goal, KeyRow, Part};
+pub use anytime::{Anytime, Progress};
+pub use behaviour::{Hold, holding_loop, walk_to_any, walk_to_behaviour};
+pub use components::{Components, components, components_of};
+pub use curve::{Curve, Shape};
+pub use depth_first::{Exhausted, depth_first};
+pub use direct::{DEFAULT_EFFORT, Direction, Scene, Start};
+pub use keys::{KeyLeg, LegEnd};
+pub use motion::{Motion, MotionMeter, measure_group};
+pub use path::{Demand, PathReport, PathTask};
+pub use place::{PlaceReport, PlaceTask};
+pub use random::{Chain, Optimiser};
+pub use request::{
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PathRequest, PlaceRequest, Request, RequestError,
+    Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+};
+pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};
+pub use spot::Spot;
+pub use task::{Found, LEAST_STEP_COST, State, Task};
+pub use walk::{Leg, Walk, WalkError, steps_of};
+pub use wander::{Wander, sparse_transitions};
+pub use ways::{SAMPLE_STRIDE, Sample, Survey, Way, Ways};

@@ -1,0 +1,208 @@
+//! Following a path: the centre of mass, or a group of vertices, against the point of equal arc length of a curve, over
+//! stretches that may demand a behaviour (thesis 3.5.1, TVCG 4.3).
+
+use super::curve::Curve;
+use super::spot::{Spot, half_turn};
+use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
+use super::ways::{SAMPLE_STRIDE, Ways};
+
+/// Metre-seconds that each metre costs by which a walk ends before the path does.
+const LEFT_OVER: f64 = 20.0;
+/// Seconds for which the distance at the walk's end counts once more: the actor stands there.
+const AT_THE_END: f64 = 1.0;
+/// What a frame that shows another behaviour than the one demanded costs: as much as being this many metres off.
+const WRONG_BEHAVIOUR: f64 = 3.0;
+/// A walk gives up when it has been under way for as long as it takes at this speed, in metres a second, and
+/// [`PATIENCE`] seconds more.
+const SLOWEST: f64 = 0.1;
+const PATIENCE: f64 = 10.0;
+/// Metres of path in a layer.
+const LAYER: f64 = 0.1;
+/// Most layers of a path.
+const MOST_LAYERS: f64 = 4096.0;
+
+/// A stretch of a path that demands a behaviour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// Where it begins, in metres along the path.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// The behaviour, by its number in [`Ways`].
+    pub behaviour: usize,
+}
+
+/// The task of following a path.
+///
+/// J_c is, in metre-seconds, the sum over the walk's frames of the distance to the path's point of equal arc length, plus
+/// `realism` times the walk's cost J in the graph, plus what demands and an early end cost. A transition's frames are
+/// sampled every [`SAMPLE_STRIDE`] steps. The walk ends once it has travelled as far as the path is long.
+#[derive(Clone, Debug)]
+pub struct PathTask {
+    /// The path, in the world.
+    pub curve: Curve,
+    /// Stretches that demand behaviours; of several at a place the last one counts.
+    pub demands: Vec<Demand>,
+    /// Where the actor may begin.
+    pub starts: Vec<State>,
+    /// Weight of the graph's cost against metre-seconds of deviation.
+    pub realism: f64,
+    seconds_per_step: f64,
+    step_cost: f64,
+    most_steps: u32,
+    layer_length: f64,
+}
+
+impl PathTask {
+    /// Following `curve` from one of `starts`.
+    #[must_use]
+    pub fn new(ways: &Ways, curve: Curve, demands: Vec<Demand>, starts: Vec<State>, realism: f64) -> Self {
+        let seconds = PATIENCE + curve.length() / SLOWEST;
+        Self {
+            layer_length: LAYER.max(curve.length() / MOST_LAYERS),
+            most_steps: (seconds * ways.fps).min(1e6) as u32,
+            seconds_per_step: 1.0 / ways.fps,
+            step_cost: (realism * ways.alpha).max(LEAST_STEP_COST),
+            curve,
+            demands,
+            starts,
+            realism,
+        }
+    }
+
+    /// Places where `frame` may begin the path: at its first point, facing along it.
+    #[must_use]
+    pub fn start_on(ways: &Ways, curve: &Curve, frame: u32) -> Option<State> {
+        use glam::Vec3Swizzles;
+        let facing = ways.facings.get(frame as usize)?;
+        let heading = half_turn(curve.first_heading() - facing);
+        Some(State::start(frame, Spot::turning(heading, ways.points[frame as usize].xz(), curve.at(0.0).xz())))
+    }
+
+    /// What `travelled` metres of path demand of a frame: whether it shows another behaviour.
+    fn is_wrong(&self, ways: &Ways, travelled: f64, frame: u32) -> bool {
+        let demand = self.demands.iter().rev().find(|demand| (demand.from..demand.to).contains(&travelled));
+        demand.is_some_and(|demand| !ways.shows(demand.behaviour, frame))
+    }
+
+    /// Follows the samples of a way: for each the arc length, the point in the world, the steps and the frame it looks
+    /// like.
+    fn along(&self, ways: &Ways, from: &State, way: u32, mut visit: impl FnMut(f64, glam::Vec3, u32, u32)) -> f64 {
+        let mut travelled = from.travelled;
+        for sample in ways.samples(way) {
+            travelled += f64::from(if self.curve.is_flat() { sample.on_ground } else { sample.in_space });
+            visit(travelled, from.spot.apply(sample.point), sample.steps, sample.looks_like);
+        }
+        travelled
+    }
+
+    /// How well a walk that was found follows the path.
+    #[must_use]
+    pub fn judge(&self, ways: &Ways, found: &Found) -> PathReport {
+        let mut report = PathReport { length: self.curve.length(), ..PathReport::default() };
+        let (mut steps, mut demanded, mut kept) = (0_u32, 0_u32, 0_u32);
+        let states = found.states(self, ways);
+        for (state, &way) in states.iter().zip(&found.ways) {
+            report.travelled = self.along(ways, state, way, |travelled, point, weight, frame| {
+                let (off, aside) = (self.curve.distance(point, travelled), self.curve.nearest(point, travelled));
+                report.mean += off * f64::from(weight);
+                report.max = report.max.max(off);
+                report.mean_aside += aside * f64::from(weight);
+                report.max_aside = report.max_aside.max(aside);
+                report.track.push([travelled as f32, point.x, point.y, point.z]);
+                steps += weight;
+                if self.demands.iter().any(|demand| (demand.from..demand.to).contains(&travelled)) {
+                    demanded += weight;
+                    kept += if self.is_wrong(ways, travelled, frame) { 0 } else { weight };
+                }
+            });
+        }
+        report.mean /= f64::from(steps.max(1));
+        report.mean_aside /= f64::from(steps.max(1));
+        report.demands_kept = (demanded > 0).then(|| f64::from(kept) / f64::from(demanded));
+        report
+    }
+}
+
+/// How well a walk follows a path; lengths in metres.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct PathReport {
+    /// Length of the path.
+    pub length: f64,
+    /// Length that was travelled.
+    pub travelled: f64,
+    /// Mean distance over the frames to the path's point of equal arc length.
+    pub mean: f64,
+    /// The largest such distance.
+    pub max: f64,
+    /// Mean distance over the frames to the nearest point of the path.
+    pub mean_aside: f64,
+    /// The largest such distance.
+    pub max_aside: f64,
+    /// Share of the frames on demanding stretches that show what is demanded; `None` where nothing is.
+    pub demands_kept: Option<f64>,
+    /// The walk's way: for each sample metres travelled and the followed point (x, y, z).
+    pub track: Vec<[f32; 4]>,
+}
+
+impl Task for PathTask {
+    fn starts(&self, _: &Ways) -> Vec<State> {
+        self.starts.clone()
+    }
+
+    fn follow(&self, ways: &Ways, from: &State, index: u32) -> Option<State> {
+        let way = ways.way(index);
+        let mut error = 0.0;
+        let travelled = self.along(ways, from, index, |travelled, point, steps, frame| {
+            let wrong = if self.is_wrong(ways, travelled, frame) { WRONG_BEHAVIOUR } else { 0.0 };
+            error += f64::from(steps) * (self.curve.distance(point, travelled) + wrong);
+        });
+        let graph = (self.realism * way.cost).max(self.step_cost * f64::from(way.steps));
+        Some(State {
+            frame: way.to,
+            spot: from.spot.after(&way.spot),
+            travelled,
+            steps: from.steps + way.steps,
+            cost: from.cost + error * self.seconds_per_step + graph,
+        })
+    }
+
+    /// The rest of the path takes time even at the best speed v, and a distance d to the path shrinks by 2 v a step at
+    /// most: actor and point both move. Or the walk ends early, for a price.
+    fn remaining(&self, ways: &Ways, state: &State) -> f64 {
+        let left = self.curve.length() - state.travelled;
+        let speed = ways.best_speed;
+        if left <= 0.0 || speed <= 0.0 {
+            return 0.0;
+        }
+        let steps = left / speed;
+        let off = self.curve.distance(ways.point_at(state.frame, state.spot), state.travelled);
+        // Samples are taken at the ends of up to SAMPLE_STRIDE steps: sums from below by the integral from there on.
+        let area = |step: f64| step * (off - speed * step);
+        let (from, to) = (f64::from(SAMPLE_STRIDE), steps.min(off / (2.0 * speed)));
+        let error = if to > from { area(to) - area(from) } else { 0.0 };
+        let walked = steps * self.step_cost + error * self.seconds_per_step;
+        // Between those ends the sum is least where the error begins to count, or at an end.
+        let a_little = from.min(steps);
+        let given_up = a_little * self.step_cost + (left - speed * a_little) * LEFT_OVER;
+        walked.min(given_up).min(left * LEFT_OVER)
+    }
+
+    fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
+        let off = self.curve.distance(ways.point_at(state.frame, state.spot), self.curve.length());
+        Some((self.curve.length() - state.travelled).max(0.0) * LEFT_OVER + off * AT_THE_END)
+    }
+
+    fn halts(&self, _: &Ways, state: &State) -> bool {
+        state.travelled >= self.curve.length() || state.steps >= self.most_steps
+    }
+
+    fn layer(&self, state: &State) -> usize {
+        (state.travelled / self.layer_length) as usize
+    }
+
+    fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {
+        let finer = (1 << fineness.min(8)) as f32;
+        cell_of(state, (8 >> fineness.min(3), 0.2 / finer, 0.2 / finer))
+    }
+}

@@ -1,0 +1,128 @@
+//! Going to a place, and facing a way there.
+
+use glam::{Vec2, Vec3Swizzles};
+
+use super::spot::half_turn;
+use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
+use super::ways::Ways;
+
+/// Seconds that a metre off the place is worth.
+const METRE_OFF: f64 = 20.0;
+/// Seconds that a radian off the heading is worth.
+const RADIAN_OFF: f64 = 4.0;
+/// A walk gives up when it has been under way for as long as it takes at this speed, in metres a second, and
+/// [`PATIENCE`] seconds more.
+const SLOWEST: f64 = 0.4;
+const PATIENCE: f64 = 8.0;
+/// Layers a second.
+const LAYERS: f64 = 8.0;
+
+/// The task of coming to a place.
+///
+/// The cost is the time it takes in seconds, plus `realism` times the walk's cost J in the graph, plus what is missing at
+/// its end.
+#[derive(Clone, Debug)]
+pub struct PlaceTask {
+    /// Where the followed point shall be, in metres along (X, Z).
+    pub place: Vec2,
+    /// Which way the body shall face: radians about +Y from +Z.
+    pub heading: Option<f32>,
+    /// Where the actor is.
+    pub start: State,
+    /// Weight of the graph's cost against seconds.
+    pub realism: f64,
+    seconds_per_step: f64,
+    step_cost: f64,
+    most_steps: u32,
+    steps_in_layer: u32,
+}
+
+/// How well a walk reaches a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct PlaceReport {
+    /// Distance in metres between the place and where the walk ends.
+    pub distance: f64,
+    /// Angle in radians between the heading wanted and reached; `None` where none is wanted.
+    pub turn: Option<f64>,
+}
+
+impl PlaceTask {
+    /// Going from `start` to `place`.
+    #[must_use]
+    pub fn new(ways: &Ways, start: State, place: Vec2, heading: Option<f32>, realism: f64) -> Self {
+        let distance = f64::from(ways.point_at(start.frame, start.spot).xz().distance(place));
+        Self {
+            place,
+            heading,
+            start,
+            realism,
+            seconds_per_step: 1.0 / ways.fps,
+            step_cost: 1.0 / ways.fps + (realism * ways.alpha).max(LEAST_STEP_COST),
+            most_steps: ((PATIENCE + distance / SLOWEST) * ways.fps).min(1e6) as u32,
+            steps_in_layer: ((ways.fps / LAYERS) as u32).max(1),
+        }
+    }
+
+    /// Metres off the place and radians off the heading.
+    fn missing(&self, ways: &Ways, state: &State) -> (f64, f64) {
+        let off = f64::from(ways.point_at(state.frame, state.spot).xz().distance(self.place));
+        let turn = self.heading.map_or(0.0, |heading| {
+            f64::from(half_turn(heading - state.spot.heading() - ways.facings[state.frame as usize]).abs())
+        });
+        (off, turn)
+    }
+
+    /// How well a walk that was found reaches the place.
+    #[must_use]
+    pub fn judge(&self, ways: &Ways, found: &Found) -> PlaceReport {
+        let (distance, turn) = self.missing(ways, &found.end);
+        PlaceReport { distance, turn: self.heading.map(|_| turn) }
+    }
+}
+
+impl Task for PlaceTask {
+    fn starts(&self, _: &Ways) -> Vec<State> {
+        vec![self.start]
+    }
+
+    fn follow(&self, ways: &Ways, from: &State, index: u32) -> Option<State> {
+        let way = ways.way(index);
+        let steps = f64::from(way.steps);
+        let cost = (steps * self.seconds_per_step + self.realism * way.cost).max(steps * self.step_cost);
+        Some(State {
+            frame: way.to,
+            spot: from.spot.after(&way.spot),
+            travelled: from.travelled,
+            steps: from.steps + way.steps,
+            cost: from.cost + cost,
+        })
+    }
+
+    /// Coming nearer takes steps at the best speed, turning takes steps at the fastest turn, and both may be done at once.
+    fn remaining(&self, ways: &Ways, state: &State) -> f64 {
+        let (off, turn) = self.missing(ways, state);
+        let price = |missing: f64, worth: f64, a_step: f64| match a_step > 0.0 {
+            true => missing * worth.min(self.step_cost / a_step),
+            false => missing * worth,
+        };
+        price(off, METRE_OFF, ways.best_speed).max(price(turn, RADIAN_OFF, ways.best_turn))
+    }
+
+    fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
+        let (off, turn) = self.missing(ways, state);
+        Some(off * METRE_OFF + turn * RADIAN_OFF)
+    }
+
+    fn halts(&self, _: &Ways, state: &State) -> bool {
+        state.steps >= self.most_steps
+    }
+
+    fn layer(&self, state: &State) -> usize {
+        (state.steps / self.steps_in_layer) as usize
+    }
+
+    fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {
+        let finer = (1 << fineness.min(8)) as f32;
+        cell_of(state, (8 >> fineness.min(3), 0.2 / finer, 0.2 / finer))
+    }
+}

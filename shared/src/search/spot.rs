@@ -1,0 +1,73 @@
+//! Placements as searches add them up: the turn as cosine and sine, so that no edge costs a trigonometric function.
+
+use glam::{Vec2, Vec3};
+
+use crate::align::Placement;
+
+/// A [`Placement`] with its turn as (cosine, sine) of the heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Cosine and sine of the heading.
+    pub turn: Vec2,
+    /// Translation in metres along (X, Z).
+    pub shift: Vec2,
+}
+
+impl Spot {
+    /// Leaves everything where it is.
+    pub const IDENTITY: Self = Self { turn: Vec2::X, shift: Vec2::ZERO };
+
+    /// `v`, an (X, Z) vector, turned.
+    #[must_use]
+    pub fn rotate(&self, v: Vec2) -> Vec2 {
+        let Vec2 { x: cos, y: sin } = self.turn;
+        Vec2::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x)
+    }
+
+    /// Where `point` goes.
+    #[must_use]
+    pub fn apply(&self, point: Vec3) -> Vec3 {
+        let ground = self.rotate(Vec2::new(point.x, point.z)) + self.shift;
+        Vec3::new(ground.x, point.y, ground.y)
+    }
+
+    /// First `inner`, then `self`.
+    #[must_use]
+    pub fn after(&self, inner: &Self) -> Self {
+        let Vec2 { x: cos, y: sin } = self.turn;
+        let turn = Vec2::new(cos * inner.turn.x - sin * inner.turn.y, sin * inner.turn.x + cos * inner.turn.y);
+        Self { turn, shift: self.rotate(inner.shift) + self.shift }
+    }
+
+    /// The heading in radians, between -pi and pi.
+    #[must_use]
+    pub fn heading(&self) -> f32 {
+        self.turn.y.atan2(self.turn.x)
+    }
+
+    /// A turn by `heading` about the vertical line through `from`, then a move that takes `from` to `to`; both (X, Z).
+    #[must_use]
+    pub fn turning(heading: f32, from: Vec2, to: Vec2) -> Self {
+        Self::from(&Placement::turning(heading, from, to))
+    }
+}
+
+impl From<&Placement> for Spot {
+    fn from(placement: &Placement) -> Self {
+        let (sin, cos) = placement.heading.sin_cos();
+        Self { turn: Vec2::new(cos, sin), shift: placement.translation }
+    }
+}
+
+impl From<Spot> for Placement {
+    fn from(spot: Spot) -> Self {
+        Self { heading: spot.heading(), translation: spot.shift }
+    }
+}
+
+/// The same angle between -pi and pi.
+#[must_use]
+pub fn half_turn(angle: f32) -> f32 {
+    let turns = (angle / std::f32::consts::TAU).round();
+    angle - turns * std::f32::consts::TAU
+}

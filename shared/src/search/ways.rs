@@ -1,0 +1,352 @@
+//! The ways through the essential graph over the ground: for every edge where it leads, how long it takes and how the
+//! actor travels along it. Made once for a graph; all searches read it.
+
+use glam::{Vec2, Vec3, Vec3Swizzles};
+
+use super::components::components;
+use super::motion::Motion;
+use super::spot::Spot;
+use super::walk::steps_of;
+use crate::graph::EssentialGraph;
+use crate::pose_source::PoseError;
+use crate::synthesis::Blend;
+use crate::timeline::Timeline;
+
+/// Frames between two samples of a transition: the path's error is taken at every fourth frame of it.
+pub const SAMPLE_STRIDE: u32 = 4;
+
+/// A place on the way along an edge, as seen from the frame that it leaves, standing as it was recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Where the followed point is, in metres.
+    pub point: Vec3,
+    /// Metres travelled on the ground since the sample before.
+    pub on_ground: f32,
+    /// Metres travelled in space since the sample before.
+    pub in_space: f32,
+    /// Steps since the sample before, at most [`SAMPLE_STRIDE`].
+    pub steps: u32,
+    /// The recorded frame that this part looks like most: whose behaviour it shows.
+    pub looks_like: u32,
+}
+
+/// An edge of the graph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// The frame that it leads to.
+    pub to: u32,
+    /// Steps that it takes.
+    pub steps: u32,
+    /// Its cost E = D + alpha L.
+    pub cost: f64,
+    /// D; 0 for a recorded step.
+    pub deformation: f64,
+    /// L: nodes of a transition; 1 for a recorded step.
+    pub nodes: u32,
+    /// Where `to` stands once the frame left stands as it was recorded.
+    pub spot: Spot,
+    /// The transition; `None` for a recorded step.
+    pub transition: Option<u32>,
+}
+
+/// All edges of a graph with their motion over the ground.
+#[derive(Clone, Debug)]
+pub struct Ways {
+    /// Frames per second.
+    pub fps: f64,
+    /// Cost of a recorded step.
+    pub alpha: f64,
+    /// The followed point of each frame as it was recorded: the centre of mass, or a group of vertices.
+    pub points: Vec<Vec3>,
+    /// The vertices whose mean is followed; empty where it is the centre of mass.
+    pub group: Vec<u32>,
+    /// Which way the body faces in each frame as it was recorded.
+    pub facings: Vec<f32>,
+    /// Whether each frame is in the main component.
+    pub main: Vec<bool>,
+    /// Whether each frame leads into the main component; ways to other frames are left out.
+    pub live: Vec<bool>,
+    /// The largest distance in metres that the followed point moves in a step, in space.
+    pub best_speed: f64,
+    /// The largest turn in radians that the body makes in a step.
+    pub best_turn: f64,
+    sequence_of_frame: Vec<u32>,
+    behaviours: Vec<Behaviour>,
+    ways: Vec<Way>,
+    first_way: Vec<u32>,
+    samples: Vec<Sample>,
+    first_sample: Vec<u32>,
+}
+
+/// A behaviour by name and the sequences that show it.
+#[derive(Clone, Debug, PartialEq)]
+struct Behaviour {
+    name: String,
+    shown_by: Vec<bool>,
+}
+
+impl Ways {
+    /// The ways of the centre of mass.
+    ///
+    /// # Errors
+    /// Motion that does not fit the timeline, or a graph over other frames.
+    pub fn new(graph: &EssentialGraph, timeline: &Timeline, motion: &Motion) -> Result<Self, PoseError> {
+        let mut survey = Survey::new(graph, timeline, motion, None)?;
+        while !survey.advance(graph, timeline, motion, usize::MAX)? {}
+        Ok(survey.finish())
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> u32 {
+        self.points.len() as u32
+    }
+
+    /// Indices of the ways that leave `frame`, for [`Self::way`]; none for a frame that does not exist.
+    #[must_use]
+    pub fn from(&self, frame: u32) -> std::ops::Range<u32> {
+        match self.first_way.get(frame as usize..).and_then(|rest| rest.get(..2)) {
+            Some(&[start, end]) => start..end,
+            _ => 0..0,
+        }
+    }
+
+    /// The way with this index, which must exist.
+    #[must_use]
+    pub fn way(&self, index: u32) -> &Way {
+        &self.ways[index as usize]
+    }
+
+    /// The samples along a way, which must exist; the last one is at its end.
+    #[must_use]
+    pub fn samples(&self, index: u32) -> &[Sample] {
+        let index = index as usize;
+        &self.samples[self.first_sample[index] as usize..self.first_sample[index + 1] as usize]
+    }
+
+    /// Names of the behaviours: the labels, then the sequences whose name is no label.
+    pub fn behaviours(&self) -> impl Iterator<Item = &str> {
+        self.behaviours.iter().map(|behaviour| behaviour.name.as_str())
+    }
+
+    /// The number of the behaviour with this name: a label, or a sequence's name.
+    #[must_use]
+    pub fn behaviour(&self, name: &str) -> Option<usize> {
+        self.behaviours.iter().position(|behaviour| behaviour.name == name)
+    }
+
+    /// Whether `frame` shows a behaviour.
+    #[must_use]
+    pub fn shows(&self, behaviour: usize, frame: u32) -> bool {
+        let (Some(behaviour), Some(&sequence)) =
+            (self.behaviours.get(behaviour), self.sequence_of_frame.get(frame as usize))
+        else {
+            return false;
+        };
+        behaviour.shown_by[sequence as usize]
+    }
+
+    /// Index of the sequence of `frame`, which must exist.
+    #[must_use]
+    pub fn sequence(&self, frame: u32) -> usize {
+        self.sequence_of_frame[frame as usize] as usize
+    }
+
+    /// Where the followed point of `frame` is, standing at `spot`; the frame must exist.
+    #[must_use]
+    pub fn point_at(&self, frame: u32, spot: Spot) -> Vec3 {
+        spot.apply(self.points[frame as usize])
+    }
+}
+
+/// Makes [`Ways`], some transitions at a time: about a tenth of a second of work for 80,000 of them.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    ways: Ways,
+    frame: u32,
+}
+
+impl Survey {
+    /// Nothing is surveyed yet. `group` are vertices and their mean point in each frame ([`super::measure_group`]), to be
+    /// followed instead of the centre of mass.
+    ///
+    /// # Errors
+    /// Motion or points that do not fit the timeline, or a graph over other frames.
+    pub fn new(
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        motion: &Motion,
+        group: Option<(Vec<u32>, Vec<Vec3>)>,
+    ) -> Result<Self, PoseError> {
+        let frames = timeline.frame_count();
+        let (group, points) = group.unwrap_or_else(|| (Vec::new(), motion.centres.clone()));
+        let fits = motion.fits(timeline) && graph.frame_count() == frames && points.len() == frames as usize;
+        if !fits || !points.iter().all(|point| point.is_finite()) {
+            return Err(PoseError::OutOfRange(frames));
+        }
+        let components = components(graph, timeline);
+        let ways = Ways {
+            fps: f64::from(timeline.fps()),
+            alpha: graph.alpha(),
+            points,
+            group,
+            facings: motion.facings.clone(),
+            main: components.main,
+            live: components.live,
+            best_speed: 0.0,
+            best_turn: 0.0,
+            sequence_of_frame: (0..frames).map(|frame| timeline.sequence_index(frame).unwrap_or(0) as u32).collect(),
+            behaviours: behaviours(timeline),
+            ways: Vec::with_capacity(frames as usize + graph.transitions().len()),
+            first_way: vec![0],
+            samples: Vec::new(),
+            first_sample: vec![0],
+        };
+        Ok(Self { ways, frame: 0 })
+    }
+
+    /// Surveys at least `transitions` more transitions, and all those of a frame together; whether that was all.
+    ///
+    /// # Errors
+    /// A transition whose segments leave their sequences.
+    pub fn advance(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        motion: &Motion,
+        transitions: usize,
+    ) -> Result<bool, PoseError> {
+        let end = self.ways.ways.len().saturating_add(transitions);
+        while self.frame < self.ways.frame_count() && self.ways.ways.len() < end {
+            self.survey_frame(graph, timeline, motion)?;
+        }
+        Ok(self.frame == self.ways.frame_count())
+    }
+
+    /// The ways, once [`Self::advance`] has said that that was all.
+    #[must_use]
+    pub fn finish(self) -> Ways {
+        self.ways
+    }
+
+    fn survey_frame(&mut self, graph: &EssentialGraph, timeline: &Timeline, motion: &Motion) -> Result<(), PoseError> {
+        let frame = self.frame;
+        if let Some(next) = timeline.next(frame).filter(|&next| self.ways.live[next as usize]) {
+            let wrap = timeline.sequence_index(frame).and_then(|sequence| motion.wraps.get(sequence));
+            let spot = if next == frame + 1 { Spot::IDENTITY } else { wrap.map_or(Spot::IDENTITY, Spot::from) };
+            let (here, point) = (self.ways.points[frame as usize], self.ways.point_at(next, spot));
+            let sample = Sample {
+                point,
+                on_ground: here.xz().distance(point.xz()),
+                in_space: here.distance(point),
+                steps: 1,
+                looks_like: next,
+            };
+            let (cost, deformation) = (graph.alpha(), 0.0);
+            let way = Way { to: next, steps: 1, cost, deformation, nodes: 1, spot, transition: None };
+            self.push(frame, way, &[sample]);
+        }
+        for index in graph.transitions_from(frame) {
+            let transition = &graph.transitions()[index];
+            if !self.ways.live[transition.to as usize] {
+                continue;
+            }
+            let way = Way {
+                to: transition.to,
+                steps: steps_of(transition),
+                cost: transition.cost(graph.alpha()),
+                deformation: f64::from(transition.deformation),
+                nodes: transition.warp.duration() as u32,
+                spot: Spot::from(&transition.placement),
+                transition: Some(index as u32),
+            };
+            let samples = self.sample(graph, timeline, motion, index)?;
+            self.push(frame, way, &samples);
+        }
+        self.ways.first_way.push(self.ways.ways.len() as u32);
+        self.frame += 1;
+        Ok(())
+    }
+
+    /// The followed point along a transition. Where both sides stand follows from facings instead of from poses, which
+    /// drifts a little; the end is known exactly, and the drift is taken back along the way.
+    fn sample(
+        &self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        mut motion: &Motion,
+        index: usize,
+    ) -> Result<Vec<Sample>, PoseError> {
+        let transition = &graph.transitions()[index];
+        let (ends, warp) = ((transition.from, transition.to), &transition.warp);
+        let points = &self.ways.points;
+        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, crate::align::Placement::IDENTITY)?;
+        let mut track = vec![(points[transition.from as usize], transition.from)];
+        while let Some(next) = blend.next(timeline, &mut motion, warp)? {
+            blend = next;
+            let side = |side: usize| blend.placements[side].apply(points[blend.frames[side] as usize]);
+            let looks_like = blend.frames[usize::from(blend.lambda >= 0.5)];
+            track.push((side(0).lerp(side(1), blend.lambda), looks_like));
+        }
+        let end = transition.placement.apply(points[transition.to as usize]);
+        if track.len() == 1 {
+            track.push((end, transition.to));
+        }
+        let nodes = track.len() - 1;
+        let drift = end - track[nodes].0;
+        for (node, (point, _)) in track.iter_mut().enumerate() {
+            *point += drift * (node as f32 / nodes as f32);
+        }
+        Ok(sampled(&track))
+    }
+
+    fn push(&mut self, frame: u32, way: Way, samples: &[Sample]) {
+        let ways = &mut self.ways;
+        let mut point = ways.points[frame as usize];
+        for sample in samples {
+            let speed = f64::from(sample.in_space.max(point.distance(sample.point))) / f64::from(sample.steps);
+            ways.best_speed = ways.best_speed.max(speed);
+            point = sample.point;
+        }
+        let turn = way.spot.heading() + ways.facings[way.to as usize] - ways.facings[frame as usize];
+        ways.best_turn = ways.best_turn.max(f64::from(super::spot::half_turn(turn).abs()) / f64::from(way.steps));
+        ways.ways.push(way);
+        ways.samples.extend_from_slice(samples);
+        ways.first_sample.push(ways.samples.len() as u32);
+    }
+}
+
+/// Every [`SAMPLE_STRIDE`]-th point of a track and its last one.
+fn sampled(track: &[(Vec3, u32)]) -> Vec<Sample> {
+    let mut samples = Vec::with_capacity(track.len() / SAMPLE_STRIDE as usize + 1);
+    let (mut on_ground, mut in_space, mut steps) = (0.0, 0.0, 0);
+    for (node, pair) in track.windows(2).enumerate() {
+        let (before, (point, looks_like)) = (pair[0].0, pair[1]);
+        on_ground += Vec2::distance(before.xz(), point.xz());
+        in_space += before.distance(point);
+        steps += 1;
+        if steps == SAMPLE_STRIDE || node + 2 == track.len() {
+            samples.push(Sample { point, on_ground, in_space, steps, looks_like });
+            (on_ground, in_space, steps) = (0.0, 0.0, 0);
+        }
+    }
+    samples
+}
+
+fn behaviours(timeline: &Timeline) -> Vec<Behaviour> {
+    let sequences = timeline.sequences();
+    let labels = sequences.iter().flat_map(|sequence| &sequence.labels);
+    let names = labels.chain(sequences.iter().map(|sequence| &sequence.name));
+    let mut found: Vec<Behaviour> = Vec::new();
+    for name in names {
+        if found.iter().any(|behaviour| behaviour.name == *name) {
+            continue;
+        }
+        // A label wins over a sequence of the same name.
+        let by_label: Vec<bool> = sequences.iter().map(|sequence| sequence.labels.contains(name)).collect();
+        let by_name = || sequences.iter().map(|sequence| sequence.name == *name).collect();
+        let shown_by = if by_label.contains(&true) { by_label } else { by_name() };
+        found.push(Behaviour { name: name.clone(), shown_by });
+    }
+    found
+}
