@@ -4,6 +4,7 @@ use shared::bundle::BundleError;
 use wasm_bindgen::JsValue;
 
 use crate::player::PlayerError;
+use crate::player::direct::DirectError;
 
 /// What went wrong, in the page's words for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +66,15 @@ impl From<PlayerError> for JsValue {
             PlayerError::Damaged(_) => Kind::Damaged,
         };
         error(kind, &failure.to_string())
+    }
+}
+
+impl From<DirectError> for JsValue {
+    fn from(failure: DirectError) -> Self {
+        match failure {
+            DirectError::Request(failure) => error(Kind::BadArgument, &failure.to_string()),
+            DirectError::Player(failure) => failure.into(),
+        }
     }
 }
 

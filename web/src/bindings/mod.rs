@@ -1,5 +1,6 @@
 //! What JavaScript sees: two classes and a function. The only modules that know it.
 
+pub mod direct;
 pub mod error;
 pub mod player;
 pub mod stage;

@@ -64,12 +64,20 @@ impl Player {
     /// As [`Self::seek`].
     pub fn stand(&mut self, frame: u32, ground: Vec2, heading: f32) -> Result<(), PlayerError> {
         let actor = self.loading.actor.clone().ok_or(PlayerError::NotLoaded)?;
-        if frame >= actor.timeline.frame_count() || !(ground.is_finite() && heading.is_finite()) {
-            return Err(PlayerError::NoFrame(frame));
-        }
         let recorded = self.recorded_pose(frame)?;
         let centre = centre_of_mass(&recorded, actor.topology.weights());
-        let frame = self.recorded(frame, Placement::turning(heading, centre.xz(), ground))?;
+        self.stand_in(frame, Placement::turning(heading, centre.xz(), ground))
+    }
+
+    /// Stands in `frame`, placed; a walk is dropped.
+    ///
+    /// # Errors
+    /// As [`Self::seek`], and a placement that is not finite.
+    pub fn stand_in(&mut self, frame: u32, placement: Placement) -> Result<(), PlayerError> {
+        if !(placement.translation.is_finite() && placement.heading.is_finite()) {
+            return Err(PlayerError::NoFrame(frame));
+        }
+        let frame = self.recorded(frame, placement)?;
         self.route = None;
         self.playing = false;
         self.show_at(frame, None, 0.0);

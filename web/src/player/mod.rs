@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod clock;
+pub mod direct;
 pub mod events;
 mod follow;
 pub mod loading;
@@ -28,6 +29,7 @@ use thiserror::Error;
 
 use crate::trail::TrailPoint;
 use clock::Clock;
+use direct::Directing;
 use events::Events;
 use loading::{Actor, Loading, Phase};
 use plan::{Goal, Plan, PlanReport, Route};
@@ -85,6 +87,7 @@ pub struct Player {
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
+    directing: Directing,
     /// Whether the picture changed other than by time since the last tick.
     changed: bool,
 }
@@ -107,6 +110,7 @@ impl Player {
             stalled: None,
             reference: Vec::new(),
             main: None,
+            directing: Directing::default(),
             changed: false,
         };
         player.stand_up();

@@ -371,7 +371,7 @@ fn follows_a_walk_that_a_search_found_and_goes_on_with_the_next_without_a_stop()
     let (sequences, edges) = ([(12, false), (12, false)], [(4, 18), (20, 2)]);
     let mut player = player(&sequences, &edges);
     let (start, placement) = player.leaves().unwrap();
-    assert_eq!((start, placement), (0, shared::align::Placement::IDENTITY));
+    assert_eq!((start, placement), (0, Placement::IDENTITY));
     let out = walk_between(&sequences, &edges, 0, 19);
     assert_eq!(player.follow(3, &out), Err(PlayerError::Unreachable { from: 0, to: 3 }));
     assert!(player.follow(0, &shared::search::Walk::default()).is_err());
