@@ -113,7 +113,7 @@ export class Core {
     const start = performance.now();
     const { changed, events } = director.tick(seconds);
     events.forEach((event) => this.happened(event));
-    const searching = this.toolbox.step();
+    this.toolbox.step();
     const live = view.stage.alive();
     if (view.preview.update(start, changed)) this.showGhosts(changed);
     if (changed && poses.due(start)) poses.choose(director);
@@ -124,7 +124,7 @@ export class Core {
     view.update(director, { walk, frameMs: this.frameMs.value });
     if (changed && draws) this.frameMs.add(performance.now() - start);
     if (changed) this.tellFrame();
-    return director.player.playing() || changed || moving || searching || this.dirty;
+    return director.player.playing() || changed || moving || this.dirty;
   }
 
   draw() {
@@ -209,11 +209,20 @@ export class Core {
     const { director, view } = this;
     const frame = frameOfTarget(target, director);
     const walk = director.goTo(frame);
-    this.toolbox.left();
+    this.toolbox.left(frame);
     view.score.setFlag(frame);
     this.say(walkSentence(walk), 'going');
     this.redraw();
     return walk;
+  }
+
+  /** The actor has left on a walk that a search found. */
+  left(walk, answer) {
+    this.director.known = null;
+    this.director.walk = walk;
+    this.view.score.setFlag(walk.to);
+    this.say(walkSentence(walk).replace('goes there in', 'on its way,'), 'going');
+    this.redraw();
   }
 
   /** As `go`, but what is wrong is said on the page. */

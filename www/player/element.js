@@ -10,8 +10,8 @@ import { PlayerError } from './errors.js';
 import { handleKey } from './keyboard.js';
 import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
-import { behavioursOf, frameAt, frameOfTarget } from './targets.js';
-import { checkDocument, tidied } from './tools/document.js';
+import { behavioursOf, frameAt, frameOfTarget, groundTarget } from './targets.js';
+import { VERSION, requestOf } from './tools/request.js';
 import { fromHash, toHash } from './tools/share.js';
 import { buildView } from './view.js';
 
@@ -171,6 +171,8 @@ export class ReprisePlayer extends AttributeElement {
 
   goTo(target) {
     this.#ready();
+    const ground = groundTarget(target);
+    if (ground) return this.direct({ version: VERSION, target: ground });
     this.#core.queue.clear();
     return this.#core.go(target);
   }
@@ -190,18 +192,31 @@ export class ReprisePlayer extends AttributeElement {
     this.#core.redraw();
   }
 
-  get direction() {
-    const { tool, document } = this.#core?.toolbox ?? { tool: { id: this.tool }, document: {} };
-    return tidied(tool.id, document);
+  get direction() { return this.#core?.toolbox.request ?? null; }
+
+  set direction(request) {
+    this.#core?.toolbox.load(request);
+    this.#core?.loop?.request();
   }
 
-  set direction(value) {
-    if (this.info) checkDocument(value, this.info);
-    this.#core?.toolbox.load(value);
+  direct(request, { anywhere = false } = {}) {
+    const { player } = this.#ready();
+    const checked = JSON.parse(player.check_request(JSON.stringify(request) ?? 'null'));
+    this.#core.queue.clear();
+    return this.#core.toolbox.search.go(checked, anywhere ? 'anywhere' : 'here');
+  }
+
+  wander({ seed = 1, weights = {} } = {}) {
+    return this.direct(requestOf('wander', { wander: { seed, weights } }));
+  }
+
+  hold(behaviour, seconds = 10) {
+    return this.direct({ version: VERSION, target: { behaviour: { name: behaviour, hold: seconds } } });
   }
 
   get link() {
-    return toHash(this.direction);
+    const { shared } = this.#core?.toolbox ?? {};
+    return shared ? toHash(shared) : '';
   }
 
   openLink(address) {

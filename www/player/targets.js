@@ -19,9 +19,18 @@ export function frameOfTarget(target, director) {
     if (target.sequence !== undefined) return frameAt(director, target.sequence, target.seconds);
     if (target.behaviour !== undefined) return nearestOf(director, target.behaviour);
   }
-  if (!Number.isInteger(target)) throw wrong('A target is a frame, a sequence with seconds, or a behaviour.');
+  if (!Number.isInteger(target)) throw wrong('A target is a frame, a sequence with seconds, a behaviour, a place or a path.');
   if (target < 0 || target >= info.frames) throw wrong(`There is no frame ${target}; the actor has ${info.frames}.`);
   return target;
+}
+
+/** Places and paths have to be searched for. @returns {object | null} the request's target, or null for a pose */
+export function groundTarget(target) {
+  if (!target || typeof target !== 'object') return null;
+  const { x, z, heading, path, stretches = [], shape = 'spline' } = target;
+  if (path !== undefined) return { path: { points: path, stretches, shape } };
+  if (x === undefined && z === undefined) return null;
+  return { place: { x, z, ...(heading === undefined || heading === null ? {} : { heading }) } };
 }
 
 export function frameAt({ info, timeline }, sequence, seconds = 0) {

@@ -67,7 +67,12 @@ button:disabled { opacity: 0.38; cursor: default; }
 .shelf .label { margin: 0; padding-inline-end: 6px; }
 .pose { flex: none; padding: 0; border: 0; border-radius: 4px; background: none; cursor: grab; touch-action: pan-x; }
 .pose:hover { background: color-mix(in srgb, var(--ink) 8%, transparent); }
-.times { position: absolute; inset: 12px 16px auto auto; max-block-size: calc(100% - 64px); border-spacing: 0; border-radius: 4px; padding: 8px 12px; background: color-mix(in srgb, var(--surface) 90%, transparent); font-size: 12px; pointer-events: none; }
+.timing-dock { grid-template-columns: minmax(0, 1fr) auto; }
+.times { grid-area: 1 / 2 / 3; max-block-size: 132px; padding-inline: 12px 2px; overflow: auto; scrollbar-width: thin; font-size: 12px; }
+.times table { border-spacing: 0; }
+.times th { position: sticky; inset-block-start: 0; background: var(--surface); }
+.timing-dock .ruler, .timing-dock .shelf { grid-column: 1; }
+.timing-dock .go-row { grid-column: 1 / -1; }
 .times th { color: var(--muted); font-weight: 400; }
 .times th, .times td { padding: 1px 0 1px 16px; text-align: end; }
 .times th:first-child, .times td:first-child { padding-inline-start: 0; text-align: start; }
@@ -92,13 +97,16 @@ button:disabled { opacity: 0.38; cursor: default; }
   .bar { flex-wrap: wrap; gap: 0; padding-inline: 12px 4px; }
   .toolbar { inline-size: 100%; gap: 0; }
   .tools { flex: 1; gap: 0; margin: 0; }
-  .tool { min-block-size: 40px; padding: 0 8px; }
+  .tool { min-block-size: 40px; padding: 0 7px; }
+  .toolbar .round { inline-size: 34px; }
   .dock { padding: 8px 12px 0; max-block-size: 46cqh; overflow: auto; }
   .score[data-closed] .dock { display: none; }
   .choice { flex-wrap: nowrap; overflow: auto; max-inline-size: 100%; scrollbar-width: none; }
   .choice .chip { flex: none; }
   .space { display: none; }
-  .times { inset: 8px 8px auto auto; }
+  .timing-dock { grid-template-columns: minmax(0, 1fr); }
+  .times { grid-area: auto; max-block-size: 96px; padding: 0; }
+  .times table { inline-size: 100%; }
   .weights { max-block-size: 200px; }
 }
 `;

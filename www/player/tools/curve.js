@@ -30,8 +30,9 @@ function offLine(point, a, b) {
 
 /** A curve by arc length. Places on it are told as knots: 1.5 is between its second and its third point. */
 export class Curve {
-  /** @param {[number, number][]} points at least one */
-  constructor(points) {
+  /** @param {[number, number][]} points at least one @param {'spline' | 'polyline'} shape */
+  constructor(points, shape = 'spline') {
+    const straight = shape === 'polyline' || points.length < 3;
     this.count = points.length;
     this.line = [points[0]];
     for (let segment = 0; segment + 1 < points.length; segment += 1) {
@@ -39,7 +40,7 @@ export class Curve {
       const before = points[segment - 1] ?? [2 * a[0] - b[0], 2 * a[1] - b[1]];
       const after = points[segment + 2] ?? [2 * b[0] - a[0], 2 * b[1] - a[1]];
       for (let piece = 1; piece <= PIECES; piece += 1) {
-        this.line.push(points.length < 3 ? mix(a, b, piece / PIECES) : catmullRom([before, a, b, after], piece / PIECES));
+        this.line.push(straight ? mix(a, b, piece / PIECES) : catmullRom([before, a, b, after], piece / PIECES));
       }
     }
     this.lengths = [0];

@@ -19,6 +19,12 @@ export class GoRow {
     this.root = h('div', { class: 'go-row' }, this.text, this.button);
   }
 
+  /** What the search says, or what is wrong with what was asked. */
+  tell(trouble, answer, sentence) {
+    const notes = answer?.notes.length ? ` · ${answer.notes[0]}` : '';
+    this.show(trouble ?? `${sentence}${notes}`, !trouble);
+  }
+
   /** @param {boolean} can whether there is something to go for */
   show(text, can) {
     if (this.text.textContent !== text) this.text.textContent = text;
@@ -75,7 +81,7 @@ export class Choice {
   }
 }
 
-/** `12 cm` */
+/** `12 cm`; `3.4 m` where that is more than anyone would call near. */
 export function centimetres(metres) {
-  return `${Math.round(metres * 100)} cm`;
+  return metres < 2 ? `${Math.round(metres * 100)} cm` : `${metres.toFixed(1)} m`;
 }

@@ -28,6 +28,11 @@ export class History {
     this.merging = merge;
   }
 
+  /** Changes what is there now, not to be undone. */
+  amend(part) {
+    this.steps[this.at] = { ...this.now, ...part };
+  }
+
   /** What comes is a change of its own, whatever its name. */
   settle() {
     this.merging = null;

@@ -45,13 +45,12 @@ export class Marks {
   ribbon(points, width, colour, dash = null) {
     const line = points.filter((point, at) => at === 0 || apart(point, points[at - 1]) > 1e-4);
     if (line.length < 2) return;
-    const sides = line.map((point, at) => edges(line[at - 1] ?? point, point, line[at + 1] ?? point, width / 2));
-    let along = 0;
-    for (let at = 1; at < line.length; at += 1) {
-      const drawn = !dash || along % (dash[0] + dash[1]) < dash[0];
-      if (drawn) this.quad(...sides[at - 1], ...sides[at], colour);
-      along += apart(line[at], line[at - 1]);
+    if (dash) {
+      for (const piece of dashes(line, dash)) this.ribbon(piece, width, colour);
+      return;
     }
+    const sides = line.map((point, at) => edges(line[at - 1] ?? point, point, line[at + 1] ?? point, width / 2));
+    for (let at = 1; at < line.length; at += 1) this.quad(...sides[at - 1], ...sides[at], colour);
   }
 
   /** The area between two lines of as many points. */
@@ -76,6 +75,28 @@ export class Marks {
 
 export function apart(a, b) {
   return Math.hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+/** The pieces of a line that a dash draws. */
+function dashes(line, [drawn, left]) {
+  const pieces = [[line[0]]];
+  let [on, rest] = [true, drawn];
+  for (let at = 1; at < line.length; at += 1) {
+    let here = line[at - 1];
+    let far = apart(here, line[at]);
+    while (far > rest) {
+      const share = rest / far;
+      here = [here[0] + (line[at][0] - here[0]) * share, here[1] + (line[at][1] - here[1]) * share];
+      far -= rest;
+      if (on) pieces[pieces.length - 1].push(here);
+      else pieces.push([here]);
+      on = !on;
+      rest = on ? drawn : left;
+    }
+    rest -= far;
+    if (on) pieces[pieces.length - 1].push(line[at]);
+  }
+  return pieces;
 }
 
 /** Both edges of a line at a point. */

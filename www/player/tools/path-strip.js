@@ -65,13 +65,11 @@ export class PathStrip {
     this.mark.style.left = `${(this.at / this.curve.length) * 100}%`;
   }
 
-  /** How far the walk is off, along the path. */
-  answered(answer) {
-    this.answer = answer;
+  /** @param {[number, number][]} deviations metres along the path, and metres that the walk is off there */
+  answered(deviations) {
     if (!this.curve || !this.root.clientWidth) return;
     const width = this.root.clientWidth;
     const context = sizedContext(this.plot, width, HEIGHT);
-    const { deviations = [] } = answer ?? {};
     if (deviations.length < 2) return;
     const most = Math.max(0.1, ...deviations.map(([, off]) => off));
     const style = getComputedStyle(this.root);

@@ -8,6 +8,7 @@ import { Choice, GoRow, button, centimetres } from './dock.js';
 import { Handles } from './handles.js';
 import { apart } from './marks.js';
 import { PathStrip } from './path-strip.js';
+import { EMPTY } from './request.js';
 import { paint, pointDeleted, pointInserted } from './stretches.js';
 
 /** Metres of the drawn line that simplifying may lose, and between two points of it while it is drawn. */
@@ -21,6 +22,26 @@ const REACH = 18;
 export const MOST_POINTS = 200;
 /** Colours that tell behaviours apart, beside their names. */
 export const HUES = 5;
+
+/** Where the actor should be at each sample of its walk: as far along the curve, after the straight way to its beginning. */
+function wantedPoints(curve, { length, samples }) {
+  const approach = Math.max(0, length - curve.length);
+  const [, x, , z] = samples[0] ?? [0, ...curve.line[0]];
+  return samples.map(([travelled]) => {
+    if (travelled >= approach) return curve.at(curve.knotAt(travelled - approach));
+    const share = travelled / approach;
+    return [x + (curve.line[0][0] - x) * share, z + (curve.line[0][1] - z) * share];
+  });
+}
+
+/** Metres along the curve, and metres that the walk is off there. */
+function deviations(curve, path) {
+  const approach = Math.max(0, path.length - curve.length);
+  return wantedPoints(curve, path).map((point, at) => {
+    const [travelled, x, , z] = path.samples[at];
+    return [Math.min(curve.length, Math.max(0, travelled - approach)), apart(point, [x, z])];
+  });
+}
 
 export class PathTool {
   static id = 'path';
@@ -121,13 +142,13 @@ export class PathTool {
     if (this.path.points.length >= MOST_POINTS) return;
     const points = this.path.points.toSpliced(index, 0, point);
     const last = index === this.path.points.length;
-    this.set({ points, stretches: last ? this.path.stretches : pointInserted(this.path.stretches, index) }, merge);
+    this.set({ ...this.path, points, stretches: last ? this.path.stretches : pointInserted(this.path.stretches, index) }, merge);
   }
 
   removePoint(index) {
     const points = this.path.points.toSpliced(index, 1);
-    if (points.length < 2) this.set({ points: [], stretches: [] });
-    else this.set({ points, stretches: pointDeleted(this.path.stretches, index, points.length) });
+    if (points.length < 2) this.set(EMPTY.path);
+    else this.set({ ...this.path, points, stretches: pointDeleted(this.path.stretches, index, points.length) });
   }
 
   /** One metre on from the end: a path can be made with the keyboard alone. */
@@ -140,7 +161,7 @@ export class PathTool {
     const far = before ? apart(end, before) || 1 : 1;
     const way = before ? [(end[0] - before[0]) / far, (end[1] - before[1]) / far] : [Math.cos(yaw), -Math.sin(yaw)];
     const next = [end[0] + way[0], end[1] + way[1]];
-    if (first) this.set({ points: [end, next], stretches: [] });
+    if (first) this.set({ ...EMPTY.path, points: [end, next] });
     else this.insertPoint(points.length, next);
     this.handles.focus(this.path.points.length - 1);
   }
@@ -179,7 +200,7 @@ export class PathTool {
         const points = simplify(this.drawn, SLACK).slice(0, MOST_POINTS);
         this.drawn = null;
         this.armed = false;
-        if (points.length > 1) this.set({ points, stretches: [] });
+        if (points.length > 1) this.set({ ...EMPTY.path, points });
         else this.box.redraw();
       },
       drop: () => {
@@ -222,8 +243,8 @@ export class PathTool {
   // ---- what is shown --------------------------------------------------------------------------------------------
 
   refresh() {
-    const { points, stretches } = this.path;
-    this.curve = points.length > 1 ? new Curve(points) : null;
+    const { points, stretches, shape } = this.path;
+    this.curve = points.length > 1 ? new Curve(points, shape) : null;
     this.handles.show(points);
     this.labels.replaceChildren(...stretches.map(({ behaviour }) => h('span', { class: `ground-label b${this.hue(behaviour)}` }, behaviour.replaceAll('_', ' '))));
     this.box.core.view.stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null);
@@ -232,16 +253,10 @@ export class PathTool {
     this.answered(this.box.answer);
   }
 
-  request() {
-    const { points, stretches } = this.path;
-    return points.length > 1 ? { path: { points, stretches } } : null;
-  }
-
   answered(answer) {
-    this.strip.answered(answer);
+    this.strip.answered(this.curve && answer?.path ? deviations(this.curve, answer.path) : []);
     if (!this.curve) this.row.show(this.hint, false);
-    else if (!answer) this.row.show(`${this.curve.length.toFixed(1)} m; looking for a walk`, true);
-    else this.row.show(this.sentence(answer), true);
+    else this.row.tell(this.box.trouble, answer, answer ? this.sentence(answer) : `${this.curve.length.toFixed(1)} m; looking for a walk`);
   }
 
   sentence({ path, seconds, transitions }) {
@@ -264,14 +279,14 @@ export class PathTool {
     if (this.drawn) marks.ribbon(this.drawn, 0.04, colour('accent', 0.95));
     if (!this.curve || this.drawn) return;
     const { answer } = this.box;
-    if (answer?.track) {
-      marks.between(answer.track, answer.wanted(this.curve), colour('ink', 0.1));
+    if (answer?.path) {
+      const [walked, wanted] = [answer.path.samples.map(([, x, , z]) => [x, z]), wantedPoints(this.curve, answer.path)];
+      const some = walked.map((_, at) => at).filter((at) => at % 4 === 0 || at === walked.length - 1);
+      marks.between(some.map((at) => walked[at]), some.map((at) => wanted[at]), colour('ink', 0.1));
     }
-    marks.ribbon(this.curve.line, 0.035, colour('accent', 0.9));
+    marks.ribbon(this.curve.line, 0.045, colour('accent', 0.9));
     for (const { from, to, behaviour } of this.path.stretches) marks.ribbon(this.curve.stretch(from, to), 0.11, colour(`behaviour-${this.hue(behaviour)}`, 0.75));
-    for (const { points, synthetic } of answer?.pieces ?? []) {
-      marks.ribbon(points, 0.028, colour(synthetic ? 'synthetic' : 'recorded'), synthetic ? [0.07, 0.05] : null);
-    }
+    this.box.drawTrack(marks, colour);
     const end = this.curve.line;
     const [a, b] = [end[end.length - 2], end[end.length - 1]];
     marks.arrow(b, Math.atan2(b[0] - a[0], b[1] - a[1]), 0.16, colour('accent'));

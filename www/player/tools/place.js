@@ -104,19 +104,15 @@ export class PlaceTool {
     return [x + Math.sin(heading) * far, z + Math.cos(heading) * far];
   }
 
-  request() {
-    const place = this.goal;
-    return place && { place };
-  }
-
   answered(answer) {
     if (!this.goal) this.row.show(this.hint, false);
-    else if (!answer) this.row.show('looking for a way', true);
-    else {
-      const { distance = 0, turn = null } = answer.place ?? {};
-      const facing = turn === null ? '' : `, ${Math.round(Math.abs(turn) / DEGREE)}° off the way it should face`;
-      this.row.show(`there in ${duration(answer.seconds)}, through ${count(answer.transitions, 'transition')}; stops ${centimetres(distance)} away${facing}`, true);
-    }
+    else this.row.tell(this.box.trouble, null, answer ? this.sentence(answer) : 'looking for a way');
+  }
+
+  sentence({ seconds, transitions, place }) {
+    const { distance = 0, turn = null } = place ?? {};
+    const facing = turn === null ? '' : `, ${Math.round(Math.abs(turn) / DEGREE)}° off the way it should face`;
+    return `there in ${duration(seconds)}, through ${count(transitions, 'transition')}; stops ${centimetres(distance)} away${facing}`;
   }
 
   place(seen) {
@@ -125,7 +121,7 @@ export class PlaceTool {
 
   draw(marks, colour) {
     const place = this.goal;
-    if (this.box.answer?.track) marks.ribbon(this.box.answer.track, 0.035, colour('ink', 0.5), [0.12, 0.08]);
+    this.box.drawTrack(marks, colour);
     if (!place) return;
     const centre = [place.x, place.z];
     marks.disc(centre, 0.24, colour('accent', 0.16));

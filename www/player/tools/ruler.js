@@ -71,7 +71,7 @@ export class Ruler {
   /** @param {{wanted: number, reached: number | null}[]} times */
   reached(times) {
     this.marks.replaceChildren(
-      ...times.filter(({ reached }) => reached !== null).map(({ wanted, reached }) => {
+      ...times.filter(({ wanted, reached }) => reached !== null && Math.abs(reached - wanted) > 0.005).map(({ wanted, reached }) => {
         const gap = h('span', {});
         gap.style.left = this.share(Math.min(wanted, reached));
         gap.style.width = this.share(Math.abs(reached - wanted));

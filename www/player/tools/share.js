@@ -2,15 +2,25 @@
 
 import { h, icon } from '../dom.js';
 import { PlayerError } from '../errors.js';
-import { parseDocument } from './document.js';
 
 const KEY = 'direction';
+/** A link or a file longer than this is none. */
+const LONGEST = 1_000_000;
 
 /** The part of an address behind # that carries a direction. */
 export function toHash(document) {
   const bytes = new TextEncoder().encode(JSON.stringify(document));
   const text = btoa(String.fromCharCode(...bytes));
   return `#${KEY}=${text.replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '')}`;
+}
+
+function parse(text) {
+  try {
+    if (text.length < LONGEST) return JSON.parse(text);
+  } catch {
+    // Said below.
+  }
+  throw new PlayerError('bad-argument', 'This is not a direction: it is no JSON, or far too long.');
 }
 
 /** @returns {object | null} what the address carries, unchecked; null where it carries no direction */
@@ -24,7 +34,7 @@ export function fromHash(hash) {
   } catch {
     throw new PlayerError('bad-argument', 'The link is damaged: its direction cannot be read.');
   }
-  return parseDocument(json);
+  return parse(json);
 }
 
 /** The menu that offers them. */
@@ -67,23 +77,28 @@ export class Share {
     if (on) this.menu.firstChild.focus();
   }
 
-  async copy() {
-    const link = `${location.href.split('#')[0]}${toHash(this.box.core.host.direction)}`;
+  copy() {
+    if (!this.box.shared) throw new PlayerError('bad-argument', 'There is nothing to share yet.');
+    return this.write(`${location.href.split('#')[0]}${this.box.core.host.link}`);
+  }
+
+  async write(link) {
     try {
       await navigator.clipboard.writeText(link);
       this.box.core.say('the link is copied');
     } catch {
       // Without leave to copy, the address bar has it.
-      location.hash = toHash(this.box.core.host.direction);
+      location.hash = this.box.core.host.link;
       this.box.core.say('the link is in the address bar');
     }
   }
 
   save() {
-    const { direction, answer } = this.box.core.host;
-    const text = `${JSON.stringify({ ...direction, answer }, null, 1)}\n`;
+    const { shared, answer, tool } = this.box;
+    if (!shared) throw new PlayerError('bad-argument', 'There is nothing to save yet.');
+    const text = `${JSON.stringify({ ...shared, answer })}\n`;
     const address = URL.createObjectURL(new Blob([text], { type: 'application/json' }));
-    h('a', { href: address, download: `${direction.tool}.json` }).click();
+    h('a', { href: address, download: `${tool.id}.json` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   }
 
@@ -91,6 +106,6 @@ export class Share {
     this.file.value = '';
     if (!file) return;
     const text = await file.text().catch(() => '');
-    this.box.core.attempt(() => this.box.load(parseDocument(text)));
+    this.box.core.attempt(() => this.box.load(parse(text)));
   }
 }

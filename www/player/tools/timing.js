@@ -32,8 +32,9 @@ export class TimingTool {
     this.shelf = h('div', { class: 'shelf', role: 'group', 'aria-label': 'Poses to put on the ruler' });
     this.row = new GoRow(() => box.go());
     this.row.root.prepend(button('Clear', 'Take all key poses away', () => this.set([])));
-    this.dock = h('div', { class: 'tool-dock timing-dock', role: 'group', 'aria-label': 'Timing' }, this.ruler.root, this.shelf, this.row.root);
-    this.table = h('table', { class: 'times figures', hidden: true });
+    this.dock = h('div', { class: 'tool-dock timing-dock', role: 'group', 'aria-label': 'Timing' }, this.ruler.root, h('div', { class: 'times', tabindex: 0, role: 'group', 'aria-label': 'Wanted and reached times', hidden: true }), this.shelf, this.row.root);
+    this.times = this.dock.children[1];
+    this.table = this.times.appendChild(h('table', { class: 'figures' }));
   }
 
   get keys() {
@@ -86,7 +87,6 @@ export class TimingTool {
 
   enter() {
     const { view } = this.box.core;
-    view.handles.append(this.table);
     view.score.onThumbnail = (frame) => this.paint(frame);
     if (!this.timeline) return;
     const frames = [...this.thumbs.keys()].filter((frame) => this.box.director?.player.loaded(frame));
@@ -95,7 +95,6 @@ export class TimingTool {
   }
 
   leave() {
-    this.table.remove();
     this.box.core.view.score.onThumbnail = null;
   }
 
@@ -164,17 +163,14 @@ export class TimingTool {
     this.answered(this.box.answer);
   }
 
-  request() {
-    return this.keys.length > 0 ? { keys: this.keys } : null;
-  }
-
   answered(answer) {
     const reached = answer?.keys ?? [];
     this.ruler.reached(reached);
-    this.table.hidden = reached.length === 0;
+    // The last times stay to be read until there are others.
+    this.times.hidden = this.keys.length === 0;
     if (this.keys.length === 0) this.row.show(this.hint, false);
-    else if (!answer) this.row.show('looking for a walk', true);
-    else this.row.show(this.sentence(reached, answer), true);
+    else this.row.tell(this.box.trouble, null, answer ? this.sentence(reached, answer) : 'looking for a walk');
+    if (!answer && this.keys.length > 0) return;
     const cells = (tag, ...texts) => h('tr', {}, ...texts.map((text) => h(tag, tag === 'th' ? { scope: 'col' } : {}, text)));
     this.table.replaceChildren(
       h('caption', { class: 'unseen' }, 'Key poses: wanted and reached times'),

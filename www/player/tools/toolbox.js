@@ -6,12 +6,12 @@
  */
 
 import { ToolBar } from './bar.js';
-import { EMPTY, checkDocument } from './document.js';
 import { History } from './history.js';
 import { Marks } from './marks.js';
 import { PathTool } from './path.js';
 import { PlaceTool } from './place.js';
 import { PoseTool } from './pose.js';
+import { EMPTY, partOf, requestOf } from './request.js';
 import { SearchDriver } from './search.js';
 import { Share } from './share.js';
 import { TimingTool } from './timing.js';
@@ -25,7 +25,7 @@ export class Toolbox {
     this.core = core;
     this.history = new History(EMPTY);
     this.marks = new Marks();
-    this.search = new SearchDriver(core, (answer) => this.answered(answer));
+    this.search = new SearchDriver(core, (answer, trouble) => this.answered(answer, trouble));
     this.tools = Object.fromEntries([PoseTool, PlaceTool, PathTool, TimingTool, WanderTool].map((Tool) => [Tool.id, new Tool(this)]));
     this.bar = new ToolBar(Object.values(this.tools), {
       choose: (name) => (this.core.host.tool = name),
@@ -36,6 +36,7 @@ export class Toolbox {
     this.tool = this.tools.pose;
     this.director = null;
     this.answer = null;
+    this.trouble = null;
     this.waiting = null;
   }
 
@@ -153,18 +154,38 @@ export class Toolbox {
     this.core.dispatch('change', { tool: this.tool.id });
   }
 
-  /** Takes a document that came from outside; what is wrong with it is thrown as a sentence. */
+  /** The request of the tool in use, or null. */
+  get request() {
+    return requestOf(this.tool.id, this.document);
+  }
+
+  /**
+   * Takes a request that came from outside, by itself or as links and files hold it; what is wrong with it is thrown as a
+   * sentence.
+   */
   load(outside) {
     if (!this.director) {
       this.waiting = outside;
       return;
     }
-    const { tool, ...document } = checkDocument(outside, this.director.info);
-    this.history.change({ ...EMPTY, ...document });
+    const { player, timeline } = this.director;
+    const request = JSON.parse(player.check_request(JSON.stringify(outside?.request ?? outside) ?? 'null'));
+    const { tool, part } = partOf(request, timeline);
+    const { frame, placement } = outside?.start ?? {};
+    if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
+    this.history.change({ ...this.document, ...part });
     this.history.settle();
-    this.core.host.tool = tool;
-    this.refresh();
+    if (this.tool.id === tool) this.refresh();
+    else this.core.host.tool = tool;
     this.ask();
+    if (tool === 'pose') this.go();
+    this.core.dispatch('change', { tool });
+  }
+
+  /** What links and files hold: the request, and where the actor was when its answer was found. */
+  get shared() {
+    const { request, answer } = this;
+    return request && { request, ...(answer ? { start: answer.start } : {}) };
   }
 
   refresh() {
@@ -177,41 +198,43 @@ export class Toolbox {
 
   /** Searches for a walk that does what the tool in use asks. */
   ask() {
-    const request = this.director && this.tool.request?.();
+    const request = this.director && this.tool.id !== 'pose' ? this.request : null;
     this.answer = null;
+    this.trouble = null;
     if (!request) this.search.stop();
-    else this.search.start(request);
+    else {
+      // A walk begins where the actor stands; one who only passes the time can stand still.
+      if (this.tool.onGround && this.director.state.target === null) this.director.tell('pause');
+      this.search.start(request);
+    }
     this.tool.answered?.(null);
     this.redraw();
   }
 
-  answered(answer) {
+  answered(answer, trouble) {
     this.answer = answer;
+    this.trouble = trouble;
     this.tool.answered?.(answer);
+    if (trouble) this.core.say(trouble, 'waiting');
     this.redraw();
-    this.core.dispatch('answer', { answer });
+    if (answer) this.core.dispatch('answer', { answer });
   }
 
   /** Sends the actor on the best walk so far. */
   go() {
-    if (!this.director || !this.tool.request) return;
-    this.core.attempt(() => {
-      const request = this.tool.request();
-      if (!request) {
-        this.core.say(this.tool.hint);
-        return;
-      }
-      this.search.go(request);
-    });
+    const request = this.director && this.request;
+    if (request) this.core.attempt(() => this.search.go(request));
+    else this.core.say(this.tool.hint);
   }
 
-  /** One slice of the search in a display frame. @returns whether more is to be done */
+  /** Called once a display frame. */
   step() {
-    return this.search.step();
+    this.search.lookAhead();
   }
 
-  /** The actor was sent somewhere else. */
-  left() {
+  /** The actor was sent somewhere else: to a pose, or nowhere. */
+  left(frame = null) {
+    this.history.amend({ pose: frame === null ? null : { pose: frame } });
     this.search.left();
   }
 
@@ -230,6 +253,13 @@ export class Toolbox {
     if (this.tool.draw) this.tool.draw(this.marks, this.colours());
     view.stage.stage.set_marks(this.marks.data);
     this.core.redraw();
+  }
+
+  /** The walk on the ground: recorded stretches solid, synthetic ones in dashes. */
+  drawTrack(marks, colour) {
+    for (const { points, synthetic } of this.answer?.track ?? []) {
+      marks.ribbon(points, 0.03, colour(synthetic ? 'synthetic' : 'recorded', 0.9), synthetic ? [0.07, 0.05] : null);
+    }
   }
 
   /** Puts handles and labels over their places on the ground; called after the picture has been drawn. */

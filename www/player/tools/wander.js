@@ -60,13 +60,9 @@ export class WanderTool {
     this.answered(this.box.answer);
   }
 
-  request() {
-    return { wander: this.wander };
-  }
-
   answered(answer) {
     const spread = answer?.wander;
-    this.row.show(spread ? this.sentence(spread) : this.hint, true);
+    this.row.tell(this.box.trouble, answer, spread ? this.sentence(spread) : this.hint);
   }
 
   sentence({ frames, objective }) {
