@@ -223,8 +223,8 @@ export class ReprisePlayer extends AttributeElement {
     const { toolbox } = this.#core;
     return this.#core.attempt(() => {
       const direction = fromHash(new URL(address, location.href).hash);
-      if (direction) toolbox.load(direction);
-      return direction !== null;
+      if (direction !== undefined) toolbox.load(direction);
+      return direction !== undefined;
     }) ?? false;
   }
 

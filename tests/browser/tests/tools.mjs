@@ -120,7 +120,7 @@ export const tests = {
     await send('touchEnd');
     await player.until('a path', (element) => element.direction !== null);
     const before = await asked(player);
-    await player.part('.chip', { hasText: 'Draw anew' }).tap();
+    await player.part('.chip').filter({ hasText: 'Draw anew' }).tap();
     await send('touchStart', places[0]);
     await send('touchMove', places[1]);
     await send('touchStart', places[1], { x: places[1].x + 60, y: places[1].y });
@@ -154,6 +154,7 @@ export const tests = {
     const player = await using(browser, 'timing');
     const poses = player.part('.pose');
     await poses.nth(1).click();
+    await found(player);
     await poses.nth(6).scrollIntoViewIfNeeded();
     const from = await poses.nth(6).boundingBox();
     const ruler = await player.part('.lane').boundingBox();
@@ -218,7 +219,7 @@ export const tests = {
 
     // Path: points are added, moved, inserted and deleted, a stretch is painted, and the actor goes.
     await player.keyboard.press('3');
-    await player.part('.chip', { hasText: 'Add point' }).focus();
+    await player.part('.chip').filter({ hasText: 'Add point' }).focus();
     await player.keyboard.press('Enter');
     assert.match(await focused(), /^Point 2 of 2/);
     const points = async () => (await asked(player)).target.path.points;
@@ -340,9 +341,10 @@ export const tests = {
     const open = () => player.part('.share > button').click();
     await open();
     const download = player.page.waitForEvent('download');
-    await player.part('.menu .chip', { hasText: 'Save' }).click();
+    download.catch(() => {});
+    await player.part('.menu .chip').filter({ hasText: 'Save' }).click();
     const path = await (await download).path();
-    await player.part('.chip', { hasText: 'Clear' }).click();
+    await player.part('.chip').filter({ hasText: 'Clear' }).click();
     assert.equal(await asked(player), null);
     await player.part('input[type="file"]').setInputFiles({ name: 'a.json', mimeType: 'application/json', buffer: await (await import('node:fs/promises')).readFile(path) });
     await player.until('the direction', (element) => element.direction !== null);

@@ -69,7 +69,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose:hover { background: color-mix(in srgb, var(--ink) 8%, transparent); }
 .timing-dock { grid-template-columns: minmax(0, 1fr) auto; }
 .times { grid-area: 1 / 2 / 3; max-block-size: 132px; padding-inline: 12px 2px; overflow: auto; scrollbar-width: thin; font-size: 12px; }
-.times table { border-spacing: 0; }
+.times table { min-inline-size: 232px; border-spacing: 0; }
 .times th { position: sticky; inset-block-start: 0; background: var(--surface); }
 .timing-dock .ruler, .timing-dock .shelf { grid-column: 1; }
 .timing-dock .go-row { grid-column: 1 / -1; }
@@ -87,6 +87,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .handle { position: absolute; inset: 0 auto auto 0; inline-size: 28px; block-size: 28px; margin: -14px; padding: 0; border: 0; border-radius: 50%; background: none; pointer-events: auto; cursor: move; touch-action: none; }
 .handle::before { content: ""; position: absolute; inset: 8px; border: 2px solid var(--accent); border-radius: 50%; background: var(--surface); }
 .handle:hover::before, .handle:focus-visible::before { inset: 6px; background: var(--accent); }
+.handles[data-brush] .handle { pointer-events: none; opacity: 0.5; }
 .handle.turn::before { border-radius: 2px; rotate: 45deg; inset: 9px; }
 .ground-labels { position: absolute; inset: 0; }
 .ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }

@@ -105,6 +105,7 @@ export class PathTool {
 
   leave() {
     this.handles.hide();
+    this.box.core.view.handles.removeAttribute('data-brush');
     this.labels.remove();
     this.drawn = null;
   }
@@ -247,6 +248,7 @@ export class PathTool {
     this.curve = points.length > 1 ? new Curve(points, shape) : null;
     this.handles.show(points);
     this.labels.replaceChildren(...stretches.map(({ behaviour }) => h('span', { class: `ground-label b${this.hue(behaviour)}` }, behaviour.replaceAll('_', ' '))));
+    this.box.core.view.handles.toggleAttribute('data-brush', this.brush !== null || this.armed);
     this.box.core.view.stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null);
     this.anew.disabled = !this.curve;
     this.strip.show(this.curve, stretches, (behaviour) => this.hue(behaviour));

@@ -23,10 +23,10 @@ function parse(text) {
   throw new PlayerError('bad-argument', 'This is not a direction: it is no JSON, or far too long.');
 }
 
-/** @returns {object | null} what the address carries, unchecked; null where it carries no direction */
+/** @returns {unknown} what the address carries, unchecked; undefined where it carries no direction */
 export function fromHash(hash) {
   const [, text] = new RegExp(`^#${KEY}=(.*)$`).exec(hash) ?? [];
-  if (text === undefined) return null;
+  if (text === undefined) return undefined;
   let json;
   try {
     const binary = atob(text.replaceAll('-', '+').replaceAll('_', '/'));

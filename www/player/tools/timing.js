@@ -61,11 +61,11 @@ export class TimingTool {
     pose.addEventListener('pointerdown', (event) => {
       start = { x: event.clientX, y: event.clientY };
       moved = false;
+      pose.setPointerCapture(event.pointerId);
     });
     pose.addEventListener('pointermove', (event) => {
       if (!start || Math.hypot(event.clientX - start.x, event.clientY - start.y) < TREMBLE) return;
       moved = true;
-      pose.setPointerCapture(event.pointerId);
       this.ruler.hover(event, picture);
     });
     pose.addEventListener('pointerup', (event) => {
