@@ -49,8 +49,12 @@ export class ReprisePlayer extends HTMLElement {
   readonly behaviours: string[];
   /** Targets that wait for their turn. */
   readonly queued: Target[];
-  /** What has been asked with the tools, as data. Setting it asks for that; throws a `PlayerError` with a sentence. */
-  direction: Direction;
+  /**
+   * What is asked with the tool in use, or null. Setting it takes the tool that shows it and searches, without leaving; it
+   * takes what links and files hold, too. Throws a `PlayerError` with a sentence.
+   */
+  get direction(): Request | null;
+  set direction(request: Request | Shared);
   /** The best answer of the tool in use so far. */
   readonly answer: Answer | null;
   /** The direction as the part of an address behind `#`. */
@@ -64,6 +68,14 @@ export class ReprisePlayer extends HTMLElement {
   plan(target: Target): Walk;
   /** Leaves for a target at once; during a walk this changes its mind. Throws as `plan` does. */
   goTo(target: Target): Walk;
+  /** Places and paths have to be searched for: leaves once there is a walk, and tells how well it does. */
+  goTo(target: GroundTarget): Promise<Answer>;
+  /** Does what a request asks: leaves once there is a walk. `anywhere`: begins where suits it best, instead of here. */
+  direct(request: Request, options?: { anywhere?: boolean }): Promise<Answer>;
+  /** Goes wherever it likes, for ever. Weights: how often behaviours are to be seen, 1 being as often as others. */
+  wander(options?: { seed?: number; weights?: Record<string, number> }): Promise<Answer>;
+  /** Goes to a behaviour and holds it for so many seconds (10 by default), in a loop where there is one. */
+  hold(behaviour: string, seconds?: number): Promise<Answer>;
   /** Goes to these targets, one after the other, after those that wait already. Throws where one is no target. */
   queue(...targets: Target[]): void;
   /** Stops on the way, a transition under way is finished first; drops the queue. */
@@ -120,22 +132,86 @@ export interface PictureOptions {
   height?: number;
 }
 
-/** What has been asked with the tools. Only the parts in which something is asked are there. */
-export interface Direction {
-  /** The version of this format. */
-  reprise: 1;
-  tool: Tool;
-  /** Where to go, in metres, and which way to face there: radians from +Z about +Y; `null` for any. */
-  place?: { x: number; z: number; heading: number | null };
-  /**
-   * A spline through points of the ground (x, z). Stretches demand a behaviour; their ends are counted in points: 1.5 is
-   * between the second and the third.
-   */
-  path?: { points: [number, number][]; stretches: { from: number; to: number; behaviour: string }[] };
-  /** Key poses and when they should be reached, seconds after leaving. */
-  keys?: { frame: number; seconds: number }[];
-  /** A random walk: how often to show each behaviour, 1 being as often as the others. */
-  wander?: { seed: number; weights: Record<string, number> };
+/** A place on the ground, and which way to face there; or a path of points (x, z) that a spline goes through. */
+export type GroundTarget =
+  | { x: number; z: number; heading?: number | null }
+  | { path: [number, number][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline' };
+
+/** A part of a path that demands a behaviour. Ends are counted in points: 1.5 is between the second and the third. */
+export interface Stretch {
+  from: number;
+  to: number;
+  behaviour: string;
+}
+
+export type FrameRef = number | { sequence: string; frame?: number; time?: number };
+
+/** What the actor shall do: the JSON of docs/directing.md, which the command line reads, too. */
+export interface Request {
+  version: 1;
+  /** Of what is random. */
+  seed?: number;
+  target: RequestTarget | { queue: RequestTarget[] };
+}
+
+export type RequestTarget =
+  | { pose: FrameRef }
+  | { behaviour: { name: string; hold?: number } }
+  | { place: { x: number; z: number; heading?: number; realism?: number } }
+  | {
+      path: {
+        /** All [x, z], or all [x, y, z]. */
+        points: number[][];
+        shape?: 'spline' | 'polyline';
+        stretches?: Stretch[];
+        /** Whether the actor may begin with any pose, on the path's first point. */
+        free_start?: boolean;
+        realism?: number;
+      };
+    }
+  | { keys: { poses: { pose: FrameRef; time: number }[] } }
+  | { wander: { seconds: number; weights?: Record<string, number> } };
+
+/** What links and files hold: a request, and where its answer began. */
+export interface Shared {
+  request: Request;
+  start?: { frame: number; placement: [number, number, number] };
+  answer?: Answer;
+}
+
+/** The best walk that a search has found so far, and how well it does what was asked. */
+export interface Answer {
+  seconds: number;
+  frames: number;
+  transitions: number;
+  /** `proven`: there is no better walk. `ended`: the search has ended without knowing that. */
+  progress: 'running' | 'ended' | 'proven';
+  /** Sentences where it does not do what was asked. */
+  notes: string[];
+  /** The frame that it begins with, and its heading, x and z. */
+  start: { frame: number; placement: [number, number, number] };
+  legs: Leg[];
+  /** Where it leads on the ground (x, z), leg by leg. */
+  track: { synthetic: boolean; points: [number, number][] }[];
+  /** Metres off the place, radians off the heading. */
+  place?: { distance: number; turn: number | null };
+  /** Metres; `mean` and `max` against the path's point of equal length, `...Aside` against its nearest. */
+  path?: {
+    length: number;
+    travelled: number;
+    mean: number;
+    max: number;
+    meanAside: number;
+    maxAside: number;
+    /** The part of the painted frames that shows what is demanded. */
+    demandsKept: number | null;
+    /** Metres travelled, x, y, z. */
+    samples: [number, number, number, number][];
+  };
+  /** Seconds; `null` where a key pose is not reached. */
+  keys?: { frame: number; wanted: number; reached: number | null }[];
+  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada and others, 7.1). */
+  wander?: { frames: number; objective: number; objectives: [number, number, number] };
 }
 
 export interface ActorInfo {
