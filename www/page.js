@@ -1,4 +1,4 @@
-/** The page around the player: which actor, its name at the top, and the whole page's keys. */
+/** The page around the player: which actor, its name at the top, the direction in the address, and the whole page's keys. */
 
 import './reprise-player.js';
 
@@ -9,6 +9,10 @@ player.addEventListener('ready', () => {
   document.querySelector('#actor').textContent = player.info.name;
   document.title = `${player.info.name} · Reprise`;
 });
+
+// A direction refers to behaviours and frames, which are known once all has arrived.
+player.addEventListener('load', () => player.openLink(location.href));
+addEventListener('hashchange', () => player.complete && player.openLink(location.href));
 
 // An address that somebody passed on may have grown stale: the way out is the demo.
 player.addEventListener('error', () => {

@@ -4,16 +4,21 @@
  * Frames are counted over the whole capture, from 0; `info.sequences` tells where each sequence begins. Times are in
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
- * Attributes: `src`, `poster`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`; each has the property below.
- * Parts for styling: `player`, `stage`, `score`, `transport`, `walk`, `facts`, `error`. Custom properties:
- * `--reprise-accent`, `--reprise-background`, `--reprise-font`.
+ * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `camera`,
+ * `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
+ * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
+ * `--reprise-background`, `--reprise-font`.
  */
 export class ReprisePlayer extends HTMLElement {
   /** Address of a `.reprise` file. Setting it loads that file. */
   src: string;
   /** Address of a picture that is shown until the first pose is drawn. */
   poster: string;
-  /** Whether the score, the transport and the chips are shown. Off by default, as with `<video>`. */
+  /** What the actor is, for those who do not see it; else its name is told. */
+  alt: string;
+  /** `lazy` waits with loading until the element is about to be seen. */
+  loading: 'eager' | 'lazy';
+  /** Whether the tools, the score, the transport and the chips are shown. Off by default, as with `<video>`. */
   controls: boolean;
   /** Whether playing begins with the first pose; not where the user prefers reduced motion. */
   autoplay: boolean;
@@ -25,6 +30,13 @@ export class ReprisePlayer extends HTMLElement {
   theme: 'light' | 'dark' | null;
   /** 1 is the capture's own speed. */
   speed: number;
+  /**
+   * The first view, and the one that a double click goes back to: `45deg 10deg 1.5` is the angle about the actor, the
+   * angle above the ground, and the distance, 1 being that from which all of the actor is seen.
+   */
+  camera: string;
+  /** The tool in use. */
+  tool: Tool;
 
   /** What the bundle holds; `null` until `ready`. */
   readonly info: ActorInfo | null;
@@ -33,17 +45,52 @@ export class ReprisePlayer extends HTMLElement {
   /** Whether all of the bundle has arrived. */
   readonly complete: boolean;
   readonly playing: boolean;
+  /** Names of all behaviours: the sequences' labels, and the sequences without one. */
+  readonly behaviours: string[];
+  /** Targets that wait for their turn. */
+  readonly queued: Target[];
+  /**
+   * What is asked with the tool in use, or null. Setting it takes the tool that shows it and searches, without leaving; it
+   * takes what links and files hold, too. Throws a `PlayerError` with a sentence.
+   */
+  get direction(): Request | null;
+  set direction(request: Request | Shared);
+  /** The best answer of the tool in use so far. */
+  readonly answer: Answer | null;
+  /** The direction as the part of an address behind `#`. */
+  readonly link: string;
 
   play(): void;
   pause(): void;
   /** Jumps to a frame, fractions allowed, and drops the target. */
   seek(frame: number): void;
-  /** The cheapest walk from the present to a frame, without leaving. Throws a `PlayerError`, also if there is none. */
-  plan(frame: number): Walk;
-  /** Leaves for a frame at once; during a walk this changes its mind. Throws as `plan` does. */
-  goTo(frame: number): Walk;
-  /** Stops on the way; a transition under way is finished first. */
+  /** The cheapest walk from the present to a target, without leaving. Throws a `PlayerError`, also if there is none. */
+  plan(target: Target): Walk;
+  /** Leaves for a target at once; during a walk this changes its mind. Throws as `plan` does. */
+  goTo(target: Target): Walk;
+  /** Places and paths have to be searched for: leaves once there is a walk, and tells how well it does. */
+  goTo(target: GroundTarget): Promise<Answer>;
+  /** Does what a request asks: leaves once there is a walk. `anywhere`: begins where suits it best, instead of here. */
+  direct(request: Request, options?: { anywhere?: boolean }): Promise<Answer>;
+  /** Goes wherever it likes, for ever. Weights: how often behaviours are to be seen, 1 being as often as others. */
+  wander(options?: { seed?: number; weights?: Record<string, number> }): Promise<Answer>;
+  /** Goes to a behaviour and holds it for so many seconds (10 by default), in a loop where there is one. */
+  hold(behaviour: string, seconds?: number): Promise<Answer>;
+  /** Goes to these targets, one after the other, after those that wait already. Throws where one is no target. */
+  queue(...targets: Target[]): void;
+  /** Stops on the way, a transition under way is finished first; drops the queue. */
   cancel(): void;
+  /** What is on the stage as pixels; with a frame, that pose alone on a transparent background. */
+  snapshot(options?: PictureOptions): Promise<ImageData>;
+  /** The same as an encoded picture. */
+  toBlob(options?: PictureOptions & { type?: string; quality?: number }): Promise<Blob>;
+  /** Back to the first view. */
+  recentre(): void;
+  /**
+   * Asks for the direction that an address carries behind `#`. What is wrong with it is said on the page.
+   * Tells whether there was one that could be used.
+   */
+  openLink(address: string): boolean;
   /** The frame at a time of a sequence. */
   frameOf(sequence: string, seconds?: number): number;
   /** Loads `src` again. Trouble becomes an `error` event. */
@@ -71,6 +118,100 @@ export class ReprisePlayer extends HTMLElement {
     listener: (this: ReprisePlayer, event: HTMLElementEventMap[K]) => unknown,
     options?: boolean | EventListenerOptions,
   ): void;
+}
+
+export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander';
+
+/** A frame; a pose by its sequence and the time within it; or the frame of a behaviour that is nearest. */
+export type Target = number | { frame: number } | { sequence: string; seconds?: number } | { behaviour: string };
+
+export interface PictureOptions {
+  frame?: number;
+  /** Pixels, for a picture of a frame; 512 by default. */
+  width?: number;
+  height?: number;
+}
+
+/** A place on the ground, and which way to face there; or a path of points (x, z) that a spline goes through. */
+export type GroundTarget =
+  | { x: number; z: number; heading?: number | null }
+  | { path: [number, number][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline' };
+
+/** A part of a path that demands a behaviour. Ends are counted in points: 1.5 is between the second and the third. */
+export interface Stretch {
+  from: number;
+  to: number;
+  behaviour: string;
+}
+
+export type FrameRef = number | { sequence: string; frame?: number; time?: number };
+
+/** What the actor shall do: the JSON of docs/directing.md, which the command line reads, too. */
+export interface Request {
+  version: 1;
+  /** Of what is random. */
+  seed?: number;
+  target: RequestTarget | { queue: RequestTarget[] };
+}
+
+export type RequestTarget =
+  | { pose: FrameRef }
+  | { behaviour: { name: string; hold?: number } }
+  | { place: { x: number; z: number; heading?: number; realism?: number } }
+  | {
+      path: {
+        /** All [x, z], or all [x, y, z]. */
+        points: number[][];
+        shape?: 'spline' | 'polyline';
+        stretches?: Stretch[];
+        /** Whether the actor may begin with any pose, on the path's first point. */
+        free_start?: boolean;
+        realism?: number;
+      };
+    }
+  | { keys: { poses: { pose: FrameRef; time: number }[] } }
+  | { wander: { seconds: number; weights?: Record<string, number> } };
+
+/** What links and files hold: a request, and where its answer began. */
+export interface Shared {
+  request: Request;
+  start?: { frame: number; placement: [number, number, number] };
+  answer?: Answer;
+}
+
+/** The best walk that a search has found so far, and how well it does what was asked. */
+export interface Answer {
+  seconds: number;
+  frames: number;
+  transitions: number;
+  /** `proven`: there is no better walk. `ended`: the search has ended without knowing that. */
+  progress: 'running' | 'ended' | 'proven';
+  /** Sentences where it does not do what was asked. */
+  notes: string[];
+  /** The frame that it begins with, and its heading, x and z. */
+  start: { frame: number; placement: [number, number, number] };
+  legs: Leg[];
+  /** Where it leads on the ground (x, z), leg by leg. */
+  track: { synthetic: boolean; points: [number, number][] }[];
+  /** Metres off the place, radians off the heading. */
+  place?: { distance: number; turn: number | null };
+  /** Metres; `mean` and `max` against the path's point of equal length, `...Aside` against its nearest. */
+  path?: {
+    length: number;
+    travelled: number;
+    mean: number;
+    max: number;
+    meanAside: number;
+    maxAside: number;
+    /** The part of the painted frames that shows what is demanded. */
+    demandsKept: number | null;
+    /** Metres travelled, x, y, z. */
+    samples: [number, number, number, number][];
+  };
+  /** Seconds; `null` where a key pose is not reached. */
+  keys?: { frame: number; wanted: number; reached: number | null }[];
+  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada and others, 7.1). */
+  wander?: { frames: number; objective: number; objectives: [number, number, number] };
 }
 
 export interface ActorInfo {
@@ -164,6 +305,14 @@ export interface ReprisePlayerEventMap {
   transitionend: CustomEvent<{ from: number; to: number }>;
   /** The actor stands in the pose it was sent to. */
   arrive: CustomEvent<{ frame: number }>;
+  /** The picture shows another moment: at most once a display frame. */
+  frame: CustomEvent<{ frame: number; mode: PlayerState['mode']; x: number; z: number; heading: number }>;
+  /** Another tool is in use. */
+  toolchange: CustomEvent<{ tool: Tool }>;
+  /** What is asked has changed, by the user, by undoing, or by a page. */
+  change: CustomEvent<{ tool: Tool }>;
+  /** The search has found a walk, or a better one. */
+  answer: CustomEvent<{ answer: Answer }>;
   /** The actor waits for frames that have not arrived. */
   stall: CustomEvent<{ frame: number }>;
   /** A sequence has ended and does not loop. */

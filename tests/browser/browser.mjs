@@ -55,12 +55,14 @@ export class Browser {
   /**
    * Opens the page. Whatever is not forgiven here fails the test when the page is closed.
    * @param {object} options
-   * @param {string} options.search of the page's address
+   * @param {string} options.path of the page's address
+   * @param {string} options.search
+   * @param {string} options.hash
    * @param {RegExp[]} options.forgive console errors that belong to the test
    * @param {(page: import('playwright-core').Page) => Promise<void>} options.before is run before the page is opened
    * @param {object} options.context for Playwright: viewport, colour scheme, touch
    */
-  async open({ search = '', forgive = [], before, ...context } = {}) {
+  async open({ path = '', search = '', hash = '', forgive = [], before, ...context } = {}) {
     const session = await this.chromium.newContext({ viewport: SMALL, ...context });
     const page = await session.newPage();
     const complaints = [];
@@ -71,7 +73,7 @@ export class Browser {
     await before?.(page);
     const query = new URLSearchParams(search);
     query.set('test', '');
-    await page.goto(`${this.server.address}?${query}`);
+    await page.goto(`${this.server.address}${path}?${query}${hash}`);
     return new Player(page, complaints);
   }
 }
@@ -81,7 +83,7 @@ function watchOver() {
   window.violations = [];
   window.heard = [];
   document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
-  const types = ['ready', 'load', 'error', 'transitionstart', 'transitionend', 'arrive', 'stall', 'end', 'devicelost', 'devicerestored', 'progress'];
+  const types = ['ready', 'load', 'error', 'transitionstart', 'transitionend', 'arrive', 'stall', 'end', 'devicelost', 'devicerestored', 'progress', 'toolchange', 'change', 'answer'];
   for (const type of types) {
     // In the capturing phase, for the player's events do not bubble (and load never reaches the window).
     document.addEventListener(type, ({ detail }) => detail && typeof detail === 'object' && window.heard.push({ type, ...detail }), true);

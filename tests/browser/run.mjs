@@ -13,10 +13,12 @@ import { tests as loading } from './tests/loading.mjs';
 import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
+import { tests as element } from './tests/element.mjs';
+import { tests as tools } from './tests/tools.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, native, loading, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, native, loading, walking, errors, page, element, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 let failed = 0;

@@ -2,7 +2,8 @@
 
 import { createServer } from 'node:http';
 import { readFile, stat } from 'node:fs/promises';
-import { extname, join, normalize } from 'node:path';
+import { dirname, extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
 
 const TYPES = {
   '.html': 'text/html; charset=utf-8',
@@ -12,6 +13,13 @@ const TYPES = {
   '.svg': 'image/svg+xml',
   '.wasm': 'application/wasm',
   '.reprise': 'application/octet-stream',
+};
+
+/** Modules of other people that the examples and the tests ask for, from the tests' own dependencies. */
+const modules = join(dirname(fileURLToPath(import.meta.url)), 'node_modules');
+const VENDOR = {
+  '/examples/vendor/preact.js': 'preact/dist/preact.mjs',
+  '/vendor/axe.js': 'axe-core/axe.min.js',
 };
 
 const POLICY =
@@ -61,6 +69,7 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/slow.reprise') return trickle(response, bundle, false);
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
+  if (Object.hasOwn(VENDOR, pathname)) return send(response, await readFile(join(modules, VENDOR[pathname])), '.js');
   const native = process.env.REPRISE_NATIVE && pathname.startsWith('/native/');
   const [folder, path] = native ? [process.env.REPRISE_NATIVE, pathname.slice('/native'.length)] : [root, pathname];
   const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));

@@ -82,6 +82,8 @@ pub struct Camera {
     velocity: Vec2,
     orbit: Orbit,
     goal: Orbit,
+    /// The view that [`Self::recentre`] goes back to.
+    home: Orbit,
     /// Without easing: where the reader asked for reduced motion.
     pub instant: bool,
     aspect: f32,
@@ -99,6 +101,7 @@ impl Camera {
             velocity: Vec2::ZERO,
             orbit,
             goal: orbit,
+            home: orbit,
             instant: false,
             aspect: 1.6,
         }
@@ -151,8 +154,35 @@ impl Camera {
 
     /// Goes back to the view that it began with.
     pub fn recentre(&mut self) {
-        let turns = ((self.goal.yaw - YAW) / std::f32::consts::TAU).round() * std::f32::consts::TAU;
-        self.goal = Orbit { yaw: YAW + turns, ..Self::new(self.subject).goal };
+        self.look_from(self.home.yaw, self.home.elevation, self.home.distance);
+    }
+
+    /// Turns to `yaw` and `elevation`, radians, at `distance` times the one from which all of the actor is seen; the
+    /// shorter way round, and unpanned.
+    pub fn look_from(&mut self, yaw: f32, elevation: f32, distance: f32) {
+        if !(yaw + elevation + distance).is_finite() || distance <= 0.0 {
+            return;
+        }
+        let turns = ((self.goal.yaw - yaw) / std::f32::consts::TAU).round() * std::f32::consts::TAU;
+        self.goal = Orbit {
+            yaw: yaw + turns,
+            elevation: elevation.clamp(ELEVATION[0], ELEVATION[1]),
+            distance: distance.clamp(0.2, 6.0),
+            pan: Vec3::ZERO,
+        };
+    }
+
+    /// Makes this the view that [`Self::recentre`] goes back to; measures as of [`Self::look_from`].
+    pub fn set_home(&mut self, yaw: f32, elevation: f32, distance: f32) {
+        if (yaw + elevation + distance).is_finite() && distance > 0.0 {
+            self.home = Orbit { yaw, elevation, distance, pan: Vec3::ZERO };
+        }
+    }
+
+    /// Yaw, elevation and distance that it is at or on its way to.
+    #[must_use]
+    pub fn goal(&self) -> [f32; 3] {
+        [self.goal.yaw, self.goal.elevation, self.goal.distance]
     }
 
     /// Eases by `seconds`. True while it still moves.
@@ -227,6 +257,16 @@ impl View {
         (clip.w > 1e-6).then(|| Vec2::new(clip.x / clip.w * 0.5 + 0.5, 0.5 - clip.y / clip.w * 0.5))
     }
 
+    /// Where the ground at `height` is seen at the point `at` of the picture (X, Z); `None` at and above the horizon,
+    /// and farther away than `reach` metres.
+    #[must_use]
+    pub fn ground_at(&self, at: Vec2, height: f32, reach: f32) -> Option<Vec2> {
+        let ray = self.ray(at);
+        let distance = (height - self.eye.y) / ray.y;
+        let point = self.eye + ray * distance;
+        (ray.y < 0.0 && distance > 0.0 && distance < reach).then_some(Vec2::new(point.x, point.z))
+    }
+
     /// The direction, of length 1, in which the point `at` of the picture (0 to 1, from the top left) is seen.
     #[must_use]
     pub fn ray(&self, at: Vec2) -> Vec3 {
@@ -277,6 +317,30 @@ mod tests {
             assert!(view.ray(at).distance((point - view.eye).normalize()) < 1e-4);
         }
         assert_eq!(view.project(view.eye + (view.eye - view.target)), None);
+    }
+
+    #[test]
+    fn the_ground_is_found_where_it_is_seen() {
+        let view = Camera::new(SUBJECT).view();
+        for point in [Vec2::new(1.3, -2.2), Vec2::new(0.2, -1.0), Vec2::new(-1.0, -4.0)] {
+            let at = view.project(Vec3::new(point.x, 0.1, point.y)).unwrap();
+            assert!(view.ground_at(at, 0.1, 100.0).unwrap().distance(point) < 1e-3);
+        }
+        assert_eq!(view.ground_at(Vec2::new(0.5, 0.01), 0.1, 100.0), None);
+    }
+
+    #[test]
+    fn looks_from_where_it_is_told_by_the_shorter_way() {
+        let mut camera = Camera::new(SUBJECT);
+        camera.orbit(4.0, 0.0);
+        camera.look_from(0.2, 0.5, 1.5);
+        let [yaw, elevation, distance] = camera.goal();
+        assert!(((yaw - 0.2) / std::f32::consts::TAU).fract().abs() < 1e-5 && (elevation, distance) == (0.5, 1.5));
+        camera.set_home(0.1, 0.3, 2.0);
+        camera.look_from(f32::NAN, 0.0, 1.0);
+        assert_eq!(camera.goal()[1], 0.5);
+        camera.recentre();
+        assert_eq!(camera.goal()[1..], [0.3, 2.0]);
     }
 
     #[test]

@@ -9,13 +9,14 @@ use web::gpu::pose::ActorUniform;
 use web::gpu::shadow::BlurUniform;
 use web::shaders;
 
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 8] = [
     ("actor", shaders::ACTOR),
     ("ghost", shaders::GHOST),
     ("occlusion", shaders::OCCLUSION),
     ("blur", shaders::BLUR),
     ("ground", shaders::GROUND),
     ("trail", shaders::TRAIL),
+    ("marks", shaders::MARKS),
     ("mipmap", shaders::MIPMAP),
 ];
 

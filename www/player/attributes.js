@@ -3,17 +3,12 @@
 /** Servers have no elements; the class still has to exist there. */
 const Base = globalThis.HTMLElement ?? class {};
 
+/** Attributes that are words, and the words that they may be; the first one is meant where there is none. */
+const WORDS = { loading: ['eager', 'lazy'], tool: ['pose', 'place', 'path', 'timing', 'wander'], theme: [null, 'light', 'dark'] };
+
+export const TOOLS = WORDS.tool;
+
 export class AttributeElement extends Base {
-  get theme() {
-    const theme = this.getAttribute('theme');
-    return theme === 'light' || theme === 'dark' ? theme : null;
-  }
-
-  set theme(value) {
-    if (value) this.setAttribute('theme', value);
-    else this.removeAttribute('theme');
-  }
-
   get speed() {
     const speed = Number(this.getAttribute('speed') ?? 1);
     return Number.isFinite(speed) && speed > 0 ? speed : 1;
@@ -24,24 +19,41 @@ export class AttributeElement extends Base {
   }
 }
 
-for (const name of ['src', 'poster']) {
-  Object.defineProperty(AttributeElement.prototype, name, {
-    get() {
-      return this.getAttribute(name) ?? '';
-    },
-    set(value) {
-      this.setAttribute(name, value);
-    },
-  });
+const DEGREE = Math.PI / 180;
+
+/**
+ * `30deg 10deg 1.5`: the angles about the actor and above the ground, and the distance, 1 from where all of it is seen.
+ * @returns {[number, number, number] | null} in radians; null for anything else
+ */
+export function parseCamera(text) {
+  const view = /^\s*(-?[\d.]+)deg\s+(-?[\d.]+)deg(?:\s+([\d.]+))?\s*$/.exec(text);
+  if (!view) return null;
+  const numbers = [view[1] * DEGREE, view[2] * DEGREE, Number(view[3] ?? 1)];
+  return numbers.every(Number.isFinite) && numbers[2] > 0 ? numbers : null;
+}
+
+function define(name, get, set) {
+  Object.defineProperty(AttributeElement.prototype, name, { get, set, configurable: true, enumerable: true });
+}
+
+for (const name of ['src', 'poster', 'alt', 'camera']) {
+  define(name, function () { return this.getAttribute(name) ?? ''; }, function (value) { this.setAttribute(name, value); });
 }
 
 for (const name of ['controls', 'autoplay', 'loop', 'tint']) {
-  Object.defineProperty(AttributeElement.prototype, name, {
-    get() {
-      return this.hasAttribute(name);
+  define(name, function () { return this.hasAttribute(name); }, function (on) { this.toggleAttribute(name, Boolean(on)); });
+}
+
+for (const [name, words] of Object.entries(WORDS)) {
+  define(
+    name,
+    function () {
+      const word = this.getAttribute(name);
+      return words.includes(word) ? word : words[0];
     },
-    set(on) {
-      this.toggleAttribute(name, Boolean(on));
+    function (value) {
+      if (value) this.setAttribute(name, value);
+      else this.removeAttribute(name);
     },
-  });
+  );
 }

@@ -29,6 +29,10 @@ const ICONS = {
   close: { d: 'M4 4l8 8M12 4l-8 8' },
   /** The outline of somebody who is not there. */
   absent: { d: 'M8 1.2a1.9 1.9 0 1 1 0 3.8a1.9 1.9 0 1 1 0-3.8M8 6.6c2.6 0 3.4 1.3 3.4 3v1.7M8 6.6c-2.6 0-3.4 1.3-3.4 3v1.7M6.1 9.5v5.3M9.9 9.5v5.3', width: 0.9 },
+  undo: { d: 'M5.5 3.5L2.5 6.5l3 3M3 6.5h6.2a3.6 3.6 0 0 1 0 7.2H6.5' },
+  redo: { d: 'M10.5 3.5l3 3-3 3M13 6.5H6.8a3.6 3.6 0 0 0 0 7.2h2.7' },
+  share: { d: 'M8 10V2.2M5 4.8l3-2.8 3 2.8M3 8v5.5h10V8' },
+  dice: { d: 'M3 3h10v10H3zM6 6h.01M10 10h.01M8 8h.01M10 6h.01M6 10h.01' },
   chevron: { d: 'M3.5 6l4.5 4.5L12.5 6' },
 };
 

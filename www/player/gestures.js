@@ -12,22 +12,36 @@ const TREMBLE = 6;
  * @property {(x: number, y: number) => void} click CSS pixels from the surface's corner
  * @property {(x: number, y: number) => void} hover
  * @property {() => void} leave
+ * @property {(x: number, y: number, event: PointerEvent) => Grab | null} grab offers a press to the tool in use
  */
 
 /**
- * One finger or the left button orbits; two fingers, the right button or shift pan; pinch and wheel zoom.
+ * A press that a tool has taken for itself. `drop` is called in place of `end` when a second finger makes it a camera move.
+ * @typedef {{move: (x: number, y: number, event: PointerEvent) => void, end: (x: number, y: number) => void, drop?: () => void}} Grab
+ */
+
+/**
+ * One finger or the left button orbits; two fingers, the right button or shift pan; pinch and wheel zoom. With alt the
+ * left button orbits also where a tool would take it.
  * @param {HTMLElement} surface
  * @param {Camera} camera
  */
 export function attachGestures(surface, camera) {
   const pointers = new Map();
   let travelled = 0;
+  let grabbed = null;
 
   surface.addEventListener('pointerdown', (event) => {
     surface.setPointerCapture(event.pointerId);
     if (pointers.size === 0) travelled = 0;
     pointers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
-    if (pointers.size > 1) travelled = Infinity;
+    if (pointers.size > 1) {
+      travelled = Infinity;
+      grabbed?.drop?.();
+      grabbed = null;
+    } else if (event.button === 0 && !event.shiftKey && !event.altKey) {
+      grabbed = camera.grab(event.offsetX, event.offsetY, event);
+    }
   });
 
   surface.addEventListener('pointermove', (event) => {
@@ -40,6 +54,10 @@ export function attachGestures(surface, camera) {
     const [dx, dy] = [event.offsetX - last.x, event.offsetY - last.y];
     pointers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     travelled += Math.hypot(dx, dy);
+    if (grabbed) {
+      grabbed.move(event.offsetX, event.offsetY, event);
+      return;
+    }
     if (travelled < TREMBLE) return;
     camera.leave();
     if (pointers.size >= 2) {
@@ -55,6 +73,12 @@ export function attachGestures(surface, camera) {
 
   const release = (event) => {
     const held = pointers.delete(event.pointerId);
+    if (grabbed && held) {
+      if (event.type === 'pointerup') grabbed.end(event.offsetX, event.offsetY);
+      else grabbed.drop?.();
+      grabbed = null;
+      return;
+    }
     const left = event.type === 'pointerup' && event.button === 0;
     if (held && left && pointers.size === 0 && travelled < TREMBLE) camera.click(event.offsetX, event.offsetY);
   };

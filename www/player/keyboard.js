@@ -10,6 +10,7 @@ export const KEYS = [
   { keys: ['Enter'], shown: 'Enter', does: 'go to that pose', act: 'go' },
   { keys: [' '], shown: 'Space', does: 'play or pause', act: 'toggle' },
   { keys: ['Escape'], shown: 'Esc', does: 'stop on the way, or put away what is open', act: 'cancel' },
+  { keys: ['1', '2', '3', '4', '5'], shown: '1 to 5', does: 'choose a tool: pose, place, path, timing, wander', act: 'tool' },
   { keys: ['f'], shown: 'F', does: 'facts', act: 'facts' },
   { keys: ['t'], shown: 'T', does: 'tint: recorded green, synthetic red', act: 'tint' },
   { keys: ['p'], shown: 'P', does: 'poses around the actor', act: 'poses' },
@@ -20,6 +21,14 @@ export const KEYS = [
 const ON_STAGE = [
   { shown: '← → ↑ ↓', does: 'turn the camera, when the stage has the focus' },
   { shown: '+ −', does: 'come closer, go away' },
+];
+
+const WITH_TOOLS = [
+  { shown: 'Enter', does: 'go: on the path, to the place, through the key poses' },
+  { shown: 'Ctrl + Z, Y', does: 'undo, redo' },
+  { shown: '← → ↑ ↓', does: 'move the point or the key pose that has the focus' },
+  { shown: '+, Delete', does: 'a point after it; without it' },
+  { shown: 'alt + drag', does: 'turn the camera while a tool is in use' },
 ];
 
 const POINTER = [
@@ -65,6 +74,8 @@ export class KeysDialog {
       h('dl', {}, ...rows(KEYS)),
       h('h3', {}, 'On the stage'),
       h('dl', {}, ...rows([...POINTER, ...ON_STAGE])),
+      h('h3', {}, 'With the tools'),
+      h('dl', {}, ...rows(WITH_TOOLS)),
     );
     close.addEventListener('click', () => this.root.close());
     this.root.addEventListener('click', (event) => {

@@ -29,6 +29,8 @@ export class Score {
     this.planned = null;
     this.walked = '';
     this.shelf = new ThumbnailShelf(act.thumbnail, (frame) => this.thumbnailReady(frame));
+    /** Who else wants to know of a thumbnail. */
+    this.onThumbnail = null;
 
     this.graph = h('canvas', { class: 'graph', 'aria-hidden': 'true' });
     this.walk = h('canvas', { class: 'walk', 'aria-hidden': 'true' });
@@ -140,6 +142,7 @@ export class Score {
   }
 
   thumbnailReady(frame) {
+    this.onThumbnail?.(frame);
     if (!this.layout) return;
     this.strips[this.timeline.indexOf(frame)].paint(this.layout, this.shelf, this.colours.blank);
   }

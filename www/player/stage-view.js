@@ -27,6 +27,10 @@ export class StageView {
     this.options = {};
     this.ghosts = [];
     this.hovered = -1;
+    /** What the page wants the first view to be, or null. */
+    this.home = null;
+    /** The tool in use, which may take a pointer for itself; see `gestures.js`. */
+    this.tool = null;
     this.attach();
   }
 
@@ -41,6 +45,7 @@ export class StageView {
       pan: withStage((stage, dx, dy) => stage.pan(dx, dy)),
       zoom: withStage((stage, factor) => stage.zoom(factor)),
       recentre: withStage((stage) => stage.recentre()),
+      grab: (x, y, event) => (this.stage && this.tool?.grab?.(x, y, event)) || null,
       click: (x, y) => {
         const frame = this.ghostAt(x, y);
         if (frame >= 0) this.events.ghostClicked(frame);
@@ -101,6 +106,7 @@ export class StageView {
     this.stage = stage;
     stage.resize(canvas.width, canvas.height);
     stage.set_options(JSON.stringify(this.options));
+    this.aim(this.home);
     this.watch = setInterval(() => this.alive(), LOSS_CHECK);
   }
 
@@ -119,6 +125,34 @@ export class StageView {
     this.close();
     this.events.lost();
     return false;
+  }
+
+  /** @param {[number, number, number] | null} view yaw, elevation and distance; null leaves the camera where it is */
+  aim(view, home = true) {
+    if (view) this.stage?.look_from(...view, home);
+  }
+
+  recentre() {
+    this.stage?.recentre();
+  }
+
+  /** The ground under a point of the stage, or null. @returns {[number, number] | null} x and z in metres */
+  groundAt(x, y) {
+    const found = this.stage?.ground_at(x, y) ?? [];
+    return found.length === 2 ? [found[0], found[1]] : null;
+  }
+
+  /** The ground under a pointer event anywhere on the page. */
+  groundUnder(event) {
+    const box = this.root.getBoundingClientRect();
+    return this.groundAt(event.clientX - box.left, event.clientY - box.top);
+  }
+
+  /** Where a point of the ground is seen on the stage. @returns {{x: number, y: number, visible: boolean}} */
+  seen(x, z) {
+    if (!this.stage) return { x: 0, y: 0, visible: false };
+    const [left, top, visible] = this.stage.project(x, this.stage.measures()[0], z);
+    return { x: left, y: top, visible: visible > 0 };
   }
 
   setOptions(options) {

@@ -42,6 +42,20 @@ export class Testing {
     return this.stage?.lost() ?? true;
   }
 
+  /** How the search gets on: slices of work, the milliseconds of the longest, and whether it is at work. */
+  search() {
+    const { search } = this.inside().toolbox;
+    return { ...search.slices, running: Boolean(search.task && !search.task.done) };
+  }
+
+  /** Where on the screen a place on the ground is. */
+  placeOnGround(x, z) {
+    const { stage } = this.inside().view;
+    const { left, top } = stage.root.getBoundingClientRect();
+    const seen = stage.seen(x, z);
+    return { x: left + seen.x, y: top + seen.y, visible: seen.visible };
+  }
+
   /** Frames whose poses are drawn as ghosts. */
   ghosts() {
     return this.inside().view.stage.ghosts;

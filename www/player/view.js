@@ -13,6 +13,7 @@ import { Transport } from './transport.js';
 import { scoreStyles } from './styles/score.js';
 import { stageStyles } from './styles/stage.js';
 import { tokens } from './styles/tokens.js';
+import { toolStyles } from './styles/tools.js';
 
 let sheet = null;
 
@@ -20,7 +21,7 @@ let sheet = null;
 function styles() {
   if (!sheet) {
     sheet = new CSSStyleSheet();
-    sheet.replaceSync(tokens + stageStyles + scoreStyles);
+    sheet.replaceSync(tokens + stageStyles + scoreStyles + toolStyles);
   }
   return sheet;
 }
@@ -29,33 +30,41 @@ function styles() {
 const HINT = 'Click a pose: the actor goes there.';
 
 /**
- * @param {HTMLElement} host
- * @param {object} on what the parts report; see `ReprisePlayer`
+ * @param {import('./element.js').ReprisePlayer} host
+ * @param {import('./core.js').Core} core
+ * @param {Record<string, (event: Event) => void>} act the actions by name
  */
-export function buildView(host, on) {
+export function buildView(host, core, act) {
   const root = host.attachShadow({ mode: 'open' });
   root.adoptedStyleSheets = [styles()];
-  return new View(host, root, on);
+  return new View(host, root, core, act);
 }
 
 class View {
-  constructor(host, root, on) {
+  constructor(host, root, core, act) {
     this.host = host;
     this.dark = matchMedia('(prefers-color-scheme: dark)');
     this.calm = matchMedia('(prefers-reduced-motion: reduce)');
-    const { act } = on;
 
-    this.stage = new StageView(() => on.director()?.player ?? null, {
-      moved: on.moved,
-      lost: on.lost,
-      ghostClicked: on.go,
-      ghostHovered: (frame, x, y) => on.preview(frame, this.onScreen(x, y), false),
+    this.stage = new StageView(() => core.director?.player ?? null, {
+      moved: () => core.redraw(),
+      lost: () => core.session?.recover(),
+      ghostClicked: (frame) => core.userGoes(frame),
+      ghostHovered: (frame, x, y) => core.look(frame, this.onScreen(x, y)),
     });
-    this.score = new Score({ ...on, preview: (frame) => on.preview(frame, null, false) });
-    this.transport = new Transport({ toggle: act.toggle, speed: on.speed, loop: act.loop, drawer: act.drawer });
-    this.preview = new Preview({ director: on.director, score: this.score, host, request: on.request });
+    const thumbnail = (frame, width, height) => core.session?.thumbnail(frame, width, height) ?? null;
+    const loaded = (frame) => core.director?.player.loaded(frame) ?? false;
+    this.score = new Score({
+      preview: (frame) => core.look(frame),
+      go: (frame) => core.userGoes(frame),
+      seek: (frame) => host.seek(frame),
+      thumbnail,
+      loaded,
+    });
+    this.transport = new Transport({ toggle: act.toggle, speed: (speed) => (host.speed = speed), loop: act.loop, drawer: act.drawer });
+    this.preview = new Preview({ director: () => core.director, score: this.score, host, request: () => core.loop?.request() });
     this.progress = new ProgressBar();
-    this.error = new ErrorCard(on.errorAction);
+    this.error = new ErrorCard((action) => core.mend(action));
     this.facts = new Facts();
     this.keys = new KeysDialog();
 
@@ -65,20 +74,24 @@ class View {
     this.keysChip = chip('keys', 'What the keys do (?)', act.help);
     this.factsChip.setAttribute('aria-expanded', 'false');
     this.poster = h('img', { class: 'poster', alt: '', hidden: true });
-    this.scoreBox = h('div', { class: 'score' }, this.score.root, this.transport.root);
+    this.dock = h('div', { class: 'dock', part: 'dock', hidden: true });
+    this.scoreBox = h('div', { class: 'score' }, this.score.root, this.dock, this.transport.root);
+    this.handles = h('div', { class: 'handles' });
+    this.bar = h('div', { class: 'bar', part: 'bar' }, slot('bar'), core.toolbox.bar.root);
 
     const stageBox = h(
       'div',
       { class: 'stage' },
       this.stage.root,
-      this.poster,
+      this.handles,
+      slot('poster', this.poster),
       this.facts.root,
       h('div', { class: 'chips left' }, this.factsChip),
       h('div', { class: 'chips right' }, this.posesChip, this.tintChip, this.keysChip),
-      this.progress.root,
-      this.error.root,
+      slot('progress', this.progress.root),
+      slot('error', this.error.root),
     );
-    this.player = h('div', { class: 'player', part: 'player', 'data-state': 'loading' }, stageBox, this.scoreBox, this.preview.tooltip.root);
+    this.player = h('div', { class: 'player', part: 'player', 'data-state': 'loading' }, this.bar, stageBox, this.scoreBox, this.preview.tooltip.root);
     root.append(this.player, this.keys.root);
     // Clicks on the stage leave the arrow keys with the score.
     this.stage.root.addEventListener('pointerdown', () => this.focusScore());
@@ -109,6 +122,13 @@ class View {
 
   startLoading() {
     this.progress.show(0, 0);
+  }
+
+  /** What the actor is, in the page's own words; else its name. */
+  setAlt(text) {
+    this.alt = text;
+    this.poster.alt = text;
+    if (text && this.player.dataset.state !== 'shown') this.stage.root.setAttribute('aria-label', text);
   }
 
   showPoster(address) {
@@ -159,7 +179,7 @@ class View {
   /** What a screen reader says of the picture; rewritten only when it would say something else. */
   describeStage(state, timeline, info) {
     const does = state.mode === 'paused' ? 'standing still in' : state.mode === 'synthetic' ? 'in a transition to' : 'in';
-    const text = `${info.name}, ${does} ${title(timeline.sequenceOf(state.frame))}`;
+    const text = `${this.alt || info.name}, ${does} ${title(timeline.sequenceOf(state.frame))}`;
     if (this.stage.root.getAttribute('aria-label') !== text) this.stage.root.setAttribute('aria-label', text);
   }
 
@@ -193,6 +213,11 @@ class View {
   setTint(on) {
     this.tintChip.setAttribute('aria-pressed', String(on));
   }
+}
+
+/** A place that the page may fill; without that it holds our own. */
+function slot(name, ...ours) {
+  return h('slot', { name }, ...ours);
 }
 
 function chip(text, title, act) {

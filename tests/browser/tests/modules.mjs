@@ -29,7 +29,7 @@ export const tests = {
     const { ReprisePlayer } = await import(new URL('reprise-player.js', www));
     const types = await readFile(new URL('reprise-player.d.ts', www), 'utf8');
     const body = types.slice(types.indexOf('extends HTMLElement {'), types.indexOf('\n}\n'));
-    const promised = [...body.matchAll(/^ {2}(?:readonly )?(\w+)(?:[:(])/gm)].map(([, name]) => name);
+    const promised = [...body.matchAll(/^ {2}(?:readonly |get |set )?(\w+)(?:[:(])/gm)].map(([, name]) => name);
     const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
     const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
     assert.deepEqual([...new Set(promised)].sort(), own.filter((name) => !inner.includes(name)).sort());

@@ -6,6 +6,7 @@ use wasm_bindgen::JsValue;
 
 use super::numbers::BrowserNumbers;
 use crate::player::PlayerError;
+use crate::player::direct::DirectError;
 
 /// What went wrong, in the page's words for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +68,15 @@ impl From<PlayerError> for JsValue {
             PlayerError::Damaged(_) => Kind::Damaged,
         };
         error(kind, &failure.to_string())
+    }
+}
+
+impl From<DirectError> for JsValue {
+    fn from(failure: DirectError) -> Self {
+        match failure {
+            DirectError::Request(failure) => error(Kind::BadArgument, &failure.to_string()),
+            DirectError::Player(failure) => failure.into(),
+        }
     }
 }
 

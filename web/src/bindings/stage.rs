@@ -250,6 +250,44 @@ impl Stage {
         self.camera.recentre();
     }
 
+    /// Turns the camera to `yaw` and `elevation` (radians) at `distance` (1 shows all of the actor). With `home` it is
+    /// where [`Self::recentre`] goes from now on, too.
+    pub fn look_from(&mut self, yaw: f32, elevation: f32, distance: f32, home: bool) {
+        if home {
+            self.camera.set_home(yaw, elevation, distance);
+        }
+        self.camera.look_from(yaw, elevation, distance);
+    }
+
+    /// Yaw, elevation and distance that the camera is at or on its way to.
+    #[must_use]
+    pub fn camera(&self) -> Float32Array {
+        Float32Array::from(self.camera.goal().as_slice())
+    }
+
+    /// The ground (X, Z) under the pointer (CSS pixels); empty at the horizon and beyond 200 heights of the actor.
+    #[must_use]
+    pub fn ground_at(&self, x: f32, y: f32) -> Float32Array {
+        let at = Vec2::new(x, y) / self.css_size();
+        let Measures { floor, height, .. } = self.scene.measures;
+        let found = self.camera.view().ground_at(at, floor, height * 200.0);
+        Float32Array::from(found.map_or(vec![], |point| point.to_array().to_vec()).as_slice())
+    }
+
+    /// Height of the ground, and of the actor above it, metres.
+    #[must_use]
+    pub fn measures(&self) -> Float32Array {
+        Float32Array::from([self.scene.measures.floor, self.scene.measures.height].as_slice())
+    }
+
+    /// Triangles on the ground, 12 bytes a corner: X and Z as 32-bit floats, red, green, blue and opacity as bytes.
+    pub fn set_marks(&mut self, bytes: &[u8]) {
+        if !self.lost() {
+            self.scene.marks.write(&self.scene.gpu, bytes);
+            self.due = true;
+        }
+    }
+
     /// Whether the camera still eases: keep drawing.
     #[must_use]
     pub fn camera_moving(&self) -> bool {

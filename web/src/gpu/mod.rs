@@ -6,6 +6,7 @@ pub mod context;
 pub mod frame;
 pub mod ghosts;
 pub mod grid;
+pub mod marks;
 pub mod mesh;
 pub mod pose;
 pub mod readback;

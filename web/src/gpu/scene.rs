@@ -7,6 +7,7 @@ use super::context::Gpu;
 use super::frame::{FrameGroup, Look};
 use super::ghosts::Ghosts;
 use super::grid::Grid;
+use super::marks::Marks;
 use super::mesh::Mesh;
 use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
 use super::shadow::{Shadow, Square};
@@ -66,6 +67,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Poses shown translucent.
     pub ghosts: Ghosts,
+    /// What tools mark on the ground.
+    pub marks: Marks,
     /// The actor's measures.
     pub measures: Measures,
     /// Layout of pose groups.
@@ -93,6 +96,7 @@ impl Scene {
         let shadow = Shadow::new(&gpu, &frame.layout, &pose_layout);
         let grid = Grid::new(&gpu, &frame.layout, &shadow);
         let trail = Trail::new(&gpu, &frame.layout);
+        let marks = Marks::new(&gpu, &frame.layout);
         let ghosts = Ghosts::new(&gpu, &frame.layout, &pose_layout);
         let measures = Measures::of(first);
         let square = Square::around([], measures.height);
@@ -103,6 +107,7 @@ impl Scene {
             look,
             mesh,
             ghosts,
+            marks,
             measures,
             pose_layout,
             triangles,
@@ -149,6 +154,7 @@ impl Scene {
             let mut pass = target.begin(&mut encoder, self.look.clear());
             pass.set_bind_group(0, &self.frame.group, &[]);
             self.grid.draw(&mut pass, &self.shadow);
+            self.marks.draw(&mut pass);
             self.trail.draw(&mut pass);
             pass.set_bind_group(1, self.actor.group(), &[]);
             self.mesh.draw(&mut pass);

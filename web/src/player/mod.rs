@@ -5,7 +5,9 @@
 
 pub mod bench;
 pub mod clock;
+pub mod direct;
 pub mod events;
+mod follow;
 pub mod loading;
 mod motion;
 pub mod plan;
@@ -27,6 +29,7 @@ use thiserror::Error;
 
 use crate::trail::TrailPoint;
 use clock::Clock;
+use direct::Directing;
 use events::Events;
 use loading::{Actor, Loading, Phase};
 use plan::{Goal, Plan, PlanReport, Route};
@@ -86,6 +89,7 @@ pub struct Player {
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
+    directing: Directing,
     /// Whether the picture changed other than by time since the last tick.
     changed: bool,
 }
@@ -109,6 +113,7 @@ impl Player {
             waited: false,
             reference: Vec::new(),
             main: None,
+            directing: Directing::default(),
             changed: false,
         };
         player.stand_up();
@@ -380,13 +385,8 @@ impl Player {
     pub fn arrival(&mut self, to: u32) -> Result<Placement, PlayerError> {
         let (actor, graph) = self.ready(to)?;
         let walk = self.plan_from_here(to)?.walk();
+        let (_, start) = self.leaves()?;
         let inside = self.route.as_ref().is_some_and(|route| route.inside().is_some());
-        let end = if inside {
-            self.producer.transition_end(&mut self.loading, &actor.timeline, &graph)?
-        } else {
-            self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
-        };
-        let start = end.unwrap_or(Placement::IDENTITY);
         self.think_ahead(&actor, &graph, &walk, inside);
         Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
     }

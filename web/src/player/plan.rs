@@ -238,6 +238,14 @@ impl Route {
         route
     }
 
+    /// Goes on with these stretches after its last one; those long done are forgotten.
+    pub fn extend(&mut self, stretches: impl IntoIterator<Item = Stretch>) {
+        let done = self.index.saturating_sub(1);
+        self.stretches.drain(..done);
+        self.index -= done;
+        self.stretches.extend(stretches);
+    }
+
     /// Its stretches.
     #[must_use]
     pub fn stretches(&self) -> &[Stretch] {

@@ -82,7 +82,8 @@ pub struct Frame {
 
 /// Makes numbered frames.
 pub struct Producer {
-    now: fn() -> f64,
+    /// Tells milliseconds.
+    pub now: fn() -> f64,
     made: u64,
     memory: PoseMemory,
     synthesiser: Option<Synthesiser>,

@@ -360,3 +360,50 @@ fn a_bundle_plays_as_far_as_it_has_arrived() {
     let damaged: Vec<_> = bytes.iter().enumerate().map(|(k, byte)| byte ^ u8::from(k == bytes.len() / 2)).collect();
     assert!(Player::new(Loading::default(), || 0.0).push(&damaged).is_err());
 }
+
+/// The cheapest walk between two frames of the capture that `player` plays.
+fn walk_between(sequences: &[(u32, bool)], edges: &[(u32, u32)], from: u32, to: u32) -> shared::search::Walk {
+    let timeline = timeline(sequences);
+    let (_, graph) = capture(sequences, edges);
+    shared::search::cheapest_walk(&graph, &timeline, from, to).unwrap()
+}
+
+#[test]
+fn follows_a_walk_that_a_search_found_and_goes_on_with_the_next_without_a_stop() {
+    let (sequences, edges) = ([(12, false), (12, false)], [(4, 18), (20, 2)]);
+    let mut player = player(&sequences, &edges);
+    let (start, placement) = player.leaves().unwrap();
+    assert_eq!((start, placement), (0, Placement::IDENTITY));
+    let out = walk_between(&sequences, &edges, 0, 19);
+    assert_eq!(player.follow(3, &out), Err(PlayerError::Unreachable { from: 0, to: 3 }));
+    assert!(player.follow(0, &shared::search::Walk::default()).is_err());
+    assert_eq!(player.follow(0, &out).unwrap().to, 19);
+    player.tick(0.05);
+    let back = walk_between(&sequences, &edges, 19, 6);
+    assert!(!player.extend(5, &back));
+    assert!(player.extend(19, &back));
+    let events = run(&mut player);
+    let passed = [
+        Event::TransitionStart { from: 4, to: 18 },
+        Event::TransitionEnd { from: 4, to: 18 },
+        Event::TransitionStart { from: 20, to: 2 },
+        Event::TransitionEnd { from: 20, to: 2 },
+        Event::Arrive { frame: 6 },
+    ];
+    assert_eq!(events, passed);
+    assert!(!player.extend(6, &back), "nothing is under way");
+}
+
+#[test]
+fn stands_where_it_is_told() {
+    let mut player = player(&[(12, false)], &[]);
+    player.go_to(8).unwrap();
+    player.stand(5, glam::Vec2::new(2.0, -3.0), 0.7).unwrap();
+    assert!(player.ground().unwrap().distance(glam::Vec2::new(2.0, -3.0)) < 1e-6);
+    let state = player.state().unwrap();
+    assert_eq!((state.frame, state.target, state.mode), (5.0, None, "paused"));
+    assert!((state.heading - 0.7).abs() < 1e-6);
+    assert_eq!(player.stand(99, glam::Vec2::ZERO, 0.0), Err(PlayerError::NoFrame(99)));
+    assert!(player.stand(3, glam::Vec2::NAN, 0.0).is_err());
+    assert!(player.ground().unwrap().distance(glam::Vec2::new(2.0, -3.0)) < 1e-6);
+}

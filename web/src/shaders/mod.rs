@@ -13,5 +13,7 @@ pub const BLUR: &str = include_str!("blur.wgsl");
 pub const GROUND: &str = concat!(include_str!("frame.wgsl"), include_str!("ground.wgsl"));
 /// The path walked so far.
 pub const TRAIL: &str = concat!(include_str!("frame.wgsl"), include_str!("trail.wgsl"));
+/// What tools draw on the ground.
+pub const MARKS: &str = concat!(include_str!("frame.wgsl"), include_str!("marks.wgsl"));
 /// One level of a mipmap.
 pub const MIPMAP: &str = include_str!("mipmap.wgsl");

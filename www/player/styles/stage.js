@@ -5,7 +5,7 @@ export const stageStyles = `
   position: absolute;
   inset: 0;
   display: grid;
-  grid-template-rows: minmax(0, 1fr) auto;
+  grid-template: auto minmax(0, 1fr) auto / minmax(0, 1fr);
   container: player / size;
   overflow: hidden;
 }
@@ -17,6 +17,12 @@ export const stageStyles = `
 .view canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; opacity: 0; transition: opacity 180ms; pointer-events: none; }
 .view[data-shown] canvas { opacity: 1; }
 .poster { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: contain; }
+
+slot[name="poster"], slot[name="progress"], slot[name="error"] { display: contents; }
+.player[data-state="shown"] ::slotted([slot="poster"]),
+.player:not(:has(.progress:not([hidden]))) ::slotted([slot="progress"]),
+.player:not(:has(.error:not([hidden]))) ::slotted([slot="error"]) { display: none !important; }
+::slotted([slot="poster"]) { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: contain; }
 
 .chips { position: absolute; inset-block-end: 12px; display: flex; gap: 4px; }
 .chips.left { inset-inline-start: 12px; }

@@ -13,6 +13,11 @@ const light = `
   --accent: var(--reprise-accent, #3558c4);
   --recorded: #1d7f4e;
   --synthetic: #c5382c;
+  --behaviour-0: #6a55c2;
+  --behaviour-1: #a86a00;
+  --behaviour-2: #14788f;
+  --behaviour-3: #b0407f;
+  --behaviour-4: #5d6b74;
 `;
 
 const dark = `
@@ -28,6 +33,11 @@ const dark = `
   --accent: var(--reprise-accent, #93abff);
   --recorded: #4cc389;
   --synthetic: #ff7a6b;
+  --behaviour-0: #a797f2;
+  --behaviour-1: #e0a94a;
+  --behaviour-2: #56b9cf;
+  --behaviour-3: #e889bd;
+  --behaviour-4: #9fb0ba;
 `;
 
 export const tokens = `

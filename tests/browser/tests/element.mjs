@@ -1,0 +1,351 @@
+/** The element's contract, as docs/embedding.md tells it: every attribute, method, event, slot and part. */
+
+import assert from 'node:assert/strict';
+import { readFile } from 'node:fs/promises';
+
+const www = new URL('../../../www/', import.meta.url);
+const docs = new URL('../../../docs/embedding.md', import.meta.url);
+
+/** An empty page of the same site, with players made by the test. */
+async function bare(browser, options) {
+  const player = await browser.open({ ...options, path: 'examples/empty.html' });
+  await player.page.evaluate(async () => {
+    await import('/reprise-player.js');
+    window.make = (attributes = {}, ...children) => {
+      const element = document.createElement('reprise-player');
+      for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+      element.append(...children);
+      document.body.append(element);
+      return element;
+    };
+  });
+  return player;
+}
+
+async function loaded(browser, options) {
+  const player = await browser.open(options);
+  await player.loaded();
+  await player.run((element) => {
+    element.pause();
+    element.seek(element.info.sequences[0].first + Math.floor(element.info.sequences[0].count / 3));
+  });
+  return player;
+}
+
+const kindOf = (player, work, argument) =>
+  player.run(
+    `async (element, argument) => { try { await (${work})(element, argument); return null; } catch (error) { return error.kind ?? String(error); } }`,
+    argument,
+  );
+
+export const tests = {
+  'every attribute, member, event, slot and part is documented, typed, and in the manifest': async () => {
+    const { ReprisePlayer } = await import(new URL('reprise-player.js', www));
+    const [text, types, manifest] = await Promise.all([
+      readFile(docs, 'utf8'),
+      readFile(new URL('reprise-player.d.ts', www), 'utf8'),
+      readFile(new URL('custom-elements.json', www), 'utf8').then(JSON.parse),
+    ]);
+    const [{ declarations: [player] }] = manifest.modules;
+    const named = (list) => list.map(({ name }) => name).sort();
+    assert.deepEqual(named(player.attributes), [...ReprisePlayer.observedAttributes, 'autoplay'].sort());
+    const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
+    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
+    assert.deepEqual(named(player.members), own.filter((name) => !inner.includes(name)).sort());
+    const map = types.slice(types.indexOf('interface ReprisePlayerEventMap'), types.indexOf('declare global'));
+    assert.deepEqual(named(player.events), [...map.matchAll(/^ {2}(\w+): CustomEvent/gm)].map(([, name]) => name).sort());
+    const all = [...player.attributes, ...player.members, ...player.events, ...player.slots, ...player.cssParts, ...player.cssProperties];
+    for (const { name } of all) assert.ok(text.includes(`\`${name}`), `docs/embedding.md does not tell of ${name}`);
+    const kinds = types.slice(types.indexOf('type ErrorKind'), types.indexOf('interface PlayerError')).matchAll(/'([\w-]+)'/g);
+    for (const [, kind] of kinds) assert.ok(text.includes(`\`${kind}\``), `docs/embedding.md does not tell of the error ${kind}`);
+  },
+
+  'every part and slot of the manifest is in the element': async (browser) => {
+    const { modules: [{ declarations: [declared] }] } = JSON.parse(await readFile(new URL('custom-elements.json', www), 'utf8'));
+    const player = await loaded(browser);
+    const found = await player.run((element) => ({
+      parts: [...element.shadowRoot.querySelectorAll('[part]')].map((one) => one.getAttribute('part')),
+      slots: [...element.shadowRoot.querySelectorAll('slot')].map(({ name }) => name),
+    }));
+    assert.deepEqual([...new Set(found.parts)].sort(), declared.cssParts.map(({ name }) => name).sort());
+    assert.deepEqual(found.slots.sort(), declared.slots.map(({ name }) => name).sort());
+    await player.close();
+  },
+
+  'the package holds what it exports': async () => {
+    const package_ = JSON.parse(await readFile(new URL('package.json', www), 'utf8'));
+    for (const entry of [package_.main, package_.types, package_.customElements, ...package_.sideEffects]) await readFile(new URL(entry, www));
+    const dist = new URL(`file://${process.env.REPRISE_DIST ?? new URL('../../../dist', import.meta.url).pathname}/`);
+    for (const file of package_.files.filter((name) => name.includes('.'))) await readFile(new URL(file, dist));
+  },
+
+  'attributes are properties, and odd values do no harm': async (browser) => {
+    const player = await bare(browser);
+    const values = await player.page.evaluate(() => {
+      const element = window.make();
+      const before = ['src', 'poster', 'alt', 'loading', 'controls', 'autoplay', 'loop', 'tint', 'theme', 'speed', 'camera', 'tool'].map((name) => element[name]);
+      for (const [name, value] of Object.entries({ speed: 'fast', theme: 'pink', loading: 'soon', tool: 'hammer', camera: 'up' })) element.setAttribute(name, value);
+      const odd = ['speed', 'theme', 'loading', 'tool'].map((name) => element[name]);
+      Object.assign(element, { controls: true, tint: true, loop: true, autoplay: true, alt: 'somebody', loading: 'lazy', tool: 'path', speed: 2, theme: 'dark', camera: '10deg 5deg' });
+      element.theme = null;
+      return { before, odd, html: element.outerHTML, state: [element.info, element.state, element.complete, element.playing, element.queued, element.behaviours, element.answer] };
+    });
+    assert.deepEqual(values.before, ['', '', '', 'eager', false, false, false, false, null, 1, '', 'pose']);
+    assert.deepEqual(values.odd, [1, null, 'eager', 'pose']);
+    for (const part of ['controls=""', 'tint=""', 'loop=""', 'autoplay=""', 'alt="somebody"', 'loading="lazy"', 'tool="path"', 'speed="2"', 'camera="10deg 5deg"']) assert.ok(values.html.includes(part), part);
+    assert.ok(!values.html.includes('theme'));
+    assert.deepEqual(values.state, [null, null, false, false, [], [], null]);
+    for (const call of ['play', 'pause', 'cancel', 'snapshot', 'toBlob']) assert.equal(await kindOf(player, `(element) => element.${call}()`), 'not-loaded', call);
+    await player.close();
+  },
+
+  'controls are off unless asked for': async (browser) => {
+    const player = await loaded(browser);
+    for (const [on, shown] of [[false, false], [true, true]]) {
+      await player.run((element, value) => (element.controls = value), on);
+      for (const part of ['.strips', '.transport', '.chips.right', '.tools']) assert.equal(await player.part(part).isVisible(), shown, `${part} with controls ${on}`);
+    }
+    await player.close();
+  },
+
+  'a lazy player loads when it is about to be seen': async (browser) => {
+    const player = await bare(browser);
+    await player.page.evaluate(() => {
+      const space = document.createElement('div');
+      space.className = 'space';
+      document.body.append(space);
+      window.make({ src: '/demo.reprise', loading: 'lazy' });
+    });
+    await player.page.waitForTimeout(600);
+    assert.deepEqual(await player.heard('progress'), []);
+    await player.run((element) => element.scrollIntoView());
+    await player.event('load');
+    await player.close();
+  },
+
+  'poster, progress and error can be the page’s own': async (browser) => {
+    const player = await bare(browser, { forgive: [/Failed to load resource/] });
+    const shown = (id) => player.page.evaluate((name) => document.getElementById(name).checkVisibility(), id);
+    await player.page.evaluate(() => {
+      const own = ['poster', 'progress', 'error', 'bar'].map((slot) => Object.assign(document.createElement('p'), { slot, id: slot, textContent: slot }));
+      window.make({ src: '/slow.reprise', controls: '' }, ...own);
+    });
+    await player.until('loading', () => window.heard.some(({ type }) => type === 'progress'));
+    assert.deepEqual([await shown('poster'), await shown('progress'), await shown('error'), await shown('bar')], [true, true, false, true]);
+    assert.equal(await player.part('.progress').isVisible(), false);
+    await player.event('load');
+    assert.deepEqual([await shown('poster'), await shown('progress'), await shown('error')], [false, false, false]);
+    await player.run((element) => (element.src = '/nowhere.reprise'));
+    await player.event('error');
+    assert.equal(await shown('error'), true);
+    assert.equal(await player.part('.error').isVisible(), false);
+    await player.close();
+  },
+
+  'the poster is there until the first pose is': async (browser) => {
+    const player = await bare(browser);
+    await player.page.evaluate(() => window.make({ src: '/slow.reprise', poster: '/favicon.svg', alt: 'A dancer' }));
+    assert.equal(await player.part('.poster').isVisible(), true);
+    assert.equal(await player.part('.poster').getAttribute('alt'), 'A dancer');
+    await player.event('ready');
+    assert.equal(await player.part('.poster').isVisible(), false);
+    await player.until('the words', (element) => /^A dancer, /.test(element.shadowRoot.querySelector('.view').getAttribute('aria-label')));
+    await player.close();
+  },
+
+  'camera is where the first view is taken from, and recentre goes back there': async (browser) => {
+    const player = await bare(browser, { reducedMotion: 'reduce' });
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise', camera: '90deg 20deg 1.5' }));
+    await player.loaded();
+    const camera = () => player.run((element) => Array.from(element.testing.stage.camera(), (one) => Number(one.toFixed(3))));
+    assert.deepEqual(await camera(), [1.571, 0.349, 1.5]);
+    await player.run((element) => {
+      element.testing.stage.orbit(60, 10);
+      element.testing.stage.zoom(1.4);
+    });
+    assert.notDeepEqual(await camera(), [1.571, 0.349, 1.5]);
+    await player.run((element) => element.recentre());
+    assert.deepEqual(await camera(), [1.571, 0.349, 1.5]);
+    await player.run((element) => (element.camera = '0deg 10deg'));
+    assert.deepEqual(await camera(), [0, 0.175, 1]);
+    await player.close();
+  },
+
+  'tint, loop, speed and theme reach the actor and the picture': async (browser) => {
+    const player = await loaded(browser);
+    const corner = () => player.run(async (element) => (await element.testing.picture()).corner);
+    await player.run((element) => (element.theme = 'dark'));
+    assert.ok(Math.max(...(await corner())) < 80);
+    await player.run((element) => (element.theme = 'light'));
+    assert.ok(Math.min(...(await corner())) > 180);
+    await player.run((element) => (element.tint = true));
+    assert.equal(await player.part('.chip[aria-pressed="true"]').textContent(), 'tint');
+    const frames = async (speed) =>
+      player.run((element, rate) => {
+        element.speed = rate;
+        element.seek(10);
+        element.play();
+        for (let tick = 0; tick < 4; tick += 1) element.testing.player.tick(0.05);
+        element.pause();
+        return JSON.parse(element.testing.player.state()).frame - 10;
+      }, speed);
+    const [slow, fast] = [await frames(1), await frames(2)];
+    assert.ok(Math.abs(fast - 2 * slow) < 0.01, `${slow} and ${fast}`);
+    const ends = await player.run((element) => {
+      const { first, count } = element.info.sequences.find(({ cyclic }) => !cyclic);
+      element.loop = false;
+      element.speed = 1;
+      element.seek(first + count - 3);
+      element.play();
+      for (let tick = 0; tick < 20; tick += 1) element.testing.player.tick(0.1);
+      return element.playing;
+    });
+    assert.equal(ends, false);
+    await player.event('end');
+    await player.close();
+  },
+
+  'goTo, plan and queue take frames, poses and behaviours': async (browser) => {
+    const player = await loaded(browser);
+    const frame = await player.target();
+    const walks = await player.run((element, wanted) => {
+      const sequence = element.info.sequences.find(({ first, count }) => wanted >= first && wanted < first + count);
+      const seconds = (wanted - sequence.first) / element.info.fps;
+      return {
+        plain: element.plan(wanted).to,
+        record: element.plan({ frame: wanted }).to,
+        pose: element.plan({ sequence: sequence.name, seconds }).to,
+        frameOf: element.frameOf(sequence.name, seconds),
+        behaviour: element.plan({ behaviour: sequence.name }),
+        sequence,
+        behaviours: element.behaviours,
+      };
+    }, frame);
+    assert.deepEqual([walks.plain, walks.record, walks.pose, walks.frameOf], [frame, frame, frame, frame]);
+    const { sequence, behaviour } = walks;
+    assert.ok(behaviour.to >= sequence.first && behaviour.to < sequence.first + sequence.count);
+    assert.ok(walks.behaviours.length > 0);
+    for (const bad of ['-1', '1e9', '0.5', '"walk"', 'null', '{}', '{ behaviour: "flying" }', '{ sequence: "nowhere" }']) {
+      assert.equal(await kindOf(player, `(element) => element.goTo(${bad})`), 'bad-argument', bad);
+      assert.equal(await kindOf(player, `(element) => element.queue(${bad})`), 'bad-argument', bad);
+    }
+    const other = await player.target(frame);
+    await player.run((element, targets) => {
+      element.speed = 4;
+      element.queue(...targets);
+    }, [frame, { frame: other }, frame]);
+    assert.deepEqual(await player.run((element) => element.queued), [{ frame: other }, frame]);
+    await player.until('three arrivals', () => window.heard.filter(({ type }) => type === 'arrive').length === 3);
+    assert.deepEqual((await player.heard('arrive')).map(({ frame: at }) => at), [frame, other, frame]);
+    await player.run((element, targets) => {
+      element.queue(...targets);
+      element.cancel();
+    }, [other, frame]);
+    assert.deepEqual(await player.run((element) => [element.queued, element.state.target]), [[], null]);
+    await player.close();
+  },
+
+  'the frame event tells every moment that is shown': async (browser) => {
+    const player = await loaded(browser);
+    await player.run((element) => {
+      window.moments = [];
+      element.addEventListener('frame', ({ detail }) => window.moments.push(detail));
+      element.play();
+    });
+    await player.until('some frames', () => window.moments.length > 5);
+    const moments = await player.page.evaluate(() => window.moments);
+    moments.forEach((one) => assert.deepEqual(Object.keys(one), ['frame', 'mode', 'x', 'z', 'heading']));
+    assert.ok(new Set(moments.map(({ frame }) => frame)).size > 4);
+    await player.run((element) => element.pause());
+    await player.page.waitForTimeout(200);
+    const count = () => player.page.evaluate(() => window.moments.length);
+    const rest = await count();
+    await player.page.waitForTimeout(300);
+    assert.equal(await count(), rest, 'frames are told while nothing moves');
+    await player.close();
+  },
+
+  'pictures can be taken': async (browser) => {
+    const player = await loaded(browser);
+    const picture = await player.run(async (element) => {
+      const [stage, pose] = [await element.snapshot(), await element.snapshot({ frame: 20, width: 90, height: 120 })];
+      const blob = await element.toBlob({ frame: 20, width: 90, height: 120 });
+      const jpeg = await element.toBlob({ type: 'image/jpeg', quality: 0.8 });
+      const bitmap = await createImageBitmap(blob);
+      const alpha = pose.data.filter((_, at) => at % 4 === 3);
+      return { stage: [stage.width, stage.height, stage.data.length], pose: [pose.width, pose.height], clear: alpha.filter((one) => one === 0).length, drawn: alpha.filter((one) => one > 200).length, bitmap: [bitmap.width, bitmap.height], types: [blob.type, jpeg.type] };
+    });
+    assert.equal(picture.stage[2], picture.stage[0] * picture.stage[1] * 4);
+    assert.deepEqual([picture.pose, picture.bitmap, picture.types], [[90, 120], [90, 120], ['image/png', 'image/jpeg']]);
+    assert.ok(picture.clear > 2000 && picture.drawn > 500, JSON.stringify(picture));
+    for (const bad of ['{ frame: 1e9 }', '{ frame: 2, width: 0 }', '{ frame: 2, height: 1e6 }', '{ frame: 2, width: 1.5 }']) {
+      assert.equal(await kindOf(player, `(element) => element.snapshot(${bad})`), 'bad-argument', bad);
+    }
+    await player.close();
+  },
+
+  'reload begins anew, and pressKey does what keys do': async (browser) => {
+    const player = await loaded(browser);
+    await player.run((element) => element.reload());
+    await player.until('the second load', () => window.heard.filter(({ type }) => type === 'load').length === 2);
+    const used = await player.run((element) => {
+      const press = (key) => element.pressKey(new KeyboardEvent('keydown', { key, cancelable: true }));
+      const before = element.loop;
+      return [press('l'), element.loop !== before, press('F13')];
+    });
+    assert.deepEqual(used, [true, true, false]);
+    await player.close();
+  },
+
+  'the frame loop waits where it stalls, and says so': async (browser) => {
+    const player = await browser.open({ search: 'src=slow.reprise' });
+    await player.event('ready');
+    await player.until('the test hook', (element) => Boolean(element.testing));
+    await player.run((element) => {
+      const { player: inner } = element.testing;
+      const { first, count } = element.info.sequences.at(-1);
+      const here = Array.from({ length: count - 1 }, (_, at) => first + at).find((frame) => inner.loaded(frame) && !inner.loaded(frame + 1));
+      element.seek(here);
+      element.play();
+    });
+    await player.event('stall');
+    await player.event('load');
+    await player.close();
+  },
+
+  'the plain page of the examples': async (browser) => {
+    const player = await browser.open({ path: 'examples/plain.html' });
+    await player.event('load');
+    await player.page.locator('button').first().click();
+    await player.event('arrive');
+    await player.close();
+  },
+
+  'two players on one page keep apart': async (browser) => {
+    const player = await browser.open({ path: 'examples/two.html' });
+    await player.until('both', () => [...document.querySelectorAll('reprise-player')].every(({ complete }) => complete));
+    const frames = await player.page.evaluate(() => {
+      const [one, other] = document.querySelectorAll('reprise-player');
+      one.pause();
+      other.pause();
+      one.seek(10);
+      other.seek(30);
+      return [one.state.frame, other.state.frame];
+    });
+    assert.deepEqual(frames, [10, 30]);
+    await player.page.evaluate(() => document.querySelector('reprise-player').remove());
+    await player.page.waitForTimeout(100);
+    assert.equal(await player.page.evaluate(() => document.querySelector('reprise-player').state.frame), 30);
+    await player.close();
+  },
+
+  'a framework’s component drives the element': async (browser) => {
+    const player = await browser.open({ path: 'examples/framework.html' });
+    await player.event('load');
+    await player.until('the list', () => document.querySelectorAll('li button').length > 1);
+    await player.page.locator('li button').nth(1).click();
+    await player.event('arrive');
+    await player.until('the sentence', () => /arrived/.test(document.querySelector('output').textContent));
+    await player.close();
+  },
+};

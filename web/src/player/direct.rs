@@ -1,0 +1,279 @@
+//! Directing: a request becomes a walk by a search that is worked on in slices, and the walk becomes the route.
+//!
+//! The search needs to know where every frame and every transition leads on the ground; that is prepared once, in slices
+//! too. A slice looks at the clock after every few dozen states, so that the page's frames stay short.
+
+use std::rc::Rc;
+
+use serde::Serialize;
+use shared::align::Placement;
+use shared::graph::EssentialGraph;
+use shared::pose_source::PoseError;
+use shared::search::{
+    Answer, DEFAULT_EFFORT, Direction, Leg, Motion, MotionMeter, Progress, Request, RequestError, Scene, Spot, Start,
+    Survey, Walk, Ways,
+};
+use thiserror::Error;
+
+use super::loading::{Actor, Source};
+use super::plan::{LegReport, PlanReport, Stretch, report_legs};
+use super::{Player, PlayerError};
+
+/// States expanded between two looks at the clock: well below a millisecond in a browser.
+const STATES: u32 = 20;
+/// Frames measured and transitions surveyed between two looks.
+const FRAMES: u32 = 2;
+const TRANSITIONS: usize = 200;
+/// Metres and radians by which the actor may have moved since the search began.
+const SAME: f32 = 1e-3;
+
+/// Why a request is not worked on.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DirectError {
+    /// The request makes no sense, or none for this actor.
+    #[error(transparent)]
+    Request(#[from] RequestError),
+    /// What it needs is not there.
+    #[error(transparent)]
+    Player(#[from] PlayerError),
+}
+
+impl From<PoseError> for DirectError {
+    fn from(error: PoseError) -> Self {
+        Self::Player(error.into())
+    }
+}
+
+/// Where a search begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// Where the actor would leave from now.
+    Here,
+    /// Wherever suits the request best.
+    Anywhere,
+    /// Where the answer before ends: its walk is to be gone on with.
+    End,
+}
+
+/// What is known for searches, and the search under way.
+#[derive(Default)]
+pub struct Directing {
+    preparing: Option<Preparing>,
+    ways: Option<Rc<Ways>>,
+    direction: Option<Direction>,
+}
+
+/// How far the preparations are.
+enum Preparing {
+    Measuring(Box<MotionMeter>),
+    Surveying(Rc<Motion>, Box<Survey>),
+}
+
+/// An answer as the page reads it.
+#[derive(Clone, Debug, Serialize)]
+pub struct AnswerReport {
+    /// What the search says.
+    #[serde(flatten)]
+    pub answer: Answer,
+    /// The walk's legs as in plans.
+    pub legs: Vec<LegReport>,
+    /// Where the walk leads on the ground, leg by leg.
+    pub track: Vec<TrackPiece>,
+}
+
+/// A leg of a walk on the ground.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrackPiece {
+    /// Whether it is synthesised.
+    pub synthetic: bool,
+    /// The centre of mass (X, Z), metres.
+    pub points: Vec<[f32; 2]>,
+}
+
+impl Player {
+    /// Gets ready for searches, for about `milliseconds`; whether that is done.
+    ///
+    /// # Errors
+    /// The graph or a frame has not arrived.
+    pub fn prepare_search(&mut self, milliseconds: f64) -> Result<bool, DirectError> {
+        let (actor, graph) = self.ready(0)?;
+        let now = self.producer.now;
+        let end = now() + milliseconds;
+        while self.directing.ways.is_none() {
+            self.prepare_more(&actor, &graph)?;
+            if now() >= end {
+                break;
+            }
+        }
+        Ok(self.directing.ways.is_some())
+    }
+
+    fn prepare_more(&mut self, actor: &Actor, graph: &EssentialGraph) -> Result<(), DirectError> {
+        let timeline = &actor.timeline;
+        let survey = |motion: Motion| -> Result<Preparing, PoseError> {
+            let survey = Survey::new(graph, timeline, &motion, None)?;
+            Ok(Preparing::Surveying(Rc::new(motion), Box::new(survey)))
+        };
+        let state = match self.directing.preparing.take() {
+            Some(state) => state,
+            None => match &self.loading.source {
+                Source::Bundle(reader) if reader.motion().is_some() => {
+                    survey(reader.motion().cloned().ok_or(PlayerError::NotLoaded)?)?
+                }
+                _ => Preparing::Measuring(Box::new(MotionMeter::new(actor.topology.weights()))),
+            },
+        };
+        self.directing.preparing = Some(match state {
+            Preparing::Measuring(mut meter) => match meter.advance(timeline, &mut self.loading.source, FRAMES) {
+                Ok(true) => survey(meter.finish(timeline, &mut self.loading.source)?)?,
+                Ok(false) => Preparing::Measuring(meter),
+                Err(error) => {
+                    self.directing.preparing = Some(Preparing::Measuring(meter));
+                    return Err(error.into());
+                }
+            },
+            Preparing::Surveying(motion, mut survey) => {
+                if survey.advance(graph, timeline, &motion, TRANSITIONS)? {
+                    self.directing.ways = Some(Rc::new(survey.finish()));
+                    return Ok(());
+                }
+                Preparing::Surveying(motion, survey)
+            }
+        });
+        Ok(())
+    }
+
+    /// Begins to search for a walk that does what `request` asks; a search under way is dropped.
+    ///
+    /// # Errors
+    /// The request makes no sense for this actor, or [`Self::prepare_search`] is not done.
+    pub fn search(&mut self, request: &Request, from: Origin) -> Result<(), DirectError> {
+        let start = match from {
+            Origin::Anywhere => None,
+            Origin::Here => {
+                let (frame, placement) = self.leaves()?;
+                Some(Start { frame, placement })
+            }
+            Origin::End => {
+                let answer = self.answer()?;
+                let [heading, x, z] = answer.end_placement;
+                let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
+                Some(Start { frame: answer.end_frame, placement })
+            }
+        };
+        self.directing.direction = None;
+        let (actor, graph, ways) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        self.directing.direction = Some(Direction::new(&scene, start, request, DEFAULT_EFFORT)?);
+        Ok(())
+    }
+
+    /// Searches on for about `milliseconds`.
+    ///
+    /// # Errors
+    /// No search is under way.
+    pub fn search_on(&mut self, milliseconds: f64) -> Result<Progress, DirectError> {
+        let (actor, graph, ways) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        let direction = self.directing.direction.as_mut().ok_or(PlayerError::NotLoaded)?;
+        let now = self.producer.now;
+        let end = now() + milliseconds;
+        loop {
+            let progress = direction.advance(&scene, STATES)?;
+            if progress != Progress::Running || now() >= end {
+                return Ok(progress);
+            }
+        }
+    }
+
+    /// Drops the search under way.
+    pub fn stop_search(&mut self) {
+        self.directing.direction = None;
+    }
+
+    /// The best answer so far.
+    ///
+    /// # Errors
+    /// No search is under way.
+    pub fn answer(&self) -> Result<Answer, DirectError> {
+        let (actor, graph, ways) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        let direction = self.directing.direction.as_ref().ok_or(PlayerError::NotLoaded)?;
+        Ok(direction.best(&scene))
+    }
+
+    /// The best answer so far, with what the page draws of it.
+    ///
+    /// # Errors
+    /// No search is under way.
+    pub fn answer_report(&self) -> Result<AnswerReport, DirectError> {
+        let answer = self.answer()?;
+        let (_, graph, ways) = self.scene()?;
+        let stretches: Vec<_> = answer.walk.legs.iter().copied().map(Stretch::Walk).collect();
+        let [heading, x, z] = answer.start_placement;
+        let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
+        let track = track(&ways, answer.start_frame, placement, &answer.walk);
+        Ok(AnswerReport { legs: report_legs(&stretches, &graph), track, answer })
+    }
+
+    /// Sets off on the best walk so far. Where the search chose the start, the actor is put there first.
+    ///
+    /// # Errors
+    /// No search is under way, its walk is empty, or the actor is not where the walk begins any more.
+    pub fn set_off(&mut self, anywhere: bool) -> Result<PlanReport, DirectError> {
+        let answer = self.answer()?;
+        let [heading, x, z] = answer.start_placement;
+        let wanted = Placement { heading, translation: glam::Vec2::new(x, z) };
+        let (frame, placement) = self.leaves()?;
+        let off = (placement.heading - wanted.heading).abs() + placement.translation.distance(wanted.translation);
+        if frame != answer.start_frame || off > SAME {
+            if !anywhere {
+                return Err(PlayerError::Unreachable { from: frame, to: answer.start_frame }.into());
+            }
+            self.stand_in(answer.start_frame, wanted)?;
+        }
+        Ok(self.follow(answer.start_frame, &answer.walk)?)
+    }
+
+    /// Goes on with the best walk so far where the walk under way ends; whether it could.
+    ///
+    /// # Errors
+    /// No search is under way.
+    pub fn go_on(&mut self) -> Result<bool, DirectError> {
+        let answer = self.answer()?;
+        Ok(self.extend(answer.start_frame, &answer.walk))
+    }
+
+    fn scene(&self) -> Result<(Actor, Rc<EssentialGraph>, Rc<Ways>), DirectError> {
+        let (actor, graph) = self.ready(0)?;
+        let ways = self.directing.ways.clone().ok_or(PlayerError::NotLoaded)?;
+        Ok((actor, graph, ways))
+    }
+}
+
+/// Where `walk` leads on the ground from `start`, standing at `placement`.
+fn track(ways: &Ways, start: u32, placement: Placement, walk: &Walk) -> Vec<TrackPiece> {
+    let (mut frame, mut spot) = (start, Spot::from(&placement));
+    let ground = |spot: &Spot, point| {
+        let place = spot.apply(point);
+        [place.x, place.z]
+    };
+    let mut pieces = Vec::with_capacity(walk.legs.len());
+    for leg in &walk.legs {
+        let transition = match *leg {
+            Leg::Synthetic(index) => Some(index),
+            Leg::Recorded { .. } => None,
+        };
+        let steps = if let Leg::Recorded { steps, .. } = *leg { steps } else { 1 };
+        let here = ways.points.get(frame as usize).copied().unwrap_or_default();
+        let mut piece = TrackPiece { synthetic: transition.is_some(), points: vec![ground(&spot, here)] };
+        for _ in 0..steps {
+            let Some(index) = ways.from(frame).find(|&index| ways.way(index).transition == transition) else { break };
+            piece.points.extend(ways.samples(index).iter().map(|sample| ground(&spot, sample.point)));
+            let way = ways.way(index);
+            (frame, spot) = (way.to, spot.after(&way.spot));
+        }
+        pieces.push(piece);
+    }
+    pieces
+}

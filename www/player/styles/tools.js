@@ -1,0 +1,113 @@
+/** The tools: their bar, their docks under the stage, and what they put on it. */
+
+export const toolStyles = `
+.bar { position: relative; z-index: 3; display: flex; align-items: center; gap: 12px; min-block-size: 40px; padding-inline: 16px 8px; }
+:host(:not([controls])) .bar .toolbar, :host(:not([controls])) .handles { display: none; }
+:host(:not([controls])) .bar { min-block-size: 0; }
+.player[data-state="failed"] .toolbar, .player[data-state="loading"] .toolbar { visibility: hidden; }
+.bar ::slotted(*) { min-inline-size: 0; }
+.toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
+.tools { display: flex; gap: 2px; margin-inline-end: 8px; }
+.tool { min-block-size: 32px; padding: 0 11px; border: 0; border-radius: 4px; background: none; color: var(--muted); cursor: pointer; }
+.tool:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
+.tool[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 12%, transparent); }
+button:disabled { opacity: 0.38; cursor: default; }
+.share { position: relative; }
+.menu { position: absolute; inset: 36px 0 auto auto; display: grid; inline-size: max-content; padding: 4px; border-radius: 4px; background: var(--raised); box-shadow: 0 2px 12px rgb(0 0 0 / 0.16); }
+.menu .chip { min-block-size: 32px; color: var(--ink); text-align: start; }
+
+.dock { padding: 10px 16px 2px; }
+.tool-dock { display: grid; gap: 8px; min-inline-size: 0; }
+.row { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; min-inline-size: 0; }
+.space { flex: 1; }
+.choice { display: flex; flex-wrap: wrap; gap: 2px; }
+.chip[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
+.dot { display: inline-block; inline-size: 9px; block-size: 9px; margin-inline-end: 6px; border-radius: 2px; background: var(--b); }
+.b0 { --b: var(--behaviour-0); } .b1 { --b: var(--behaviour-1); } .b2 { --b: var(--behaviour-2); } .b3 { --b: var(--behaviour-3); } .b4 { --b: var(--behaviour-4); }
+.go-row { display: flex; align-items: center; gap: 12px; min-inline-size: 0; }
+.outcome { flex: 1; min-inline-size: 0; margin: 0; color: var(--ink); }
+.go { padding: 6px 18px; }
+.field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
+.field input { inline-size: 76px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
+
+.path-strip { position: relative; block-size: 44px; margin-block-end: 18px; border-radius: 4px; background: var(--strip); touch-action: pan-y; cursor: crosshair; }
+.path-strip canvas { position: absolute; inset: 0; border-radius: 4px; pointer-events: none; }
+.painted span {
+  position: absolute;
+  inset-block: 0;
+  padding: 2px 6px;
+  border-radius: 4px;
+  border-block-end: 4px solid var(--b);
+  background: color-mix(in srgb, var(--b) 24%, var(--surface));
+  font-size: 12px;
+  overflow: hidden;
+  text-overflow: ellipsis;
+  white-space: nowrap;
+  pointer-events: none;
+}
+.brush-mark { position: absolute; inset: -2px auto -2px 0; inline-size: 2px; margin-inline-start: -1px; background: var(--accent); opacity: 0; pointer-events: none; }
+.path-strip:focus-visible .brush-mark, .path-strip:hover .brush-mark { opacity: 1; }
+.scale { position: absolute; inset: 100% 0 auto; block-size: 16px; color: var(--muted); font-size: 11px; pointer-events: none; }
+.scale span { position: absolute; inset-block-start: 2px; translate: -50%; white-space: nowrap; }
+.scale span:first-child { translate: 0; }
+.scale span::before { content: ""; position: absolute; inset: -4px auto auto 50%; inline-size: 1px; block-size: 4px; background: var(--line); }
+.scale span:first-child::before { inset-inline-start: 0; }
+
+.ruler { position: relative; block-size: 52px; margin: 2px 12px 18px; border-radius: 4px; background: var(--strip); }
+.lane { position: absolute; inset: 0; }
+.key-pose { position: absolute; inset-block-start: 2px; inline-size: 36px; block-size: 48px; margin-inline-start: -18px; padding: 0; border: 0; border-radius: 4px; background: none; cursor: ew-resize; touch-action: none; }
+.key-pose::after { content: ""; position: absolute; inset: auto auto -6px 50%; inline-size: 2px; margin-inline-start: -1px; block-size: 8px; background: var(--accent); }
+.key-pose canvas, .pose canvas, .ruler .shadow { display: block; inline-size: 36px; block-size: 48px; pointer-events: none; }
+.key-pose:hover, .key-pose:focus-visible { background: color-mix(in srgb, var(--accent) 16%, transparent); z-index: 1; }
+.ruler .shadow { position: absolute; inset-block-start: 2px; margin-inline-start: -18px; opacity: 0.55; }
+.marks span { position: absolute; inset-block: auto 0; block-size: 4px; min-inline-size: 3px; border-radius: 2px; background: var(--synthetic); }
+.marks span[data-late="false"] { background: var(--recorded); }
+.shelf { display: flex; align-items: center; gap: 12px; overflow: auto hidden; scrollbar-width: thin; scrollbar-color: var(--line) transparent; }
+.shelf-part { display: flex; align-items: center; flex: none; }
+.shelf .label { margin: 0; padding-inline-end: 6px; }
+.pose { flex: none; padding: 0; border: 0; border-radius: 4px; background: none; cursor: grab; touch-action: pan-x; }
+.pose:hover { background: color-mix(in srgb, var(--ink) 8%, transparent); }
+.timing-dock { grid-template-columns: minmax(0, 1fr) auto; }
+.times { grid-area: 1 / 2 / 3; max-block-size: 132px; padding-inline: 12px 2px; overflow: auto; scrollbar-width: thin; font-size: 12px; }
+.times table { min-inline-size: 232px; border-spacing: 0; }
+.times th { position: sticky; inset-block-start: 0; background: var(--surface); }
+.timing-dock .ruler, .timing-dock .shelf { grid-column: 1; }
+.timing-dock .go-row { grid-column: 1 / -1; }
+.times th { color: var(--muted); font-weight: 400; }
+.times th, .times td { padding: 1px 0 1px 16px; text-align: end; }
+.times th:first-child, .times td:first-child { padding-inline-start: 0; text-align: start; }
+
+.weights { display: grid; grid-template-columns: repeat(auto-fill, minmax(250px, 1fr)); gap: 4px 24px; max-block-size: 120px; overflow: auto; }
+.weight { display: grid; grid-template-columns: 84px 1fr 44px; align-items: center; gap: 8px; }
+.weight span { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
+.weight input { accent-color: var(--accent); min-inline-size: 0; margin: 0; }
+.weight output { color: var(--muted); text-align: end; }
+
+.handles { position: absolute; inset: 0; overflow: hidden; pointer-events: none; }
+.handle { position: absolute; inset: 0 auto auto 0; inline-size: 28px; block-size: 28px; margin: -14px; padding: 0; border: 0; border-radius: 50%; background: none; pointer-events: auto; cursor: move; touch-action: none; }
+.handle::before { content: ""; position: absolute; inset: 8px; border: 2px solid var(--accent); border-radius: 50%; background: var(--surface); }
+.handle:hover::before, .handle:focus-visible::before { inset: 6px; background: var(--accent); }
+.handles[data-brush] .handle { pointer-events: none; opacity: 0.5; }
+.handle.turn::before { border-radius: 2px; rotate: 45deg; inset: 9px; }
+.ground-labels { position: absolute; inset: 0; }
+.ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }
+.view[data-drawing] { cursor: crosshair; }
+.view[data-tool="place"] { cursor: crosshair; }
+
+@container player (width < 640px) {
+  .bar { flex-wrap: wrap; gap: 0; padding-inline: 12px 4px; }
+  .toolbar { inline-size: 100%; gap: 0; }
+  .tools { flex: 1; gap: 0; margin: 0; }
+  .tool { min-block-size: 40px; padding: 0 7px; }
+  .toolbar .round { inline-size: 34px; }
+  .dock { padding: 8px 12px 0; max-block-size: 46cqh; overflow: auto; }
+  .score[data-closed] .dock { display: none; }
+  .choice { flex-wrap: nowrap; overflow: auto; max-inline-size: 100%; scrollbar-width: none; }
+  .choice .chip { flex: none; }
+  .space { display: none; }
+  .timing-dock { grid-template-columns: minmax(0, 1fr); }
+  .times { grid-area: auto; max-block-size: 96px; padding: 0; }
+  .times table { inline-size: 100%; }
+  .weights { max-block-size: 200px; }
+}
+`;

@@ -1,0 +1,91 @@
+/** What `goTo` and `queue` take, checked: a frame, a pose by its sequence and time, or a behaviour. */
+
+import { PlayerError } from './errors.js';
+
+/** Frames between those that are tried as the way into a behaviour. */
+const STEP = 5;
+
+const wrong = (message) => new PlayerError('bad-argument', message);
+
+/**
+ * The frame that a target means.
+ * @param {number | {frame?: number, sequence?: string, seconds?: number, behaviour?: string}} target
+ * @param {import('./director.js').Director} director
+ */
+export function frameOfTarget(target, director) {
+  const { info } = director;
+  if (target && typeof target === 'object') {
+    if (target.frame !== undefined) return frameOfTarget(target.frame, director);
+    if (target.sequence !== undefined) return frameAt(director, target.sequence, target.seconds);
+    if (target.behaviour !== undefined) return nearestOf(director, target.behaviour);
+  }
+  if (!Number.isInteger(target)) throw wrong('A target is a frame, a sequence with seconds, a behaviour, a place or a path.');
+  if (target < 0 || target >= info.frames) throw wrong(`There is no frame ${target}; the actor has ${info.frames}.`);
+  return target;
+}
+
+/** Places and paths have to be searched for. @returns {object | null} the request's target, or null for a pose */
+export function groundTarget(target) {
+  if (!target || typeof target !== 'object') return null;
+  const { x, z, heading, path, stretches = [], shape = 'spline' } = target;
+  if (path !== undefined) return { path: { points: path, stretches, shape } };
+  if (x === undefined && z === undefined) return null;
+  return { place: { x, z, ...(heading === undefined || heading === null ? {} : { heading }) } };
+}
+
+export function frameAt({ info, timeline }, sequence, seconds = 0) {
+  const found = info.sequences.find(({ name }) => name === sequence);
+  if (!found) throw wrong(`There is no sequence named “${sequence}”.`);
+  return timeline.step(found.first, Math.round((Number(seconds) || 0) * info.fps));
+}
+
+/** Names of all behaviours: the labels, then the sequences whose name is no label. */
+export function behavioursOf(info) {
+  const labels = info.sequences.flatMap((sequence) => sequence.labels);
+  return [...new Set([...labels, ...info.sequences.map(({ name }) => name)])];
+}
+
+/** The frame of a behaviour that is reached at the least cost. */
+function nearestOf(director, behaviour) {
+  const shows = director.info.sequences.filter(({ name, labels }) => name === behaviour || labels.includes(behaviour));
+  if (shows.length === 0) throw wrong(`There is no behaviour named “${behaviour}”.`);
+  let [best, least, trouble] = [-1, Infinity, null];
+  for (const { first, count } of shows) {
+    for (let frame = first; frame < first + count; frame += STEP) {
+      try {
+        const { cost } = director.plan(frame);
+        if (cost < least) [best, least] = [frame, cost];
+      } catch (error) {
+        trouble = error;
+      }
+    }
+  }
+  if (best < 0) throw trouble;
+  return best;
+}
+
+/** Targets one after the other: the next one is told when the actor has arrived. */
+export class Queue {
+  /** @param {(target: object | number) => void} go */
+  constructor(go) {
+    this.go = go;
+    this.targets = [];
+  }
+
+  clear() {
+    this.targets = [];
+  }
+
+  /** @param {boolean} busy whether the actor is on its way to something */
+  add(target, busy) {
+    if (busy) this.targets.push(target);
+    else this.go(target);
+  }
+
+  /** @returns whether there was another target */
+  next() {
+    if (this.targets.length === 0) return false;
+    this.go(this.targets.shift());
+    return true;
+  }
+}

@@ -1,0 +1,62 @@
+/**
+ * Between what the tools hold and requests, the JSON that searches, links, files and the command line share (see
+ * docs/directing.md). Requests from outside are checked by the engine before they get here.
+ */
+
+export const VERSION = 1;
+
+/** What the tools hold when nothing has been asked. */
+export const EMPTY = Object.freeze({
+  place: null,
+  path: { points: [], stretches: [], shape: 'spline' },
+  keys: [],
+  wander: { seed: 1, weights: {} },
+});
+
+/** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
+const WANDER = 60;
+/** Points of a path that can be taken hold of. */
+const MOST_POINTS = 200;
+
+/** @returns {object | null} the request of a tool, or null where nothing is asked with it */
+export function requestOf(tool, { place, path, keys, wander, pose }) {
+  const request = (target, seed = 0) => ({ version: VERSION, seed, target });
+  if (tool === 'place') return place && request({ place: tidy(place.heading === null ? { x: place.x, z: place.z } : place) });
+  if (tool === 'path') return path.points.length > 1 ? request({ path: tidy({ ...path, shape: path.shape }) }) : null;
+  if (tool === 'timing') return keys.length > 0 ? request({ keys: { poses: keys.map(({ frame, seconds }) => ({ pose: frame, time: seconds })) } }) : null;
+  if (tool === 'wander') return request({ wander: { seconds: WANDER, weights: wander.weights } }, wander.seed);
+  return pose ? request(pose) : null;
+}
+
+/** Millimetres and milliradians are enough, and make short links. */
+function tidy(value) {
+  return JSON.parse(JSON.stringify(value, (_, part) => (typeof part === 'number' ? Math.round(part * 1000) / 1000 : part)));
+}
+
+/**
+ * What a checked request means for the tools: which one shows it, and the part of the document.
+ * @param {import('../timeline.js').Timeline} timeline
+ * @returns {{tool: string, part: object}}
+ */
+export function partOf({ target, seed }, timeline) {
+  const { place, path, keys, wander } = target;
+  if (place) return { tool: 'place', part: { place: { x: place.x, z: place.z, heading: place.heading ?? null } } };
+  const editable = path && path.points.length <= MOST_POINTS && path.points[0].length === 2 && !path.vertices?.length && !path.free_start;
+  if (editable) {
+    const { points, stretches = [], shape } = path;
+    return { tool: 'path', part: { path: { points, stretches, shape } } };
+  }
+  if (keys) {
+    const poses = keys.poses.map(({ pose, time }) => ({ frame: frameOf(pose, timeline), seconds: time }));
+    return { tool: 'timing', part: { keys: poses.sort((a, b) => a.seconds - b.seconds) } };
+  }
+  if (wander) return { tool: 'wander', part: { wander: { seed, weights: wander.weights ?? {} } } };
+  return { tool: 'pose', part: { pose: target } };
+}
+
+/** A frame that does not exist is left for the search to complain about. */
+function frameOf(pose, timeline) {
+  if (typeof pose === 'number') return pose;
+  const sequence = timeline.sequences.find(({ name }) => name === pose.sequence);
+  return sequence ? sequence.first + (pose.frame ?? Math.round((pose.time ?? 0) * timeline.fps)) : 4294967295;
+}

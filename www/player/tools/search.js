@@ -1,0 +1,188 @@
+/**
+ * Drives the search in slices of a few milliseconds with rests between them, so that the page never waits for it: about one
+ * slice a display frame, and more where the display is slow.
+ */
+
+import { readAnswer } from './answer.js';
+
+/** Milliseconds of work in a slice, and of rest after it. */
+export const SLICE = 4;
+const REST = 8;
+/** Milliseconds of searching before the first answer is shown, and between two. */
+const FIRST_LOOK = 60;
+const LOOK_AGAIN = 240;
+/** Milliseconds of searching, by the clock, after which whoever waits sets off with the best walk so far. */
+const PATIENCE = 500;
+/** Seconds left of an endless walk when the next part of it is searched for. */
+const AHEAD = 20;
+
+export class SearchDriver {
+  /**
+   * @param {import('../core.js').Core} core
+   * @param {(answer: object | null, trouble: string | null) => void} found hears of every answer, and of what is wrong
+   */
+  constructor(core, found) {
+    this.core = core;
+    this.found = found;
+    this.task = null;
+    this.waiting = null;
+    this.endless = null;
+    /** For tests: slices of work, and the milliseconds of the longest. */
+    this.slices = { count: 0, longest: 0 };
+  }
+
+  get player() {
+    return this.core.director?.player;
+  }
+
+  /** @param {object} request @param {'here' | 'anywhere' | 'end'} origin */
+  start(request, origin = 'here') {
+    this.drop();
+    this.task = { request, origin, text: JSON.stringify(request), begun: 0, looked: 0, answer: null, done: false };
+    this.pump();
+  }
+
+  pump() {
+    this.timer ??= setTimeout(() => {
+      this.timer = null;
+      if (this.step()) this.pump();
+    }, REST);
+  }
+
+  /** Ends the search; a walk under way goes on. */
+  stop() {
+    this.drop();
+    this.waiting?.reject(Object.assign(new Error('Something else was asked for.'), { kind: 'bad-argument' }));
+    this.waiting = null;
+  }
+
+  drop() {
+    this.task = null;
+    if (!this.endless) this.player?.stop_search();
+  }
+
+  /** One slice. @returns whether there is more to do */
+  step() {
+    const { task, player } = this;
+    if (!task || !player) return false;
+    try {
+      const begin = performance.now();
+      const more = this.work(task, player, begin);
+      this.slices.count += 1;
+      this.slices.longest = Math.max(this.slices.longest, performance.now() - begin);
+      return more;
+    } catch (error) {
+      this.failed(error);
+      return false;
+    }
+  }
+
+  work(task, player, now) {
+    if (task.done) return false;
+    if (!task.begun) {
+      if (!player.prepare_search(SLICE)) return true;
+      player.search(task.text, task.origin);
+      task.begun = now;
+      return true;
+    }
+    const running = player.search_on(SLICE) === 'running';
+    const looks = task.answer ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
+    if (!running || looks) this.look(task, player, now);
+    task.done = !running;
+    const enough = task.done || now - task.begun > PATIENCE;
+    if (task.answer && enough && this.waiting) this.leave();
+    else if (task.done && task.origin === 'end') this.goOn();
+    return !task.done;
+  }
+
+  look(task, player, now) {
+    task.looked = now;
+    task.answer = readAnswer(player.answer(), this.core.director.info.fps);
+    if (task.origin !== 'end') this.found(task.answer, null);
+  }
+
+  failed(error) {
+    const { waiting } = this;
+    this.task = null;
+    this.waiting = null;
+    // What has not arrived yet, or makes no sense, is a sentence; the rest is ours to repair.
+    if (error?.kind === 'bad-argument' || error?.kind === 'not-loaded' || error?.kind === 'unreachable') this.found(null, error.message);
+    else this.core.fail(error);
+    waiting?.reject(error);
+  }
+
+  /**
+   * Sets off as soon as there is a walk that does what is asked.
+   * @returns {Promise<object>} the answer, once the actor has left
+   */
+  go(request, origin = 'here') {
+    const { core } = this;
+    const same = this.task && this.task.text === JSON.stringify(request) && this.task.origin === origin && !this.endless;
+    const { promise, resolve, reject } = Promise.withResolvers();
+    this.waiting?.reject(Object.assign(new Error('Something else was asked for.'), { kind: 'bad-argument' }));
+    this.waiting = { resolve, reject };
+    // Who waits may not want to hear of trouble: it is said on the page.
+    promise.catch(() => {});
+    this.endless = null;
+    if (same && this.task.answer) this.leave();
+    else if (!same) this.restart(request, origin);
+    return promise;
+  }
+
+  /** The walk begins where the actor stands: it has to wait there. */
+  restart(request, origin) {
+    this.core.director.tell('pause');
+    this.start(request, origin);
+  }
+
+  leave() {
+    const { core, task, player, waiting } = this;
+    if (task.answer.legs.length === 0) {
+      this.failed(Object.assign(new Error(task.answer.notes[0] ?? 'Nothing leads there from here.'), { kind: 'unreachable' }));
+      return;
+    }
+    let walk;
+    try {
+      walk = JSON.parse(player.set_off(task.origin === 'anywhere'));
+    } catch (error) {
+      if (error.kind !== 'unreachable') throw error;
+      // The actor has moved on since the search began.
+      this.restart(task.request, task.origin);
+      return;
+    }
+    this.waiting = null;
+    task.done = true;
+    if (task.request.target.wander) this.endless = { request: task.request, part: 0 };
+    this.task = null;
+    core.left(walk, task.answer);
+    waiting.resolve(task.answer);
+  }
+
+  // ---- endless walks --------------------------------------------------------------------------------------------
+
+  /** Called once a display frame: searches for the next part of an endless walk before this one is over. */
+  lookAhead() {
+    const { state } = this.core.director ?? {};
+    if (!this.endless || this.task || !state || state.target === null || state.remaining_seconds > AHEAD) return;
+    this.endless.part += 1;
+    const { request, part } = this.endless;
+    this.start({ ...request, seed: (request.seed ?? 0) + part }, 'end');
+  }
+
+  goOn() {
+    this.player.go_on();
+    this.core.director.known = null;
+    this.task = null;
+  }
+
+  /** The actor was sent somewhere else. */
+  left() {
+    this.endless = null;
+    this.waiting?.reject(Object.assign(new Error('The actor was sent somewhere else.'), { kind: 'bad-argument' }));
+    this.waiting = null;
+  }
+
+  happened(type) {
+    if (type === 'arrive') this.endless = null;
+  }
+}

@@ -1,0 +1,111 @@
+/** The direction as a link and as a file, with what came of it. */
+
+import { h, icon } from '../dom.js';
+import { PlayerError } from '../errors.js';
+
+const KEY = 'direction';
+/** A link or a file longer than this is none. */
+const LONGEST = 1_000_000;
+
+/** The part of an address behind # that carries a direction. */
+export function toHash(document) {
+  const bytes = new TextEncoder().encode(JSON.stringify(document));
+  const text = btoa(String.fromCharCode(...bytes));
+  return `#${KEY}=${text.replaceAll('+', '-').replaceAll('/', '_').replace(/=+$/, '')}`;
+}
+
+function parse(text) {
+  try {
+    if (text.length < LONGEST) return JSON.parse(text);
+  } catch {
+    // Said below.
+  }
+  throw new PlayerError('bad-argument', 'This is not a direction: it is no JSON, or far too long.');
+}
+
+/** @returns {unknown} what the address carries, unchecked; undefined where it carries no direction */
+export function fromHash(hash) {
+  const [, text] = new RegExp(`^#${KEY}=(.*)$`).exec(hash) ?? [];
+  if (text === undefined) return undefined;
+  let json;
+  try {
+    const binary = atob(text.replaceAll('-', '+').replaceAll('_', '/'));
+    json = new TextDecoder('utf-8', { fatal: true }).decode(Uint8Array.from(binary, (letter) => letter.charCodeAt(0)));
+  } catch {
+    throw new PlayerError('bad-argument', 'The link is damaged: its direction cannot be read.');
+  }
+  return parse(json);
+}
+
+/** The menu that offers them. */
+export class Share {
+  /** @param {import('./toolbox.js').Toolbox} box */
+  constructor(box) {
+    this.box = box;
+    const item = (text, act) => {
+      const button = h('button', { type: 'button', class: 'chip' }, text);
+      button.addEventListener('click', () => {
+        this.open(false);
+        box.core.attempt(act);
+      });
+      return button;
+    };
+    this.file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, 'aria-label': 'A direction from a file' });
+    this.file.addEventListener('change', () => this.read(this.file.files[0]));
+    this.menu = h(
+      'div',
+      { class: 'menu', role: 'group', 'aria-label': 'Share', hidden: true },
+      item('Copy link', () => this.copy()),
+      item('Save as JSON', () => this.save()),
+      item('Load JSON…', () => this.file.click()),
+    );
+    this.button = h('button', { type: 'button', class: 'round', 'aria-label': 'Share', title: 'The direction as a link or a file', 'aria-expanded': 'false' }, icon('share'));
+    this.button.addEventListener('click', () => this.open(this.menu.hidden));
+    this.root = h('div', { class: 'share' }, this.button, this.menu, this.file);
+    this.root.addEventListener('keydown', (event) => {
+      if (event.key !== 'Escape' || this.menu.hidden) return;
+      event.stopPropagation();
+      this.open(false);
+      this.button.focus();
+    });
+    this.root.addEventListener('focusout', ({ relatedTarget }) => this.root.contains(relatedTarget) || this.open(false));
+  }
+
+  open(on) {
+    this.menu.hidden = !on;
+    this.button.setAttribute('aria-expanded', String(on));
+    if (on) this.menu.firstChild.focus();
+  }
+
+  copy() {
+    if (!this.box.shared) throw new PlayerError('bad-argument', 'There is nothing to share yet.');
+    return this.write(`${location.href.split('#')[0]}${this.box.core.host.link}`);
+  }
+
+  async write(link) {
+    try {
+      await navigator.clipboard.writeText(link);
+      this.box.core.say('the link is copied');
+    } catch {
+      // Without leave to copy, the address bar has it.
+      location.hash = this.box.core.host.link;
+      this.box.core.say('the link is in the address bar');
+    }
+  }
+
+  save() {
+    const { shared, answer, tool } = this.box;
+    if (!shared) throw new PlayerError('bad-argument', 'There is nothing to save yet.');
+    const text = `${JSON.stringify({ ...shared, answer })}\n`;
+    const address = URL.createObjectURL(new Blob([text], { type: 'application/json' }));
+    h('a', { href: address, download: `${tool.id}.json` }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+  }
+
+  async read(file) {
+    this.file.value = '';
+    if (!file) return;
+    const text = await file.text().catch(() => '');
+    this.box.core.attempt(() => this.box.load(parse(text)));
+  }
+}

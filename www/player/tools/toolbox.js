@@ -1,0 +1,306 @@
+/**
+ * The tools: which one is in use, what has been asked with it, and the search for a walk that does it.
+ *
+ * A tool shows its part of the document in a dock under the stage and on the ground, and changes it; changes go through
+ * `edit`, which remembers them and searches anew. The tool in use hears of the answer.
+ */
+
+import { ToolBar } from './bar.js';
+import { History } from './history.js';
+import { Marks } from './marks.js';
+import { PathTool } from './path.js';
+import { PlaceTool } from './place.js';
+import { PoseTool } from './pose.js';
+import { EMPTY, partOf, requestOf } from './request.js';
+import { SearchDriver } from './search.js';
+import { Share } from './share.js';
+import { TimingTool } from './timing.js';
+import { WanderTool } from './wander.js';
+
+const OVERVIEW = { elevation: 0.62, distance: 2.1 };
+
+export class Toolbox {
+  /** @param {import('../core.js').Core} core */
+  constructor(core) {
+    this.core = core;
+    this.history = new History(EMPTY);
+    this.marks = new Marks();
+    this.search = new SearchDriver(core, (answer, trouble) => this.answered(answer, trouble));
+    this.tools = Object.fromEntries([PoseTool, PlaceTool, PathTool, TimingTool, WanderTool].map((Tool) => [Tool.id, new Tool(this)]));
+    this.bar = new ToolBar(Object.values(this.tools), {
+      choose: (name) => (this.core.host.tool = name),
+      step: (by) => this.undo(by),
+    });
+    this.share = new Share(this);
+    this.bar.root.append(this.share.root);
+    this.tool = this.tools.pose;
+    this.director = null;
+    this.answer = null;
+    this.trouble = null;
+    this.waiting = null;
+  }
+
+  get document() {
+    return this.history.now;
+  }
+
+  get calm() {
+    return this.core.view.calm.matches;
+  }
+
+  actions() {
+    return { tool: ({ key }) => this.pick(Object.keys(this.tools)[Number(key) - 1]) };
+  }
+
+  // ---- life -----------------------------------------------------------------------------------------------------
+
+  /** The whole actor is there: its graph too, so that searches can begin. */
+  open(director) {
+    this.director = director;
+    for (const tool of Object.values(this.tools)) tool.opened?.(director);
+    this.showTool();
+    const { waiting } = this;
+    this.waiting = null;
+    if (waiting) this.core.attempt(() => this.load(waiting));
+    else this.ask();
+  }
+
+  close() {
+    this.director = null;
+    this.search.stop();
+    this.answer = null;
+    this.history.reset(EMPTY);
+    if (this.core.view) this.refresh();
+  }
+
+  /** A new stage shows nothing of what the last one did. */
+  stageOpened() {
+    this.redraw();
+  }
+
+  // ---- choosing a tool ------------------------------------------------------------------------------------------
+
+  /** Chooses a tool as a user does, who wants to go on with the keyboard. */
+  pick(name) {
+    this.core.host.tool = name;
+  }
+
+  choose(name) {
+    const tool = this.tools[name] ?? this.tools.pose;
+    if (tool === this.tool) return;
+    this.tool.leave?.();
+    this.search.stop();
+    this.answer = null;
+    this.tool = tool;
+    this.core.queue.clear();
+    this.showTool();
+    this.ask();
+    this.core.dispatch('toolchange', { tool: tool.id });
+  }
+
+  showTool() {
+    const { view } = this.core;
+    const { tool } = this;
+    this.bar.show(tool.id);
+    view.stage.tool = tool;
+    view.stage.root.dataset.tool = tool.id;
+    view.dock.replaceChildren(...(tool.dock ? [tool.dock] : []));
+    view.dock.hidden = !tool.dock;
+    view.score.root.hidden = Boolean(tool.dock);
+    this.lookOver(Boolean(tool.onGround));
+    if (this.director) this.core.say(tool.dock ? '' : tool.hint);
+    tool.enter?.();
+    this.refresh();
+    view.relay();
+  }
+
+  /** Tools that draw on the ground are used from higher up; afterwards the camera goes back to where it was. */
+  lookOver(on) {
+    const { stage } = this.core.view.stage;
+    if (!stage) {
+      this.before = null;
+      this.overDue = on;
+      return;
+    }
+    if (on && !this.before) {
+      this.before = Array.from(stage.camera());
+      stage.look_from(this.before[0], OVERVIEW.elevation, OVERVIEW.distance, false);
+    } else if (!on && this.before) {
+      stage.look_from(...this.before, false);
+      this.before = null;
+    }
+    this.core.redraw();
+  }
+
+  // ---- the document ---------------------------------------------------------------------------------------------
+
+  /**
+   * Changes what is asked.
+   * @param {object} part of the document, by the names of its parts
+   * @param {string | null} merge see `History.change`
+   */
+  edit(part, merge = null) {
+    this.history.change({ ...this.document, ...part }, merge);
+    this.refresh();
+    this.ask();
+    this.core.dispatch('change', { tool: this.tool.id });
+  }
+
+  undo(by) {
+    if (!this.history.step(by)) return;
+    this.refresh();
+    this.ask();
+    this.core.say(by < 0 ? 'undone' : 'done again');
+    this.core.dispatch('change', { tool: this.tool.id });
+  }
+
+  /** The request of the tool in use, or null. */
+  get request() {
+    return requestOf(this.tool.id, this.document);
+  }
+
+  /**
+   * Takes a request that came from outside, by itself or as links and files hold it; what is wrong with it is thrown as a
+   * sentence.
+   */
+  load(outside) {
+    if (!this.director) {
+      this.waiting = outside;
+      return;
+    }
+    const { player, timeline } = this.director;
+    const request = JSON.parse(player.check_request(JSON.stringify(outside?.request ?? outside) ?? 'null'));
+    const { tool, part } = partOf(request, timeline);
+    const { frame, placement } = outside?.start ?? {};
+    if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
+    this.history.change({ ...this.document, ...part });
+    this.history.settle();
+    if (this.tool.id === tool) this.refresh();
+    else this.core.host.tool = tool;
+    this.ask();
+    if (tool === 'pose') this.go();
+    this.core.dispatch('change', { tool });
+  }
+
+  /** What links and files hold: the request, and where the actor was when its answer was found. */
+  get shared() {
+    const { request, answer } = this;
+    return request && { request, ...(answer ? { start: answer.start } : {}) };
+  }
+
+  refresh() {
+    this.bar.setSteps(this.history.canUndo, this.history.canRedo);
+    this.tool.refresh?.();
+    this.redraw();
+  }
+
+  // ---- searching ------------------------------------------------------------------------------------------------
+
+  /** Searches for a walk that does what the tool in use asks. */
+  ask() {
+    const request = this.director && this.tool.id !== 'pose' ? this.request : null;
+    this.answer = null;
+    this.trouble = null;
+    if (!request) this.search.stop();
+    else {
+      // A walk begins where the actor stands; one who only passes the time can stand still.
+      if (this.tool.onGround && this.director.state.target === null) this.director.tell('pause');
+      this.search.start(request);
+    }
+    this.tool.answered?.(null);
+    this.redraw();
+  }
+
+  answered(answer, trouble) {
+    this.answer = answer;
+    this.trouble = trouble;
+    this.tool.answered?.(answer);
+    if (trouble) this.core.say(trouble, 'waiting');
+    this.redraw();
+    if (answer) this.core.dispatch('answer', { answer });
+  }
+
+  /** Sends the actor on the best walk so far. */
+  go() {
+    const request = this.director && this.request;
+    if (request) this.core.attempt(() => this.search.go(request));
+    else this.core.say(this.tool.hint);
+  }
+
+  /** Called once a display frame. */
+  step() {
+    this.search.lookAhead();
+  }
+
+  /** The actor was sent somewhere else: to a pose, or nowhere. */
+  left(frame = null) {
+    this.history.amend({ pose: frame === null ? null : { pose: frame } });
+    this.search.left();
+  }
+
+  happened(type, detail) {
+    this.search.happened(type, detail);
+    this.tool.happened?.(type, detail);
+  }
+
+  // ---- on the stage ---------------------------------------------------------------------------------------------
+
+  /** What the tool marks on the ground has changed. */
+  redraw() {
+    const { view } = this.core;
+    if (!view?.stage.stage) return;
+    this.marks.clear();
+    if (this.tool.draw) this.tool.draw(this.marks, this.colours());
+    view.stage.stage.set_marks(this.marks.data);
+    this.core.redraw();
+  }
+
+  /** The walk on the ground: recorded stretches solid, synthetic ones in dashes. */
+  drawTrack(marks, colour) {
+    for (const { points, synthetic } of this.answer?.track ?? []) {
+      marks.ribbon(points, 0.03, colour(synthetic ? 'synthetic' : 'recorded', 0.9), synthetic ? [0.07, 0.05] : null);
+    }
+  }
+
+  /** Puts handles and labels over their places on the ground; called after the picture has been drawn. */
+  place() {
+    if (this.overDue) {
+      this.overDue = false;
+      this.lookOver(true);
+    }
+    this.tool.place?.((x, z) => this.core.view.stage.seen(x, z));
+  }
+
+  /** The page's colours, as bytes. @returns {(name: string, opacity?: number) => [number, number, number, number]} */
+  colours() {
+    const style = getComputedStyle(this.core.host);
+    return (name, opacity = 1) => {
+      const value = style.getPropertyValue(`--${name}`).trim();
+      const hex = /^#([0-9a-f]{6})$/i.exec(value);
+      const number = hex ? parseInt(hex[1], 16) : 0x3558c4;
+      return [number >> 16, (number >> 8) & 255, number & 255, Math.round(opacity * 255)];
+    };
+  }
+
+  /** @returns whether the key was used */
+  key(event) {
+    const { key } = event;
+    const inField = ['INPUT', 'TEXTAREA', 'SELECT'].includes(event.composedPath()[0]?.tagName);
+    if ((event.ctrlKey || event.metaKey) && !event.altKey && ['z', 'y', 'Z'].includes(key) && !inField) {
+      event.preventDefault();
+      this.undo(key === 'z' && !event.shiftKey ? -1 : 1);
+      return true;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || this.tool.id === 'pose') return false;
+    const used = this.tool.key?.(event, inField) ?? false;
+    const onButton = event.composedPath()[0]?.tagName === 'BUTTON';
+    if (!used && key === 'Enter' && !onButton && !inField) {
+      this.go();
+      event.preventDefault();
+      return true;
+    }
+    if (used) event.preventDefault();
+    // The score's keys mean nothing while another tool's dock is in its place.
+    return used || ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'Home', 'End'].includes(key) && event.composedPath()[0] !== this.core.view.stage.root;
+  }
+}
