@@ -1,6 +1,7 @@
 //! The command line: arguments, terminal, exit codes. The work itself is the library's.
 
 mod args;
+mod evaluate;
 mod failure;
 mod inspect;
 mod output;
@@ -50,5 +51,6 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments),
+        Command::Evaluate(arguments) => evaluate::run(arguments, &terminal),
     }
 }
