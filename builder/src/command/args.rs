@@ -32,6 +32,8 @@ pub enum Command {
     Validate(ValidateArguments),
     /// Make the papers' evaluations again on a capture, as a page with tables.
     Evaluate(EvaluateArguments),
+    /// Tell how good a bundle's actor is, as a page.
+    Report(ReportArguments),
 }
 
 /// Arguments of `builder pack`.
@@ -184,6 +186,17 @@ pub struct ValidateArguments {
     /// Print an object on stdout instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `builder report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The bundle to report on.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// The page to write; beside the bundle by default.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// Arguments of `builder evaluate`.

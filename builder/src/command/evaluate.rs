@@ -33,7 +33,7 @@ pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Fai
     let tables = document.sections.iter().flat_map(|section| &section.tables);
     let files = tables.map(|table| (format!("{}.csv", table.name), table.csv()));
     // The page comes last, so that a folder with it is complete.
-    let all = files.chain([("report.json".into(), json + "\n"), ("index.html".into(), html::page(&document))]);
+    let all = files.chain([("report.json".into(), json + "\n"), ("index.html".into(), html::page(&document, true))]);
     for (name, text) in all {
         write_whole(&out.join(name), text.as_bytes()).map_err(Failure::Input)?;
     }

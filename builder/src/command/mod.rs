@@ -7,6 +7,7 @@ mod inspect;
 mod output;
 mod pack;
 mod performer;
+mod report;
 mod terminal;
 mod validate;
 
@@ -52,5 +53,6 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments, &terminal),
+        Command::Report(arguments) => report::run(arguments, &terminal),
     }
 }

@@ -89,11 +89,9 @@ pub fn build_graph(
 }
 
 /// Where recorded frames stand, from the tables of the builder.
-#[derive(Clone, Copy)]
-pub(crate) struct Recorded<'a> {
-    pub(crate) headings: &'a HeadingMatrix,
-    /// Centres of mass along (X, Z).
-    pub(crate) centres: &'a [Vec2],
+struct Recorded<'a> {
+    headings: &'a HeadingMatrix,
+    centres: &'a [Vec2],
 }
 
 impl Ground for Recorded<'_> {

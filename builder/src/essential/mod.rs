@@ -18,7 +18,6 @@ use thiserror::Error;
 
 pub use self::components::{Components, strongly_connected};
 pub(crate) use self::costs::Costs;
-pub(crate) use self::graph::Recorded;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;
 pub(crate) use self::paths::PathLengths;

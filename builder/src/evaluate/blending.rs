@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use shared::cholesky::elimination_order;
 use shared::graph::EssentialGraph;
+use shared::search::{Leg, Walk, cheapest_walk};
 use shared::timeline::Sequence;
 
 use super::EvaluateError;
@@ -15,12 +16,14 @@ use super::statistics::{Moments, percentile};
 use super::subject::{Subject, told};
 use super::trajectories::{Pairing, Trajectory, aligned, length, linear, sides};
 use crate::performer::random::mix;
-use crate::progress::Report;
+use crate::progress::{Progress, Report};
 use crate::transitions::LengthChoice;
 
 /// Transitions of each graph whose seams are measured, drawn at random where there are more.
 const SEAM_TRANSITIONS: usize = 1000;
-/// Transitions whose frames are all made, for foot skate.
+/// Cheapest walks between frames drawn at random.
+const WALKS: u64 = 300;
+/// Transitions on them whose frames are all made, for foot skate.
 const SKATE_TRANSITIONS: usize = 200;
 
 /// Makes the section.
@@ -35,18 +38,63 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let mut skates = Vec::new();
     for choice in [LengthChoice::Total, LengthChoice::Mean] {
         let graph = subject.graph(choice, report)?;
-        let chosen = draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed);
-        for ease in [Ease::Linear, Ease::Smooth] {
-            let told = told(report, "seams");
-            let seams = seams::measure(recordings, &order, graph.transitions(), &chosen, ease, &told)?;
-            reports.push((choice, ease, seams));
+        let of_graph = draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed);
+        let walks = walks(subject, &graph, report);
+        for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
+            for ease in [Ease::Linear, Ease::Smooth] {
+                let told = told(report, "seams");
+                let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &told)?;
+                reports.push(SeamReport { choice, population, ease, seams });
+            }
         }
-        let few = draw(graph.transitions().len(), SKATE_TRANSITIONS, subject.options.seed);
-        skates.push((choice, skate(subject, recordings, &order, &graph, &few, report)?));
+        let few: Vec<usize> = draw(walks.transitions.len(), SKATE_TRANSITIONS, subject.options.seed)
+            .into_iter()
+            .map(|place| walks.transitions[place])
+            .collect();
+        let slides = skate(subject, recordings, &order, &graph, &few, report)?;
+        skates.push((choice, walks, slides));
     }
     skate_table(subject, &recordings, &skates, &mut section);
     seam_tables(&reports, &own, limit, &mut section);
     Ok(section)
+}
+
+/// The seams of some transitions of one graph.
+struct SeamReport {
+    choice: LengthChoice,
+    /// Where the transitions were drawn from: the graph, or cheapest walks.
+    population: &'static str,
+    ease: Ease,
+    seams: Vec<Seams>,
+}
+
+/// Cheapest walks between frames drawn at random, as users ask for them.
+struct Walks {
+    /// The transitions on them, as often as they are used.
+    transitions: Vec<usize>,
+    /// Cost, deformation, duration in frames, transitions.
+    moments: [Moments; 4],
+}
+
+fn walks(subject: &Subject, graph: &EssentialGraph, report: Report) -> Walks {
+    let (n, seed) = (u64::from(subject.timeline().frame_count()), subject.options.seed);
+    let frame = |index: u64| (mix(seed, index) % n) as u32;
+    report(Progress { what: "walks", done: 0, total: 0 });
+    let found: Vec<Option<Walk>> = (0..WALKS)
+        .into_par_iter()
+        .map(|index| cheapest_walk(graph, subject.timeline(), frame(2 * index), frame(2 * index + 1)))
+        .collect();
+    let mut walks = Walks { transitions: Vec::new(), moments: [Moments::default(); 4] };
+    for walk in found.iter().flatten() {
+        let values = [walk.cost, walk.deformation, f64::from(walk.duration), walk.transition_count() as f64];
+        values.into_iter().zip(&mut walks.moments).for_each(|(value, moments)| moments.add(value));
+        walks.transitions.extend(walk.legs.iter().filter_map(|leg| match leg {
+            Leg::Synthetic(index) => Some(*index as usize),
+            Leg::Recorded { .. } => None,
+        }));
+    }
+    walks.transitions.sort_unstable();
+    walks
 }
 
 /// Up to `most` of 0..count, in order.
@@ -227,7 +275,7 @@ fn skate(
 fn skate_table(
     subject: &Subject,
     recordings: &Recordings,
-    skates: &[(LengthChoice, Slides)],
+    skates: &[(LengthChoice, Walks, Slides)],
     section: &mut SectionReport,
 ) {
     let contacts = Contacts::of(recordings, subject.truth.as_ref());
@@ -237,7 +285,8 @@ fn skate_table(
         format!(
             "Slide of ground contacts from frame to frame. Touching: vertices within 2 cm of the ground in both frames. \
              Standing: those of the sole of a foot that the truth says stands, on both sides of the blend and in both \
-             frames. Synthetic: all frames of {SKATE_TRANSITIONS} transitions drawn at random."
+             frames. Synthetic: all frames of {SKATE_TRANSITIONS} transitions on cheapest walks between frames \
+             drawn at random."
         ),
         &["frames", "contacts", "pairs of frames", "mean slide, mm", "95th percentile, mm", "mean, cm/s"],
     );
@@ -258,13 +307,14 @@ fn skate_table(
     add("recorded", "touching", &recorded.touching);
     let still = add("recorded", "standing", &recorded.standing);
     let mut sliding = Vec::new();
-    for (choice, slides) in skates {
+    for (choice, _, slides) in skates {
         let name =
             if *choice == LengthChoice::Total { "synthetic, lengths by the sum" } else { "synthetic, by the mean" };
         add(name, "touching", &slides.touching);
         sliding.push(add(name, "standing", &slides.standing));
     }
     section.tables.push(table);
+    section.tables.push(walks_table(skates, fps));
     if subject.truth.is_some() {
         section.text.push(format!(
             "A foot that stands slides {:.2} mm a frame in synthetic frames against {:.2} mm in recorded ones: blends \
@@ -276,11 +326,37 @@ fn skate_table(
     }
 }
 
-fn seam_tables(reports: &[(LengthChoice, Ease, Vec<Seams>)], own: &Own, limit: Change, section: &mut SectionReport) {
+fn walks_table(skates: &[(LengthChoice, Walks, Slides)], fps: f64) -> Table {
+    let mut table = Table::new(
+        "walks",
+        format!("{WALKS} cheapest walks between frames drawn at random, those that exist."),
+        &["lengths by", "walks", "cost", "deformation", "duration, s", "deviation, s", "transitions"],
+    );
+    for (choice, walks, _) in skates {
+        let [cost, deformation, duration, transitions] = walks.moments;
+        table.rows.push(vec![
+            lengths_by(*choice).into(),
+            Cell::Count(cost.count),
+            Cell::Number(cost.mean, 3),
+            Cell::Number(deformation.mean, 3),
+            Cell::Number(duration.mean / fps, 2),
+            Cell::Number(duration.deviation() / fps, 2),
+            Cell::Number(transitions.mean, 2),
+        ]);
+    }
+    table
+}
+
+fn lengths_by(choice: LengthChoice) -> &'static str {
+    if choice == LengthChoice::Total { "sum" } else { "mean" }
+}
+
+fn seam_tables(reports: &[SeamReport], own: &Own, limit: Change, section: &mut SectionReport) {
     let mut table = Table::new(
         "seams",
         format!(
-            "Seams of up to {SEAM_TRANSITIONS} transitions drawn at random, against the capture\u{2019}s own change from \
+            "Seams of up to {SEAM_TRANSITIONS} transitions of each graph drawn at random, and of the transitions on \
+             cheapest walks between frames drawn at random, against the capture\u{2019}s own change from \
              frame to frame, whose 99th percentile is {:.2} mm (geometry) and {:.2} mm a frame (velocity); root mean \
              squares over the vertices.",
             limit.geometry * 1e3,
@@ -288,6 +364,7 @@ fn seam_tables(reports: &[(LengthChoice, Ease, Vec<Seams>)], own: &Own, limit: C
         ),
         &[
             "lengths by",
+            "drawn from",
             "weight",
             "seams",
             "geometry above",
@@ -302,11 +379,12 @@ fn seam_tables(reports: &[(LengthChoice, Ease, Vec<Seams>)], own: &Own, limit: C
     );
     let share = |above: u64, count: u64| format!("{:.1} %", 100.0 * above as f64 / count.max(1) as f64);
     let mut summaries = Vec::new();
-    for (choice, ease, seams) in reports {
+    for SeamReport { choice, population, ease, seams } in reports {
         let s = SeamSummary::of(seams, limit);
         summaries.push(s);
         table.rows.push(vec![
-            if *choice == LengthChoice::Total { "sum" } else { "mean" }.into(),
+            lengths_by(*choice).into(),
+            (*population).into(),
             if *ease == Ease::Linear { "linear" } else { "smooth" }.into(),
             Cell::Count(s.count),
             Cell::Text(share(s.above[0], s.count)),
@@ -320,11 +398,12 @@ fn seam_tables(reports: &[(LengthChoice, Ease, Vec<Seams>)], own: &Own, limit: C
         ]);
     }
     section.tables.push(table);
-    let Some(first) = summaries.first() else { return };
+    let walked = reports.iter().zip(&summaries).filter(|(report, _)| report.population == "walks");
+    let Some((_, first)) = walked.into_iter().next() else { return };
     section.agreements.push(Agreement {
         papers: "Our own mark: no seam above the capture\u{2019}s 99th percentile in geometry and velocity".into(),
         found: format!(
-            "{} of {} seams above in geometry, {} in velocity, with the linear weight and lengths by the sum",
+            "{} of {} seams on walks above in geometry, {} in velocity, with the linear weight and lengths by the sum",
             first.above[0], first.count, first.above[1]
         ),
         verdict: Verdict::of(first.above[0] == 0, first.above == [0, 0]),
@@ -354,8 +433,8 @@ fn seam_tables(reports: &[(LengthChoice, Ease, Vec<Seams>)], own: &Own, limit: C
             vec![outline("recorded frames", 5, &recorded)],
             reports
                 .iter()
-                .filter(|(choice, ..)| *choice == LengthChoice::Total)
-                .map(|(_, ease, seams)| {
+                .filter(|report| report.choice == LengthChoice::Total && report.population == "walks")
+                .map(|SeamReport { ease, seams, .. }| {
                     let (name, colour) =
                         if *ease == Ease::Linear { ("seams, linear", 1) } else { ("seams, smooth", 0) };
                     outline(name, colour, &velocities(seams))

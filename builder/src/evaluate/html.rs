@@ -13,9 +13,9 @@ pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The page of a report.
+/// The page of a report; where `files`, it links to the tables' CSV files beside it.
 #[must_use]
-pub fn page(document: &Document) -> String {
+pub fn page(document: &Document, files: bool) -> String {
     let mut html = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
@@ -33,7 +33,7 @@ pub fn page(document: &Document) -> String {
     html.push_str("</header>\n");
     summary(&mut html, document);
     for section in &document.sections {
-        write_section(&mut html, section);
+        write_section(&mut html, section, files);
     }
     html.push_str("</main>\n</body>\n</html>\n");
     html
@@ -83,7 +83,7 @@ fn verdict(verdict: Verdict) -> String {
     format!("<span class=\"verdict {class}\">{}</span>", verdict.words())
 }
 
-fn write_section(html: &mut String, section: &SectionReport) {
+fn write_section(html: &mut String, section: &SectionReport, files: bool) {
     let _ = writeln!(
         html,
         "<section id=\"s{0}\">\n<h2><span class=\"number\">{0}</span> {1}</h2>",
@@ -100,7 +100,7 @@ fn write_section(html: &mut String, section: &SectionReport) {
         write_agreement(html, agreement);
     }
     for table in &section.tables {
-        write_table(html, table);
+        write_table(html, table, files);
     }
     if !section.plots.is_empty() {
         html.push_str("<div class=\"plots\">\n");
@@ -138,13 +138,10 @@ fn write_agreement(html: &mut String, agreement: &Agreement) {
     );
 }
 
-fn write_table(html: &mut String, table: &Table) {
-    let _ = write!(
-        html,
-        "<div class=\"scroll\"><table>\n<caption>{} <a href=\"{1}.csv\">{1}.csv</a></caption>\n<thead><tr>",
-        escape(&table.caption),
-        table.name
-    );
+fn write_table(html: &mut String, table: &Table, files: bool) {
+    let file = if files { format!(" <a href=\"{0}.csv\">{0}.csv</a>", table.name) } else { String::new() };
+    let _ =
+        write!(html, "<div class=\"scroll\"><table>\n<caption>{}{file}</caption>\n<thead><tr>", escape(&table.caption));
     for column in &table.columns {
         let _ = write!(html, "<th>{}</th>", escape(column));
     }
@@ -169,7 +166,7 @@ mod tests {
         let name = "<script>\"&";
         let section = SectionReport { text: vec![name.into()], title: name.into(), ..SectionReport::default() };
         let document = Document { title: name.into(), sections: vec![section], ..Document::default() };
-        let html = page(&document);
+        let html = page(&document, true);
         assert!(!html.contains("<script") && html.contains("&lt;script&gt;&quot;&amp;"));
     }
 }

@@ -9,7 +9,9 @@
 //! ```
 
 mod acceleration;
+pub mod arap;
 mod blending;
+pub mod clay;
 mod contacts;
 pub mod document;
 mod graphs;
@@ -20,6 +22,7 @@ pub mod plot;
 mod poses;
 mod scaling;
 mod seams;
+pub mod short;
 mod stage;
 pub mod statistics;
 mod subject;
