@@ -19,8 +19,6 @@ use crate::performer::random::mix;
 use crate::progress::{Progress, Report};
 use crate::transitions::LengthChoice;
 
-/// Transitions of each graph whose seams are measured, drawn at random where there are more.
-const SEAM_TRANSITIONS: usize = 1000;
 /// Cheapest walks between frames drawn at random.
 const WALKS: u64 = 300;
 /// Transitions on them whose frames are all made, for foot skate.
@@ -38,7 +36,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let mut skates = Vec::new();
     for choice in [LengthChoice::Total, LengthChoice::Mean] {
         let graph = subject.graph(choice, report)?;
-        let of_graph = draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed);
+        let of_graph = draw(graph.transitions().len(), subject.options.seam_transitions, subject.options.seed);
         let walks = walks(subject, &graph, report);
         for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
             for ease in [Ease::Linear, Ease::Smooth] {
@@ -55,7 +53,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         skates.push((choice, walks, slides));
     }
     skate_table(subject, &recordings, &skates, &mut section);
-    seam_tables(&reports, &own, limit, &mut section);
+    seam_tables(subject, &reports, &own, limit, &mut section);
     Ok(section)
 }
 
@@ -351,16 +349,17 @@ fn lengths_by(choice: LengthChoice) -> &'static str {
     if choice == LengthChoice::Total { "sum" } else { "mean" }
 }
 
-fn seam_tables(reports: &[SeamReport], own: &Own, limit: Change, section: &mut SectionReport) {
+fn seam_tables(subject: &Subject, reports: &[SeamReport], own: &Own, limit: Change, section: &mut SectionReport) {
     let mut table = Table::new(
         "seams",
         format!(
-            "Seams of up to {SEAM_TRANSITIONS} transitions of each graph drawn at random, and of the transitions on \
+            "Seams of up to {most} transitions of each graph drawn at random, and of the transitions on \
              cheapest walks between frames drawn at random, against the capture\u{2019}s own change from \
              frame to frame, whose 99th percentile is {:.2} mm (geometry) and {:.2} mm a frame (velocity); root mean \
              squares over the vertices.",
             limit.geometry * 1e3,
-            limit.velocity * 1e3
+            limit.velocity * 1e3,
+            most = subject.options.seam_transitions
         ),
         &[
             "lengths by",

@@ -200,7 +200,7 @@ impl Table {
             .iter()
             .map(|row| self.columns.iter().zip(row).map(|(column, cell)| (column.clone(), cell.json())).collect())
             .collect();
-        json!({ "name": self.name, "caption": self.caption, "rows": rows })
+        json!({ "name": self.name, "caption": self.caption, "timed": self.timed, "rows": rows })
     }
 }
 

@@ -22,6 +22,11 @@ const PLOTTED_PAIRS: u64 = 120;
 const RUNS: usize = 3;
 const COMPARED_ALPHAS: [f64; 2] = [0.01, 0.03];
 
+/// Why the essential graph may be further ahead, and denser, than in the papers.
+const SPARSE_MOTION_GRAPH: &str = "Our motion graph has fewer local minima than theirs must have had: the table of \
+    definitions shows how far the lead hangs on what a local minimum is, which the papers do not say. The distances \
+    themselves are exact (see the certificate).";
+
 /// Both graphs for one alpha.
 struct Row {
     alpha: f64,
@@ -53,6 +58,8 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let by_mean = subject.transitions(LengthChoice::Mean, report)?;
     let mean_row = compare(subject, by_mean, subject.options.alpha)?;
     let total_row = compare(subject, transitions, subject.options.alpha)?;
+    let dear = ALPHAS[ALPHAS.len() - 1];
+    let mean_dear = compare(subject, by_mean, dear)?;
     let mut section = SectionReport::default();
     section.text.push(
         "Shortest paths between all pairs of frames, their costs E = D + alpha L. The motion graph has the transitions \
@@ -60,7 +67,9 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
          without a threshold; both graphs have the recorded steps. Means are over the pairs that both graphs join."
             .into(),
     );
-    section.tables = vec![costs_table(&rows), certificate_table(&rows), lengths_table(&total_row, &mean_row)];
+    let lengths = [("sum", &total_row, rows.last()), ("mean", &mean_row, Some(&mean_dear))];
+    section.tables = vec![costs_table(&rows), certificate_table(&rows), lengths_table(lengths)];
+    section.tables.push(definitions(subject, transitions, dear)?);
     section.tables.push(algorithms(subject, transitions, report)?);
     section.agreements = agreements(&rows);
     section.plots = plots(&rows);
@@ -68,10 +77,19 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
 }
 
 fn compare(subject: &Subject, transitions: &TransitionMatrix, alpha: f64) -> Result<Row, EvaluateError> {
+    compare_with(subject, transitions, alpha, &motion_graph(transitions, subject.timeline(), alpha))
+}
+
+/// The essential graph against the recorded steps with the transitions `motion`, sorted.
+fn compare_with(
+    subject: &Subject,
+    transitions: &TransitionMatrix,
+    alpha: f64,
+    motion: &[(u32, u32)],
+) -> Result<Row, EvaluateError> {
     let timeline = subject.timeline();
     let n = subject.frame_count();
     let essential = essential_edges(transitions, timeline, alpha)?;
-    let motion = motion_graph(transitions, timeline, alpha);
     let costs = Costs { transitions, timeline, alpha: essential.alpha };
     let off_diagonal = |i: usize, j: usize, cost: f64| if i == j { f64::INFINITY } else { cost };
     let level = Level::best();
@@ -85,7 +103,7 @@ fn compare(subject: &Subject, transitions: &TransitionMatrix, alpha: f64) -> Res
             off_diagonal(i, j, synthetic.min(step))
         })
     };
-    let (by_essential, by_motion) = (within(&essential.edges), within(&motion));
+    let (by_essential, by_motion) = (within(&essential.edges), within(motion));
     let mut row = Row {
         alpha,
         motion: Moments::default(),
@@ -182,22 +200,70 @@ fn certificate_table(rows: &[Row]) -> Table {
     table
 }
 
-fn lengths_table(total: &Row, mean: &Row) -> Table {
+fn lengths_table(choices: [(&str, &Row, Option<&Row>); 2]) -> Table {
     let mut table = Table::new(
         "lengths",
         "The graph with segment lengths by the least sum against lengths by the least mean, at the capture\u{2019}s own \
          alpha.",
-        &["lengths by", "essential density", "mean path cost", "deviation"],
+        &["lengths by", "essential density", "mean path cost", "deviation", "cheaper than motion at alpha 0.2 by"],
     );
-    for (name, row) in [("sum", total), ("mean", mean)] {
+    for (name, row, dear) in choices {
         table.rows.push(vec![
             name.into(),
             Cell::Number(row.density[1], 5),
             Cell::Number(row.essential.mean, 4),
             Cell::Number(row.essential.deviation(), 4),
+            dear.map_or(Cell::Empty, |row| Cell::Text(format!("{:.1} %", saving(row)))),
         ]);
     }
     table
+}
+
+/// How much hangs on what a local minimum is: the papers do not say it.
+fn definitions(subject: &Subject, transitions: &TransitionMatrix, alpha: f64) -> Result<Table, EvaluateError> {
+    let timeline = subject.timeline();
+    let essential = essential_edges(transitions, timeline, alpha)?;
+    let costs = Costs { transitions, timeline, alpha: essential.alpha };
+    let around: Vec<(i64, i64)> = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (di, dj))).collect();
+    let cross: Vec<(i64, i64)> = around.iter().copied().filter(|(di, dj)| (di + dj).abs() == 1).collect();
+    let along =
+        |step: fn(&(i64, i64)) -> i64| around.iter().copied().filter(|pair| step(pair) == 0).collect::<Vec<_>>();
+    let (rows, columns) = (along(|pair| pair.0), along(|pair| pair.1));
+    let mut table = Table::new(
+        "local_minima",
+        format!(
+            "The motion graph at alpha {alpha} by what counts as a local minimum. Along a row: over the frames of the \
+             destination alone; along a row or a column: over those of either."
+        ),
+        &["least among", "motion density", "mean cost", "essential cheaper by"],
+    );
+    let definitions: [(&str, Vec<&[(i64, i64)]>); 4] = [
+        ("8 neighbours", vec![&around]),
+        ("4 neighbours", vec![&cross]),
+        ("2 along a row", vec![&rows]),
+        ("2 along a row or a column", vec![&rows, &columns]),
+    ];
+    for (name, neighbourhoods) in definitions {
+        let n = timeline.frame_count();
+        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let edges: Vec<(u32, u32)> =
+            pairs.filter(|&pair| neighbourhoods.iter().any(|steps| is_least(&costs, pair, steps))).collect();
+        let row = compare_with(subject, transitions, alpha, &edges)?;
+        table.rows.push(vec![
+            name.into(),
+            Cell::Number(row.density[0], 5),
+            Cell::Number(row.motion.mean, 4),
+            Cell::Text(format!("{:.1} %", saving(&row))),
+        ]);
+    }
+    Ok(table)
+}
+
+fn is_least(costs: &Costs, (i, j): (u32, u32), steps: &[(i64, i64)]) -> bool {
+    let cost = costs.synthetic(i, j);
+    let neighbours = steps.iter().filter(|step| **step != (0, 0));
+    let exists = |&(di, dj): &(i64, i64)| Some((costs.timeline.offset(i, di)?, costs.timeline.offset(j, dj)?));
+    cost < costs.recorded(i, j) && neighbours.filter_map(exists).all(|(k, l)| cost < costs.edge(k, l))
 }
 
 /// Blocked Floyd and Warshall against hidden paths: the same edges, and how long each takes.
@@ -256,7 +322,7 @@ fn agreements(rows: &[Row]) -> Vec<Agreement> {
             papers: "Shortest paths are 15 to 18 % cheaper than the motion graph\u{2019}s at alpha 0.2".into(),
             found: format!("{last:.1} % cheaper"),
             verdict: Verdict::of(cheaper, (11.0..=22.0).contains(&last)),
-            why: String::new(),
+            why: if (11.0..=22.0).contains(&last) { String::new() } else { SPARSE_MOTION_GRAPH.into() },
         },
         Agreement {
             papers: "The lead grows with alpha, from 1 to 2 % at 0.01".into(),
@@ -276,7 +342,7 @@ fn agreements(rows: &[Row]) -> Vec<Agreement> {
                 .first()
                 .map_or(String::new(), |row| format!("densities {:.4} and {:.4}", row.density[1], row.density[0])),
             verdict: Verdict::of(sparser, sparser),
-            why: String::new(),
+            why: if sparser { String::new() } else { SPARSE_MOTION_GRAPH.into() },
         },
     ]
 }

@@ -96,7 +96,8 @@ fn write_section(html: &mut String, section: &SectionReport, files: bool) {
     for paragraph in &section.text {
         let _ = writeln!(html, "<p>{}</p>", escape(paragraph));
     }
-    for agreement in &section.agreements {
+    // What holds is told once, at the top.
+    for agreement in section.agreements.iter().filter(|agreement| !agreement.why.is_empty()) {
         write_agreement(html, agreement);
     }
     for table in &section.tables {
@@ -140,8 +141,11 @@ fn write_agreement(html: &mut String, agreement: &Agreement) {
 
 fn write_table(html: &mut String, table: &Table, files: bool) {
     let file = if files { format!(" <a href=\"{0}.csv\">{0}.csv</a>", table.name) } else { String::new() };
-    let _ =
-        write!(html, "<div class=\"scroll\"><table>\n<caption>{}{file}</caption>\n<thead><tr>", escape(&table.caption));
+    let _ = write!(
+        html,
+        "<p class=\"caption\">{}{file}</p>\n<div class=\"scroll\"><table>\n<thead><tr>",
+        escape(&table.caption)
+    );
     for column in &table.columns {
         let _ = write!(html, "<th>{}</th>", escape(column));
     }

@@ -105,6 +105,8 @@ pub struct EvaluateOptions {
     pub seed: u64,
     /// Permutations of Mantel's test.
     pub permutations: usize,
+    /// Transitions of each graph whose seams are measured, drawn at random where there are more.
+    pub seam_transitions: usize,
     /// Transitions as the actor would have them.
     pub transition: TransitionOptions,
     /// Weight of a frame's duration.
@@ -117,6 +119,7 @@ impl Default for EvaluateOptions {
             sections: Section::ALL.to_vec(),
             seed: 1,
             permutations: 10_000,
+            seam_transitions: 1_000,
             transition: TransitionOptions::default(),
             alpha: shared::graph::DEFAULT_ALPHA,
         }
