@@ -32,7 +32,8 @@ fn plain_distance(topology: &Topology, poses: &Poses, i: u32, j: u32, options: &
     for &corners in topology.triangles() {
         let source = gradient_basis(corners.map(|v| pose_i[v as usize].as_dvec3()));
         let target = gradient_basis(corners.map(|v| turned[v as usize]));
-        let (angle, stretch) = polar(target * source.inverse());
+        let (angle, logarithm, difference) = polar(target * source.inverse());
+        let stretch = if options.kind == DistanceKind::DeformationFrobenius { difference } else { logarithm };
         let weight = if options.area_weighted { mean_share(topology, poses, corners) } else { 1.0 };
         sum += weight * (angle + f64::from(options.stretch_weight) * stretch);
         total += weight;
@@ -46,15 +47,15 @@ fn gradient_basis([p, q, r]: [DVec3; 3]) -> DMat3 {
     DMat3::from_cols(e1, e2, e1.cross(e2).normalize())
 }
 
-/// The angle of R and ||log S|| of T = R S.
-fn polar(t: DMat3) -> (f64, f64) {
+/// The angle of R, ||log S|| and ||S - I|| of T = R S.
+fn polar(t: DMat3) -> (f64, f64, f64) {
     let (values, vectors) = symmetric_eigen(t.transpose() * t);
-    let stretch = values.to_array().map(|value| 0.5 * value.ln());
+    let norm = |of: fn(f64) -> f64| values.to_array().map(of).iter().map(|x| x * x).sum::<f64>().sqrt();
     let inverse_root = vectors * DMat3::from_diagonal(values.map(|value| 1.0 / value.sqrt())) * vectors.transpose();
     let r = t * inverse_root;
     let axis = DVec3::new(r.y_axis.z - r.z_axis.y, r.z_axis.x - r.x_axis.z, r.x_axis.y - r.y_axis.x);
     let trace = r.x_axis.x + r.y_axis.y + r.z_axis.z;
-    (axis.length().atan2(trace - 1.0), stretch.iter().map(|ln| ln * ln).sum::<f64>().sqrt())
+    (axis.length().atan2(trace - 1.0), norm(|value| 0.5 * value.ln()), norm(|value| value.sqrt() - 1.0))
 }
 
 /// Jacobi's method.
@@ -105,6 +106,19 @@ fn matches_plain_matrices_on_random_meshes() {
         check_against_plain(&topology, &poses, &DistanceOptions::default(), 3, 5e-6);
         let options = DistanceOptions { stretch_weight: 1.0, area_weighted: true, ..Default::default() };
         check_against_plain(&topology, &poses, &options, 3, 1e-5);
+    }
+}
+
+#[test]
+fn frobenius_variant_matches_plain_matrices() {
+    let (topology, poses) = common::random_tube(9, 11, 21, 0.05, 4);
+    let kind = DistanceKind::DeformationFrobenius;
+    let options = DistanceOptions { kind, stretch_weight: 1.0, ..Default::default() };
+    let upper = distances(&topology, &poses, &options);
+    // From i < j only: this variant is not symmetric, the matrix is.
+    for (i, j) in (0..21).flat_map(|i| (i + 1..21).map(move |j| (i, j))) {
+        let want = plain_distance(&topology, &poses, i as u32, j as u32, &options);
+        assert!((f64::from(upper.get(i, j)) - want).abs() < 1e-5, "{i} {j}");
     }
 }
 

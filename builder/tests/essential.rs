@@ -9,6 +9,7 @@ mod common;
 
 use builder::distance::{DistanceOptions, pose_distances};
 use builder::essential::{Essential, essential_edges, motion_graph, strongly_connected};
+use builder::evaluate::hidden_paths::hidden_paths;
 use builder::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
 use common::Random;
 use shared::graph::rounded_alpha;
@@ -65,6 +66,7 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let found = essential_edges(transitions, timeline, alpha).unwrap();
     let alpha = rounded_alpha(alpha);
     assert_eq!(found.edges, plain_essential(transitions, timeline, alpha));
+    assert_eq!(found.edges, hidden_paths(transitions, timeline, alpha), "by hidden paths");
 
     // The certificate: paths through the edges kept are as short as any.
     let all = direct_costs(transitions, timeline, alpha);

@@ -35,6 +35,10 @@ pub enum Command {
     Inspect(InspectArguments),
     /// Check a bundle and list what is wrong with it, with stable codes.
     Validate(ValidateArguments),
+    /// Make the papers' evaluations again on a capture, as a page with tables.
+    Evaluate(EvaluateArguments),
+    /// Tell how good a bundle's actor is, as a page.
+    Report(ReportArguments),
 }
 
 /// Arguments of `builder pack`.
@@ -250,4 +254,62 @@ fn slope(text: &str) -> Result<Slope, String> {
         Ok(slope) if (1..=most).contains(&slope) => Ok(Slope(Some(slope))),
         _ => Err(format!("a slope limit is a number from 1 to {most}, or none")),
     }
+}
+
+/// Arguments of `builder report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The bundle to report on.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// The page to write; beside the bundle by default.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `builder evaluate`.
+#[derive(Debug, Args)]
+pub struct EvaluateArguments {
+    /// A capture, as `pack` takes it; the built-in performer's by default.
+    #[arg(value_name = "CAPTURE")]
+    pub inputs: Vec<String>,
+    /// The folder to write the report into; made if it is missing.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// The sections to make; all by default.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub sections: Vec<EvaluateSection>,
+    /// Frames of the built-in performer's capture.
+    #[arg(long, value_name = "N", conflicts_with = "inputs")]
+    pub frames: Option<u32>,
+    /// Vertices of the built-in performer, roughly.
+    #[arg(long, value_name = "N", conflicts_with = "inputs")]
+    pub vertices: Option<u32>,
+    /// Seed of all that is drawn at random, and of the built-in performer.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+}
+
+/// A section of the evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EvaluateSection {
+    /// Pose distance against the skeleton's truth.
+    Poses,
+    /// Transitions: standard, warped, with varying lengths.
+    Transitions,
+    /// Essential graph against motion graph.
+    Graphs,
+    /// Trajectories, foot skate and seams.
+    Blending,
+    /// Linear, Poisson and as-rigid-as-possible in-betweens.
+    Interpolation,
+    /// Walks along paths and through poses at times.
+    Walks,
+    /// Size and speed of each stage.
+    Scaling,
+    /// Eigen appearance maps.
+    Appearance,
 }

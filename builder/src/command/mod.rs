@@ -2,11 +2,13 @@
 
 mod args;
 mod direct;
+mod evaluate;
 mod failure;
 mod inspect;
 mod output;
 mod pack;
 mod performer;
+mod report;
 mod terminal;
 mod validate;
 
@@ -52,5 +54,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments, &terminal),
+        Command::Evaluate(arguments) => evaluate::run(arguments, &terminal),
+        Command::Report(arguments) => report::run(arguments, &terminal),
     }
 }

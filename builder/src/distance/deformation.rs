@@ -24,9 +24,15 @@ pub(super) struct Pair {
     pub(super) stretch_weight: f32,
 }
 
-/// The sum of `weights[m] (angle(R_m) + w ||log S_m||)` over a block of triangles.
+/// The sum of `weights[m] (angle(R_m) + w ||log S_m||)` over a block of triangles, or of `angle(R_m) + w ||S_m - I||`
+/// (thesis equation 2.13) where not `LOG`.
 #[inline(always)]
-pub(super) fn deformation(i: &TriangleBlock, j: &TriangleBlock, weights: &[f32; BLOCK], pair: Pair) -> f64 {
+pub(super) fn deformation<const LOG: bool>(
+    i: &TriangleBlock,
+    j: &TriangleBlock,
+    weights: &[f32; BLOCK],
+    pair: Pair,
+) -> f64 {
     let mut values = [0.0; BLOCK];
     for m in 0..BLOCK {
         // p = conj(q_i) yaw q_j.
@@ -58,10 +64,15 @@ pub(super) fn deformation(i: &TriangleBlock, j: &TriangleBlock, weights: &[f32; 
         let xy2 = px.mul_add(px, py * py) * hc.mul_add(hc, hs * hs);
         let half = half_angle(z.mul_add(z, xy2).sqrt(), w.abs());
 
-        // ||log S||^2 = ln^2 s1 + ln^2 s2.
-        let log_product = j.log_det[m] - i.log_det[m];
-        let log_ratio = 2.0_f32.mul_add(ln(r + d) - std::f32::consts::LN_2, -log_product);
-        let stretch = (0.5 * log_product.mul_add(log_product, log_ratio * log_ratio)).sqrt();
+        let stretch = if LOG {
+            // ||log S||^2 = ln^2 s1 + ln^2 s2.
+            let log_product = j.log_det[m] - i.log_det[m];
+            let log_ratio = 2.0_f32.mul_add(ln(r + d) - std::f32::consts::LN_2, -log_product);
+            (0.5 * log_product.mul_add(log_product, log_ratio * log_ratio)).sqrt()
+        } else {
+            // With s1, s2 = (r + d) / 2, (r - d) / 2: (s1 - 1)^2 + (s2 - 1)^2 = ((r - 2)^2 + d^2) / 2.
+            (0.5 * (r - 2.0).mul_add(r - 2.0, d * d)).sqrt()
+        };
 
         values[m] = weights[m] * pair.stretch_weight.mul_add(stretch, half + half);
     }

@@ -9,6 +9,13 @@ pub struct HeadingMatrix {
 }
 
 impl HeadingMatrix {
+    /// The matrix whose angle for frames i < j, i fixed and j moving, is `heading(i, j)`.
+    #[must_use]
+    pub fn from_fn(frame_count: usize, mut heading: impl FnMut(usize, usize) -> f32) -> Self {
+        let pairs = (0..frame_count).flat_map(|i| (i + 1..frame_count).map(move |j| (i, j)));
+        Self { frame_count, upper: pairs.map(|(i, j)| heading(i, j)).collect() }
+    }
+
     /// Angles that are all zero.
     pub(super) fn zeros(frame_count: usize) -> Self {
         Self { frame_count, upper: vec![0.0; frame_count * frame_count.saturating_sub(1) / 2] }

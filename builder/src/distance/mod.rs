@@ -34,6 +34,8 @@ pub enum DistanceKind {
     /// (TVCG equation 2).
     #[default]
     Deformation,
+    /// The same with the Frobenius norm of the stretch minus the identity (thesis equation 2.13); for comparison.
+    DeformationFrobenius,
     /// Weighted sum of squared distances between vertices after alignment, in square metres (thesis equation 2.2); for
     /// comparison.
     Euclidean,
@@ -131,7 +133,10 @@ fn measure_at(
     alignment::align_all(level, &poses, topology.weights(), &mut tiles);
     progress(ALIGNMENT_SHARE);
     let divisor = match options.kind {
-        DistanceKind::Deformation => sum_deformation(level, topology, &poses, options, &mut tiles, progress)?,
+        DistanceKind::Deformation => sum_deformation::<true>(level, topology, &poses, options, &mut tiles, progress)?,
+        DistanceKind::DeformationFrobenius => {
+            sum_deformation::<false>(level, topology, &poses, options, &mut tiles, progress)?
+        }
         DistanceKind::Euclidean => {
             sum_residual(level, topology, &poses, &mut tiles, progress);
             1.0
@@ -153,7 +158,7 @@ fn measure_at(
 }
 
 /// Leaves each pair's weighted sum over the triangles in the tiles; returns the sum of the triangles' weights.
-fn sum_deformation(
+fn sum_deformation<const LOG: bool>(
     level: Level,
     topology: &Topology,
     poses: &[&[Vec3]],
@@ -173,21 +178,21 @@ fn sum_deformation(
         let blocks: Vec<_> = poses.par_iter().map(|pose| triangles::TriangleBlock::new(chunk, pose)).collect();
         tiles::for_each(tiles, |tile| {
             let stretch_weight = options.stretch_weight;
-            level.run(SumDeformation { blocks: &blocks, weights: &block_weights, stretch_weight, tile });
+            level.run(SumDeformation::<LOG> { blocks: &blocks, weights: &block_weights, stretch_weight, tile });
         });
         progress(ALIGNMENT_SHARE + (1.0 - ALIGNMENT_SHARE) * (index + 1) as f64 / block_count as f64);
     }
     Ok(weights.iter().map(|&weight| f64::from(weight)).sum())
 }
 
-struct SumDeformation<'a> {
+struct SumDeformation<'a, const LOG: bool> {
     blocks: &'a [triangles::TriangleBlock],
     weights: &'a [f32; triangles::BLOCK],
     stretch_weight: f32,
     tile: &'a mut Tile,
 }
 
-impl Kernel for SumDeformation<'_> {
+impl<const LOG: bool> Kernel for SumDeformation<'_, LOG> {
     type Output = ();
 
     #[inline(always)]
@@ -198,7 +203,7 @@ impl Kernel for SumDeformation<'_> {
                 let slot = tile.slot(i, j);
                 let [cos, sin] = tile.alignment[slot];
                 let pair = deformation::Pair { cos: cos as f32, sin: sin as f32, stretch_weight };
-                tile.sum[slot] += deformation::deformation(&blocks[i], &blocks[j], weights, pair);
+                tile.sum[slot] += deformation::deformation::<LOG>(&blocks[i], &blocks[j], weights, pair);
             }
         }
     }
@@ -296,7 +301,7 @@ mod tests {
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let (topology, poses) = strip(40);
-        for kind in [DistanceKind::Deformation, DistanceKind::Euclidean] {
+        for kind in [DistanceKind::Deformation, DistanceKind::DeformationFrobenius, DistanceKind::Euclidean] {
             let options = DistanceOptions { kind, ..Default::default() };
             let run = |level| measure_at(level, &topology, &poses, &options, &|_| ()).unwrap();
             let mut results = Level::available().into_iter().map(run);

@@ -6,22 +6,22 @@ use crate::transitions::TransitionMatrix;
 
 /// Edge costs E(i, j) of the complete digraph (TVCG section 4.1; thesis 3.3.2).
 #[derive(Clone, Copy)]
-pub(super) struct Costs<'a> {
-    pub(super) transitions: &'a TransitionMatrix,
-    pub(super) timeline: &'a Timeline,
+pub(crate) struct Costs<'a> {
+    pub(crate) transitions: &'a TransitionMatrix,
+    pub(crate) timeline: &'a Timeline,
     /// A multiple of [`shared::graph::ALPHA_RESOLUTION`].
-    pub(super) alpha: f64,
+    pub(crate) alpha: f64,
 }
 
 impl Costs<'_> {
     /// D + alpha L, or infinity.
-    pub(super) fn synthetic(&self, i: u32, j: u32) -> f64 {
+    pub(crate) fn synthetic(&self, i: u32, j: u32) -> f64 {
         let transition = self.transitions.get(i as usize, j as usize).filter(|_| i != j);
         transition.map_or(f64::INFINITY, |transition| transition.cost(self.alpha))
     }
 
     /// alpha times the recorded steps from i to j, or infinity.
-    pub(super) fn recorded(&self, i: u32, j: u32) -> f64 {
+    pub(crate) fn recorded(&self, i: u32, j: u32) -> f64 {
         let Some(sequence) = self.timeline.sequence_of(i).filter(|sequence| sequence.contains(j)) else {
             return f64::INFINITY;
         };
@@ -34,7 +34,7 @@ impl Costs<'_> {
     }
 
     /// E(i, j): the lesser of both; 0 from a frame to itself.
-    pub(super) fn edge(&self, i: u32, j: u32) -> f64 {
+    pub(crate) fn edge(&self, i: u32, j: u32) -> f64 {
         self.synthetic(i, j).min(self.recorded(i, j))
     }
 }

@@ -17,10 +17,10 @@ use shared::timeline::Timeline;
 use thiserror::Error;
 
 pub use self::components::{Components, strongly_connected};
-use self::costs::Costs;
+pub(crate) use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;
-use self::paths::PathLengths;
+pub(crate) use self::paths::PathLengths;
 use crate::simd::Level;
 use crate::transitions::TransitionMatrix;
 

@@ -15,7 +15,7 @@ const ROWS: usize = 4;
 const COLUMNS: usize = 16;
 
 /// Lengths of shortest paths of at least one edge; infinite where there is none.
-pub(super) struct PathLengths {
+pub(crate) struct PathLengths {
     nodes: usize,
     /// Columns of the storage: `nodes` rounded up to whole blocks.
     stride: usize,
@@ -24,7 +24,7 @@ pub(super) struct PathLengths {
 
 impl PathLengths {
     /// Shortest paths between `nodes` nodes with edges of cost `edge(i, j)` >= 0, infinite for none.
-    pub(super) fn new(level: Level, nodes: usize, edge: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+    pub(crate) fn new(level: Level, nodes: usize, edge: impl Fn(usize, usize) -> f64 + Sync) -> Self {
         let stride = nodes.next_multiple_of(SIDE);
         let mut lengths = vec![f64::INFINITY; stride * stride];
         lengths.par_chunks_mut(stride.max(1)).take(nodes).enumerate().for_each(|(i, row)| {
@@ -40,7 +40,7 @@ impl PathLengths {
     }
 
     /// Lengths of the shortest paths from node `i`.
-    pub(super) fn from(&self, i: usize) -> &[f64] {
+    pub(crate) fn from(&self, i: usize) -> &[f64] {
         &self.lengths[i * self.stride..][..self.nodes]
     }
 

@@ -1,0 +1,132 @@
+//! The capture under evaluation and what several sections need to know of it.
+
+use std::sync::OnceLock;
+
+use glam::{Vec2, Vec3Swizzles};
+use shared::align::centre_of_mass;
+use shared::capture::Capture;
+use shared::graph::EssentialGraph;
+use shared::timeline::Timeline;
+
+use super::truth::Truth;
+use super::{EvaluateError, EvaluateOptions};
+use crate::distance::{self, DistanceOptions, Measured};
+use crate::essential::{self, Findings};
+use crate::import::{ImportOptions, import};
+use crate::progress::{Progress, Report};
+use crate::transitions::{LengthChoice, TransitionMatrix, TransitionOptions, optimal_transitions};
+
+/// A capture with its pose distances, ready to be evaluated.
+pub struct Subject {
+    /// The capture.
+    pub capture: Capture,
+    /// Its skeleton's truth, where it came with one.
+    pub truth: Option<Truth>,
+    /// How it is evaluated.
+    pub options: EvaluateOptions,
+    pub(super) measured: Measured,
+    /// Centres of mass along (X, Z).
+    pub(super) centres: Vec<Vec2>,
+    total: OnceLock<TransitionMatrix>,
+    mean: OnceLock<TransitionMatrix>,
+}
+
+impl Subject {
+    /// Reads a capture, with the truth beside it, and measures its pose distances.
+    ///
+    /// # Errors
+    /// A capture or a truth that cannot be read, or poses without distances.
+    pub fn read(
+        inputs: &[String],
+        import_options: &ImportOptions,
+        options: EvaluateOptions,
+        report: Report,
+    ) -> Result<Self, EvaluateError> {
+        let capture = import(inputs, import_options, &|step| report(step))?.capture;
+        let truth = Truth::beside(inputs, &capture.timeline)?;
+        Self::new(capture, truth, options, report)
+    }
+
+    /// Measures the pose distances of a capture in memory.
+    ///
+    /// # Errors
+    /// Poses without distances.
+    pub fn new(
+        capture: Capture,
+        truth: Option<Truth>,
+        options: EvaluateOptions,
+        report: Report,
+    ) -> Result<Self, EvaluateError> {
+        let told = told(report, "pose distances");
+        let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), &told)?;
+        let weights = capture.topology.weights();
+        let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
+        Ok(Self { capture, truth, options, measured, centres, total: OnceLock::new(), mean: OnceLock::new() })
+    }
+
+    pub(super) fn timeline(&self) -> &Timeline {
+        &self.capture.timeline
+    }
+
+    pub(super) fn frame_count(&self) -> usize {
+        self.timeline().frame_count() as usize
+    }
+
+    /// Transitions with lengths by the least sum or the least mean.
+    pub(super) fn transitions(&self, choice: LengthChoice, report: Report) -> Result<&TransitionMatrix, EvaluateError> {
+        let slot = if choice == LengthChoice::Total { &self.total } else { &self.mean };
+        if let Some(known) = slot.get() {
+            return Ok(known);
+        }
+        let found = self.search(&TransitionOptions { choice, ..self.options.transition }, report)?;
+        Ok(slot.get_or_init(|| found))
+    }
+
+    /// Transitions as `options` say.
+    pub(super) fn search(
+        &self,
+        options: &TransitionOptions,
+        report: Report,
+    ) -> Result<TransitionMatrix, EvaluateError> {
+        let told = told(report, "transitions");
+        Ok(optimal_transitions(&self.measured.distances, self.timeline(), options, &told)?)
+    }
+
+    /// The essential graph with lengths by the least sum or the least mean.
+    pub(super) fn graph(&self, choice: LengthChoice, report: Report) -> Result<EssentialGraph, EvaluateError> {
+        let transitions = self.transitions(choice, report)?;
+        let alpha = self.options.alpha;
+        let essential = essential::essential_edges(transitions, self.timeline(), alpha)?;
+        let findings = Findings {
+            distances: &self.measured.distances,
+            headings: &self.measured.headings,
+            transitions,
+            options: &TransitionOptions { choice, ..self.options.transition },
+        };
+        Ok(essential::build_graph(&self.capture, &findings, &essential.edges, alpha)?)
+    }
+
+    pub(super) fn facts(&self) -> Vec<(String, String)> {
+        let timeline = self.timeline();
+        let fact = |name: &str, value: String| (name.to_owned(), value);
+        vec![
+            fact("Frames", format!("{} at {} a second", timeline.frame_count(), timeline.fps())),
+            fact("Sequences", timeline.sequences().len().to_string()),
+            fact("Vertices", self.capture.topology.vertex_count().to_string()),
+            fact("Triangles", self.capture.topology.triangles().len().to_string()),
+            fact("Segments blended", {
+                let transition = &self.options.transition;
+                format!("{} to {} s", transition.shortest_seconds, transition.longest_seconds)
+            }),
+            fact("Weight of a frame, alpha", self.options.alpha.to_string()),
+            fact("Skeleton\u{2019}s truth", if self.truth.is_some() { "yes" } else { "no" }.into()),
+            fact("Seed", self.options.seed.to_string()),
+            fact("Builder", env!("CARGO_PKG_VERSION").into()),
+        ]
+    }
+}
+
+/// Tells `report` the share of a stage that is done.
+pub(super) fn told<'a>(report: Report<'a>, what: &'static str) -> impl Fn(f64) + Sync + 'a {
+    move |share| report(Progress { what, done: (share * 1000.0) as u64, total: 1000 })
+}
