@@ -6,7 +6,11 @@ pub mod charts;
 mod error;
 pub mod flow;
 mod level;
+pub mod pca;
 pub mod prepare;
+pub mod store;
+pub mod symmetric;
 pub mod textures;
+pub mod warp;
 
 pub use self::error::AppearanceError;

@@ -176,3 +176,6 @@ impl FlowGrid {
         );
     }
 }
+
+#[cfg(test)]
+mod tests;
