@@ -49,6 +49,8 @@ pub(super) struct Level {
     pub down: Vec<f32>,
     /// Patches by rows.
     pub patches: Vec<Patch>,
+    /// The patches of the same chart to the left and right, above and below; `u32::MAX` for none.
+    pub neighbours: Vec<[u32; 4]>,
     /// Texels outside of charts and the active texel each copies.
     extension: Vec<(u32, u32)>,
 }
@@ -68,13 +70,8 @@ impl Level {
         let (right, down) = (link(1), link(stride));
         let (territory, extension) = spread(&labels, stride);
         let patches = patches(&labels, stride, rows);
-        Self { charts, stride, rows, labels, territory, right, down, patches, extension }
-    }
-
-    /// The rows without margins, in bands of at most [`BAND`].
-    pub(super) fn bands(&self) -> Vec<Range<usize>> {
-        let end = self.rows - PAD;
-        (PAD..end).step_by(BAND).map(|start| start..(start + BAND).min(end)).collect()
+        let neighbours = neighbours(&patches);
+        Self { charts, stride, rows, labels, territory, right, down, patches, neighbours, extension }
     }
 
     /// The patches that begin in rows `rows`.
@@ -106,6 +103,35 @@ impl Level {
     pub(super) fn extend(&self, plane: &mut [f32]) {
         for &(to, from) in &self.extension {
             plane[to as usize] = plane[from as usize];
+        }
+    }
+
+    /// Gives active texels that are `unknown` the mean of their known neighbours, from the rim of each gap inwards.
+    pub(super) fn fill(&self, unknown: &[bool], x: &mut [f32], y: &mut [f32]) {
+        let mut unknown = unknown.to_vec();
+        let mut gap: Vec<usize> = (0..unknown.len()).filter(|&k| unknown[k] && self.labels[k] != 0).collect();
+        loop {
+            let mut filled = Vec::new();
+            for &k in &gap {
+                let (mut sum_x, mut sum_y, mut count) = (0.0, 0.0, 0.0);
+                for near in [k - 1, k + 1, k - self.stride, k + self.stride] {
+                    if self.labels[near] == self.labels[k] && !unknown[near] {
+                        sum_x += x[near];
+                        sum_y += y[near];
+                        count += 1.0;
+                    }
+                }
+                if count > 0.0 {
+                    filled.push((k, sum_x / count, sum_y / count));
+                }
+            }
+            if filled.is_empty() {
+                return;
+            }
+            for (k, mean_x, mean_y) in filled {
+                (x[k], y[k], unknown[k]) = (mean_x, mean_y, false);
+            }
+            gap.retain(|&k| unknown[k]);
         }
     }
 
@@ -208,4 +234,21 @@ fn patches(labels: &[u32], stride: usize, rows: usize) -> Vec<Patch> {
         }
     }
     patches
+}
+
+fn neighbours(patches: &[Patch]) -> Vec<[u32; 4]> {
+    let key = |patch: &Patch| (patch.y, patch.x, patch.label);
+    // Patches lie in this order but for the labels of one place.
+    let index: std::collections::HashMap<_, u32> = patches.iter().map(key).zip(0..).collect();
+    let step = STEP as u32;
+    let at = |y: u32, x: u32, label: u32| index.get(&(y, x, label)).copied().unwrap_or(u32::MAX);
+    let of = |p: &Patch| {
+        [
+            at(p.y, p.x.wrapping_sub(step), p.label),
+            at(p.y, p.x + step, p.label),
+            at(p.y.wrapping_sub(step), p.x, p.label),
+            at(p.y + step, p.x, p.label),
+        ]
+    };
+    patches.iter().map(of).collect()
 }

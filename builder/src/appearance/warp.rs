@@ -1,13 +1,15 @@
 //! Moving a texture by a warp within its charts: directly, or by Poisson reconstruction.
 //!
-//! Thesis 4.4.1: the warped texture A minimises `sum |laplacian A - div g|^2 + weight |A - c|^2` (equation 4.1), c the
-//! colours and g the gradients of the texture, both moved by the warp. Its normal equations are
-//! `(L^T L + weight) A = L^T div g + weight c`. The thesis writes the weight once as lambda (4.1) and once as lambda^2
-//! (4.3); we take 4.1 by its word. L is the Laplacian of the graph that links active texels of one chart, so the border of
-//! a chart is natural and nothing flows across it.
+//! Thesis 4.4.1: the warped texture A minimises `sum |laplacian A - div g|^2 + weight^2 |A - c|^2`, c the colours and g
+//! the gradients of the texture, both moved by the warp. The thesis writes the weight once as lambda (equation 4.1) and
+//! once as lambda^2 (4.3, the system that is solved); we take the latter. L is the Laplacian of the graph that links active
+//! texels of one chart: the border of a chart is natural and nothing flows across it.
 //!
-//! L is the same for the whole data set. Influence fades within a few texels (weight^(-1/4) = 2.7 of them), so conjugate
-//! gradients from c are done after a few steps; a factor of a million unknowns would only cost memory.
+//! With A = c + e and r = div g - L c the normal equations are `(L^2 + weight^2) e = L r`, and L / (L^2 + weight^2) is the
+//! real part of 1 / (L - i weight): one complex system of the Laplacian's own stencil, whose condition is the root of
+//! that of the normal equations. L is the same for the whole data set and influence fades within some
+//! 1 / sqrt(weight) = 7 texels, so conjugate gradients from c need few steps; a factor over a million unknowns would
+//! only cost memory.
 
 use super::charts::Charts;
 use super::flow::Flow;
@@ -17,9 +19,9 @@ use crate::simd::{Kernel, Level as Instructions};
 /// Weight of colours against gradients (thesis 4.4.1).
 pub const COLOUR_WEIGHT: f32 = 0.02;
 /// Steps of conjugate gradients at most.
-const MOST_STEPS: usize = 40;
+const MOST_STEPS: usize = 60;
 /// The residual that is left, as a part of the first one.
-const TOLERANCE: f64 = 1e-2;
+const TOLERANCE: f64 = 2e-3;
 
 /// Moves textures over one atlas.
 #[derive(Clone, Debug)]
@@ -75,6 +77,27 @@ impl Warper {
             }
         }
         result
+    }
+
+    /// Gives the active texels `unseen` colours from around them; three values per active texel.
+    pub fn fill(&self, colours: &mut [f32], unseen: &[u32]) {
+        if unseen.is_empty() {
+            return;
+        }
+        let mut unknown = vec![false; self.level.labels.len()];
+        unseen.iter().for_each(|&k| unknown[self.places[k as usize] as usize] = true);
+        let mut planes = vec![vec![0.0; self.level.labels.len()]; 4];
+        for (&place, colour) in self.places.iter().zip(colours.chunks_exact(3)) {
+            planes.iter_mut().zip(colour).for_each(|(plane, &value)| plane[place as usize] = value);
+        }
+        for pair in planes.chunks_exact_mut(2) {
+            if let [a, b] = pair {
+                self.level.fill(&unknown, a, b);
+            }
+        }
+        for (&place, colour) in self.places.iter().zip(colours.chunks_exact_mut(3)) {
+            colour.iter_mut().zip(&planes).for_each(|(value, plane)| *value = plane[place as usize]);
+        }
     }
 
     /// The warp of active texels from a flow over all texels.
@@ -175,37 +198,88 @@ impl Warper {
         if weight > 1e-3 { sum / weight } else { plane[place] }
     }
 
-    /// The correction u of the moved colours with `(L^T L + weight) u = L^T (divergence of what is missing)`.
-    fn solve(&self, divergence: &[f32]) -> Vec<f32> {
+    /// The real part of the solution z of `(L - i weight) z = right`, by conjugate gradients without conjugation
+    /// (van der Vorst, Melissen 1990), which fit symmetric complex matrices.
+    fn solve(&self, right: &[f32]) -> Vec<f32> {
         let level = &self.level;
-        let run = |input: &[f32], output: &mut [f32]| {
-            self.instructions.run(Laplacian { level, input, output });
-        };
-        let zero = || vec![0.0; divergence.len()];
-        let (mut x, mut residual, mut once, mut twice) = (zero(), zero(), zero(), zero());
-        run(divergence, &mut residual);
+        let dot = |a: &[f32], b: &[f32]| self.instructions.run(Dot { level, a, b });
+        // u^T v of complex vectors.
+        let product = |u: &Complex, v: &Complex| (dot(&u.re, &v.re) - dot(&u.im, &v.im), dot(&u.re, &v.im) + dot(&u.im, &v.re));
+        let mut x = Complex::zero(right.len());
+        let mut residual = Complex { re: right.to_vec(), im: vec![0.0; right.len()] };
         let mut direction = residual.clone();
-        let mut squares = self.instructions.run(Dot { level, a: &residual, b: &residual });
-        let enough = TOLERANCE * TOLERANCE * squares;
+        let mut image = Complex::zero(right.len());
+        let mut squares = product(&residual, &residual);
+        let enough = TOLERANCE * TOLERANCE * squares.0;
         for _ in 0..MOST_STEPS {
-            if squares <= enough || squares == 0.0 {
+            if squares == (0.0, 0.0) {
                 break;
             }
-            run(&direction, &mut once);
-            run(&once, &mut twice);
-            self.instructions.run(Add { weight: COLOUR_WEIGHT, from: &direction, to: &mut twice });
-            let curvature = self.instructions.run(Dot { level, a: &direction, b: &twice });
-            let step = (squares / curvature) as f32;
-            self.instructions.run(Add { weight: step, from: &direction, to: &mut x });
-            self.instructions.run(Add { weight: -step, from: &twice, to: &mut residual });
-            let next = self.instructions.run(Dot { level, a: &residual, b: &residual });
-            let turn = (next / squares) as f32;
-            for (direction, residual) in direction.iter_mut().zip(&residual) {
-                *direction = residual + turn * *direction;
+            self.instructions.run(Laplacian { level, input: &direction.re, output: &mut image.re });
+            self.instructions.run(Laplacian { level, input: &direction.im, output: &mut image.im });
+            self.instructions.run(Add { weight: COLOUR_WEIGHT, from: &direction.im, to: &mut image.re });
+            self.instructions.run(Add { weight: -COLOUR_WEIGHT, from: &direction.re, to: &mut image.im });
+            let step = divide(squares, product(&direction, &image));
+            self.add(step, &direction, &mut x);
+            self.add((-step.0, -step.1), &image, &mut residual);
+            let length = dot(&residual.re, &residual.re) + dot(&residual.im, &residual.im);
+            if length <= enough {
+                break;
             }
+            let next = product(&residual, &residual);
+            let (re, im) = divide(next, squares);
+            self.instructions.run(Turn { re: re as f32, im: im as f32, residual: &residual, direction: &mut direction });
             squares = next;
         }
-        x
+        x.re
+    }
+
+    /// `to += factor * from`, all complex.
+    fn add(&self, factor: (f64, f64), from: &Complex, to: &mut Complex) {
+        let (re, im) = (factor.0 as f32, factor.1 as f32);
+        self.instructions.run(Add { weight: re, from: &from.re, to: &mut to.re });
+        self.instructions.run(Add { weight: -im, from: &from.im, to: &mut to.re });
+        self.instructions.run(Add { weight: re, from: &from.im, to: &mut to.im });
+        self.instructions.run(Add { weight: im, from: &from.re, to: &mut to.im });
+    }
+}
+
+#[derive(Clone)]
+struct Complex {
+    re: Vec<f32>,
+    im: Vec<f32>,
+}
+
+impl Complex {
+    fn zero(length: usize) -> Self {
+        Self { re: vec![0.0; length], im: vec![0.0; length] }
+    }
+}
+
+/// a / b of complex numbers.
+fn divide(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let length = b.0 * b.0 + b.1 * b.1;
+    ((a.0 * b.0 + a.1 * b.1) / length, (a.1 * b.0 - a.0 * b.1) / length)
+}
+
+/// `direction = residual + (re + i im) direction`.
+struct Turn<'a> {
+    re: f32,
+    im: f32,
+    residual: &'a Complex,
+    direction: &'a mut Complex,
+}
+
+impl Kernel for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { re, im, residual, direction } = self;
+        let parts = direction.re.iter_mut().zip(&mut direction.im);
+        for ((x, y), (rx, ry)) in parts.zip(residual.re.iter().zip(&residual.im)) {
+            (*x, *y) = (rx + re * *x - im * *y, ry + re * *y + im * *x);
+        }
     }
 }
 
@@ -317,7 +391,7 @@ mod tests {
         }
     }
 
-    /// The minimum of equation 4.1 by a dense solve of its normal equations in `f64`, everything written out.
+    /// The minimum by a dense solve of its normal equations in `f64`, everything written out.
     fn plain(charts: &Charts, values: &[f32], warp: &[f32]) -> Vec<f64> {
         let warper = Warper::new(charts);
         let texels = charts.texels();
@@ -351,7 +425,7 @@ mod tests {
                 divergence[j] -= gradient;
             }
         }
-        let weight = f64::from(COLOUR_WEIGHT);
+        let weight = f64::from(COLOUR_WEIGHT).powi(2);
         let mut matrix = vec![vec![0.0; n + 1]; n];
         for i in 0..n {
             for j in 0..n {

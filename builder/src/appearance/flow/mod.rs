@@ -14,7 +14,7 @@ mod refine;
 use rayon::prelude::*;
 
 use super::level::{BAND, Level, PATCH};
-use self::patch::{Densify, Found, Search, Sides};
+use self::patch::{Densify, Found, Propagate, Search, Sides};
 use super::charts::Charts;
 use crate::simd::Level as Instructions;
 
@@ -165,15 +165,22 @@ impl FlowGrid {
         found.par_chunks_mut(256).zip(level.patches.par_chunks(256)).for_each(|(found, patches)| {
             self.instructions.run(Search { sides: *sides, initial, patches, found });
         });
+        let before = found.clone();
+        let all = level.patches.par_chunks(256).zip(level.neighbours.par_chunks(256));
+        found.par_chunks_mut(256).zip(all).for_each(|(found, (patches, neighbours))| {
+            self.instructions.run(Propagate { sides: *sides, patches, neighbours, before: &before, found });
+        });
         let [x, y] = flow;
-        x.par_chunks_mut(BAND * level.stride).zip(y.par_chunks_mut(BAND * level.stride)).enumerate().for_each(
-            |(band, (x, y))| {
+        let bands = x.par_chunks_mut(BAND * level.stride).zip(y.par_chunks_mut(BAND * level.stride)).enumerate();
+        let unknown: Vec<Vec<bool>> = bands
+            .map(|(band, (x, y))| {
                 let first_row = band * BAND;
                 let over = level.patches_in((first_row + 1).saturating_sub(PATCH)..first_row + BAND);
                 let (patches, found) = (&level.patches[over.clone()], &found[over]);
-                self.instructions.run(Densify { sides: *sides, patches, found, first_row, flow: [x, y] });
-            },
-        );
+                self.instructions.run(Densify { sides: *sides, patches, found, first_row, flow: [x, y] })
+            })
+            .collect();
+        level.fill(&unknown.concat(), x, y);
     }
 }
 

@@ -1,8 +1,8 @@
 //! Patches: finding where one has gone, and spreading what they found over texels.
 //!
 //! This work is based on: Kroeger, Timofte, Dai, Van Gool, *Fast Optical Flow using Dense Inverse Search*, 2016. Patches
-//! are compared after their means are taken out, so that a change of brightness does not count. We leave out the
-//! propagation between patches, so that all are independent, and compare only texels of a patch's own chart.
+//! are compared after their means are taken out, so that a change of brightness does not count, and only over texels of
+//! their own chart. Ways spread between neighbours in a round of its own, so that all patches are independent.
 
 use super::Plane;
 use crate::appearance::level::{LEAST_TEXELS, Level, PAD, PATCH, Patch};
@@ -18,6 +18,8 @@ const FAR: f32 = PATCH as f32;
 const FLAT: f32 = 1e-6;
 /// Differences below this count all the same when patches are weighed.
 const LEAST_DIFFERENCE: f32 = 1.0 / 255.0;
+/// A neighbour's way is tried where it leaves less than this part of a patch's error.
+const CLEARLY: f32 = 0.8;
 
 type Block = [[f32; PATCH]; PATCH];
 
@@ -28,6 +30,8 @@ pub(super) struct Found {
     pub way: [f32; 2],
     /// How much brighter it is there.
     pub brighter: f32,
+    /// Mean square of what is left; infinite where nothing could be compared.
+    pub error: f32,
 }
 
 /// The two sides of a search on one level.
@@ -58,8 +62,48 @@ impl Kernel for Search<'_> {
     }
 }
 
+/// Tries where the neighbours of each patch were found, and searches on from there where that is better.
+pub(super) struct Propagate<'a> {
+    pub sides: Sides<'a>,
+    pub patches: &'a [Patch],
+    pub neighbours: &'a [[u32; 4]],
+    /// Of all patches of the level, before this.
+    pub before: &'a [Found],
+    pub found: &'a mut [Found],
+}
+
+impl Kernel for Propagate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for ((patch, neighbours), found) in self.patches.iter().zip(self.neighbours).zip(self.found) {
+            let mut best = found.error * CLEARLY;
+            let mut way = None;
+            for &neighbour in neighbours {
+                let Some(other) = self.before.get(neighbour as usize) else { continue };
+                let (x, y) = (other.way[0] - found.way[0], other.way[1] - found.way[1]);
+                if x * x + y * y < 0.25 {
+                    continue;
+                }
+                let error = error_at(&self.sides, patch, other.way);
+                if error < best {
+                    best = error;
+                    way = Some(other.way);
+                }
+            }
+            if let Some(way) = way {
+                let again = search_from(&self.sides, patch, way);
+                if again.error < found.error {
+                    *found = again;
+                }
+            }
+        }
+    }
+}
+
 /// Spreads the ways of patches over the texels of some rows: each texel takes the mean of the patches over it, those that
-/// explain it best counting most.
+/// explain it best counting most. Returns where no patch said anything.
 pub(super) struct Densify<'a> {
     pub sides: Sides<'a>,
     pub patches: &'a [Patch],
@@ -71,10 +115,10 @@ pub(super) struct Densify<'a> {
 }
 
 impl Kernel for Densify<'_> {
-    type Output = ();
+    type Output = Vec<bool>;
 
     #[inline(always)]
-    fn run(self) {
+    fn run(self) -> Vec<bool> {
         let Self { sides, patches, found, first_row, flow: [flow_x, flow_y] } = self;
         let stride = sides.level.stride;
         let mut weight_sum = vec![0.0; flow_x.len()];
@@ -100,12 +144,16 @@ impl Kernel for Densify<'_> {
                 }
             }
         }
+        let mut unknown = vec![false; flow_x.len()];
         for k in 0..flow_x.len() {
             if weight_sum[k] > 0.0 {
                 flow_x[k] = x_sum[k] / weight_sum[k];
                 flow_y[k] = y_sum[k] / weight_sum[k];
+            } else {
+                unknown[k] = true;
             }
         }
+        unknown
     }
 }
 
@@ -118,6 +166,54 @@ fn search(sides: &Sides<'_>, initial: [&[f32]; 2], patch: &Patch) -> Found {
         sum_of_products(&mask, &block(initial[0], stride, patch)) / count.max(1.0),
         sum_of_products(&mask, &block(initial[1], stride, patch)) / count.max(1.0),
     ];
+    search_from(sides, patch, start)
+}
+
+/// How far off a patch is after going `way`.
+#[inline(always)]
+fn error_at(sides: &Sides<'_>, patch: &Patch, way: [f32; 2]) -> f32 {
+    let stride = sides.level.stride;
+    let (mask, template) = (mask(sides, patch), block(&sides.template.value, stride, patch));
+    let Some((sample, valid)) = sampled(sides, patch, way) else { return f32::INFINITY };
+    compare(&mask, &valid, &sample, &template).map_or(f32::INFINITY, |compared| compared.error)
+}
+
+/// The difference of a patch to where it is sought.
+struct Compared {
+    /// Differences without their mean, nothing where not both sides count.
+    residual: Block,
+    brighter: f32,
+    error: f32,
+}
+
+#[inline(always)]
+fn compare(mask: &Block, valid: &Block, sample: &Block, template: &Block) -> Option<Compared> {
+    let (mut weight, mut residual) = ([[0.0; PATCH]; PATCH], [[0.0; PATCH]; PATCH]);
+    for row in 0..PATCH {
+        for k in 0..PATCH {
+            weight[row][k] = mask[row][k] * valid[row][k];
+            residual[row][k] = sample[row][k] - template[row][k];
+        }
+    }
+    let seen = sum(&weight);
+    if seen < LEAST_TEXELS as f32 {
+        return None;
+    }
+    let brighter = sum_of_products(&weight, &residual) / seen;
+    for row in 0..PATCH {
+        for k in 0..PATCH {
+            residual[row][k] = weight[row][k] * (residual[row][k] - brighter);
+        }
+    }
+    let error = sum_of_products(&residual, &residual) / seen;
+    Some(Compared { residual, brighter, error })
+}
+
+#[inline(always)]
+fn search_from(sides: &Sides<'_>, patch: &Patch, start: [f32; 2]) -> Found {
+    let stride = sides.level.stride;
+    let mask = mask(sides, patch);
+    let count = sum(&mask);
     let template = block(&sides.template.value, stride, patch);
     let gradient_x = without_mean(&block(&sides.template.across, stride, patch), &mask, count);
     let gradient_y = without_mean(&block(&sides.template.along, stride, patch), &mask, count);
@@ -127,39 +223,16 @@ fn search(sides: &Sides<'_>, initial: [&[f32]; 2], patch: &Patch) -> Found {
         sum_of_products(&gradient_y, &gradient_y) + FLAT * count,
     );
     let determinant = a * c - b * b;
-    let mut best = Found { way: start, brighter: 0.0 };
-    let mut least = f32::INFINITY;
+    let mut best = Found { way: start, brighter: 0.0, error: f32::INFINITY };
     let mut way = start;
-    if count < LEAST_TEXELS as f32 {
-        return best;
-    }
     for _ in 0..STEPS {
         let Some((sample, valid)) = sampled(sides, patch, way) else { break };
-        let mut weight = [[0.0; PATCH]; PATCH];
-        let mut residual = [[0.0; PATCH]; PATCH];
-        for row in 0..PATCH {
-            for k in 0..PATCH {
-                weight[row][k] = mask[row][k] * valid[row][k];
-                residual[row][k] = sample[row][k] - template[row][k];
-            }
-        }
-        let seen = sum(&weight);
-        if seen < LEAST_TEXELS as f32 {
-            break;
-        }
-        let brighter = sum_of_products(&weight, &residual) / seen;
-        for row in 0..PATCH {
-            for k in 0..PATCH {
-                residual[row][k] = weight[row][k] * (residual[row][k] - brighter);
-            }
-        }
-        let error = sum_of_products(&residual, &residual) / seen;
+        let Some(Compared { residual, brighter, error }) = compare(&mask, &valid, &sample, &template) else { break };
         // Written so that NaN ends the search.
-        if !(error < least) {
+        if !(error < best.error) {
             break;
         }
-        least = error;
-        best = Found { way, brighter };
+        best = Found { way, brighter, error };
         let (bx, by) = (sum_of_products(&gradient_x, &residual), sum_of_products(&gradient_y, &residual));
         let step = [(c * bx - b * by) / determinant, (a * by - b * bx) / determinant];
         way = [way[0] - step[0], way[1] - step[1]];
