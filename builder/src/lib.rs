@@ -2,6 +2,7 @@
 //!
 //! The modules follow the pipeline: import -> distances -> transitions -> essential graph -> bundle.
 
+pub mod appearance;
 pub mod distance;
 pub mod essential;
 pub mod evaluate;

@@ -1,0 +1,240 @@
+//! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis 4.4.2, 4.4.3, 4.6.2).
+
+use rayon::prelude::*;
+use shared::appearance::AppearanceModel;
+use shared::appearance::quality::Similarity;
+
+use super::AppearanceError;
+use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
+use super::charts::Charts;
+use super::completion;
+use super::pca::{Components, components};
+use super::textures::TextureSource;
+use super::warp::{Warper, Warping};
+use crate::progress::{Progress, Report};
+
+/// Components where nothing is said: "virtually no error" in thesis 4.5.1.
+pub const DEFAULT_COMPONENTS: usize = 50;
+/// More are never kept, whatever quality is asked for.
+pub const MOST_COMPONENTS: usize = 150;
+/// Frames on which a quality is measured.
+const SAMPLED_FRAMES: usize = 16;
+
+/// How an appearance is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AppearanceOptions {
+    /// Components in all: Eigen textures and Eigen warps.
+    pub components: usize,
+    /// As few components as reach this structural similarity, instead of `components`.
+    pub ssim: Option<f64>,
+    /// How textures are aligned.
+    pub align: AlignOptions,
+}
+
+impl Default for AppearanceOptions {
+    fn default() -> Self {
+        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default() }
+    }
+}
+
+/// What came out.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct AppearanceSummary {
+    /// Eigen textures.
+    pub textures: usize,
+    /// Eigen warps.
+    pub warps: usize,
+    /// The frame that the others were aligned to.
+    pub reference: usize,
+    /// Frames with texels that were not seen, completed from the others.
+    pub completed_frames: Vec<usize>,
+    /// Share of the aligned textures' variance that is kept.
+    pub texture_variance: f64,
+    /// Share of the warps' variance that is kept.
+    pub warp_variance: f64,
+    /// Structural similarity of rebuilt textures, over a sample of complete frames, before quantisation.
+    pub ssim: f64,
+    /// Mean square error of the same.
+    pub mean_square_error: f64,
+}
+
+/// Eigen textures and Eigen warps of a number of components in all: two in three are textures.
+#[must_use]
+pub fn split(components: usize) -> (usize, usize) {
+    let warps = components / 3;
+    (components - warps, warps)
+}
+
+/// Builds the appearance of a capture from the textures of its frames.
+///
+/// # Errors
+/// Textures that cannot be read, or no room for scratch files.
+pub fn build(
+    source: &(impl TextureSource + ?Sized),
+    charts: &Charts,
+    options: &AppearanceOptions,
+    report: Report,
+) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+    let aligned = align(source, charts, &options.align, report)?;
+    report(Progress { what: "eigen textures", done: 0, total: 0 });
+    let most = if options.ssim.is_some() { MOST_COMPONENTS } else { options.components };
+    let (texture_count, warp_count) = split(most);
+    let mut basis = Basis::new(&aligned, &aligned.complete, texture_count, warp_count)?;
+    let sample = sampled(&aligned.complete);
+    if let Some(wanted) = options.ssim {
+        let count = fewest(most, |count| {
+            let (textures, warps) = split(count);
+            let (ssim, _) = basis.quality(source, &aligned, &sample, textures, warps)?;
+            Ok(ssim >= wanted)
+        })?;
+        let (textures, warps) = split(count);
+        basis.truncate(textures, warps);
+    }
+    let (ssim, mean_square_error) =
+        basis.quality(source, &aligned, &sample, basis.textures.modes.len(), basis.warps.modes.len())?;
+    let share = |components: &Components| match components.total_variance {
+        0.0 => 1.0,
+        total => components.variances.iter().sum::<f64>() / total,
+    };
+    let summary = AppearanceSummary {
+        textures: basis.textures.modes.len(),
+        warps: basis.warps.modes.len(),
+        reference: aligned.reference,
+        completed_frames: aligned.incomplete.iter().map(|incomplete| incomplete.frame).collect(),
+        texture_variance: share(&basis.textures),
+        warp_variance: share(&basis.warps),
+        ssim,
+        mean_square_error,
+    };
+    Ok((basis.into_model(charts), summary))
+}
+
+/// The least count from 1 to `most` that is enough, where more is never worse; `most` where none is.
+fn fewest(most: usize, enough: impl Fn(usize) -> Result<bool, AppearanceError>) -> Result<usize, AppearanceError> {
+    let (mut low, mut high) = (1, most.max(1));
+    while low < high {
+        let middle = (low + high) / 2;
+        if enough(middle)? { high = middle } else { low = middle + 1 }
+    }
+    Ok(high)
+}
+
+/// Evenly spread frames that stand for all.
+fn sampled(frames: &[usize]) -> Vec<usize> {
+    frames.iter().copied().step_by(frames.len().div_ceil(SAMPLED_FRAMES).max(1)).collect()
+}
+
+/// Both linear models of an aligned capture, with coefficients of all its frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// Of aligned textures.
+    pub textures: Components,
+    /// Of backward warps.
+    pub warps: Components,
+}
+
+impl Basis {
+    /// Learns from the frames `training`; all frames get coefficients, incomplete ones from what was seen.
+    ///
+    /// # Errors
+    /// A scratch file that cannot be read.
+    pub fn new(
+        aligned: &Aligned,
+        training: &[usize],
+        textures: usize,
+        warps: usize,
+    ) -> Result<Self, AppearanceError> {
+        let mut textures = components(&aligned.textures, training, textures)?;
+        let mut warps = components(&aligned.warps, training, warps)?;
+        for Incomplete { frame, unseen, unseen_aligned } in &aligned.incomplete {
+            completion::complete(&mut textures, &aligned.textures, *frame, unseen_aligned, 3)?;
+            completion::complete(&mut warps, &aligned.warps, *frame, unseen, 2)?;
+        }
+        Ok(Self { textures, warps })
+    }
+
+    /// Keeps the first modes only.
+    pub fn truncate(&mut self, textures: usize, warps: usize) {
+        for (components, count) in [(&mut self.textures, textures), (&mut self.warps, warps)] {
+            let before = components.modes.len();
+            let count = count.min(before);
+            components.modes.truncate(count);
+            components.variances.truncate(count);
+            let kept = components.coefficients.chunks_exact(before.max(1)).flat_map(|all| all[..count].to_vec());
+            components.coefficients = kept.collect();
+        }
+    }
+
+    /// The texture of a frame, rebuilt from the first modes: three values per active texel.
+    #[must_use]
+    pub fn rebuild(&self, warper: &Warper, frame: usize, textures: usize, warps: usize, how: Warping) -> Vec<f32> {
+        let texture = combine(&self.textures, frame, textures);
+        let warp = combine(&self.warps, frame, warps);
+        warper.warp(&texture, 3, &warp, how)
+    }
+
+    /// Mean structural similarity and mean square error of rebuilt textures against those of `source`.
+    ///
+    /// # Errors
+    /// A texture that cannot be read.
+    pub fn quality(
+        &self,
+        source: &(impl TextureSource + ?Sized),
+        aligned: &Aligned,
+        frames: &[usize],
+        textures: usize,
+        warps: usize,
+    ) -> Result<(f64, f64), AppearanceError> {
+        let similarity = Similarity::new(aligned.charts.width as u32, &aligned.charts.active());
+        let of = |&frame: &usize| -> Result<_, AppearanceError> {
+            let original = colours(&source.read(frame)?, &aligned.charts);
+            let rebuilt = self.rebuild(&aligned.warper, frame, textures, warps, Warping::Poisson);
+            Ok(compared(&similarity, &original, rebuilt))
+        };
+        let found: Vec<Result<(f64, f64), AppearanceError>> = frames.par_iter().map(of).collect();
+        means(found)
+    }
+
+    fn into_model(self, charts: &Charts) -> AppearanceModel {
+        AppearanceModel {
+            width: charts.width as u32,
+            height: charts.height as u32,
+            active: charts.active(),
+            mean_texture: self.textures.mean,
+            textures: self.textures.modes,
+            mean_warp: self.warps.mean,
+            warps: self.warps.modes,
+            texture_coefficients: self.textures.coefficients,
+            warp_coefficients: self.warps.coefficients,
+        }
+    }
+}
+
+/// Structural similarity and mean square error of what a screen would show of `rebuilt`.
+pub(crate) fn compared(similarity: &Similarity, original: &[f32], mut rebuilt: Vec<f32>) -> (f64, f64) {
+    rebuilt.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
+    let error = shared::appearance::quality::mean_square_error(original, &rebuilt);
+    (similarity.of(original, &rebuilt), error)
+}
+
+/// Means of pairs.
+pub(crate) fn means(pairs: Vec<Result<(f64, f64), AppearanceError>>) -> Result<(f64, f64), AppearanceError> {
+    let count = pairs.len().max(1) as f64;
+    let mut sums = (0.0, 0.0);
+    for pair in pairs {
+        let (a, b) = pair?;
+        sums = (sums.0 + a / count, sums.1 + b / count);
+    }
+    Ok(sums)
+}
+
+/// The mean and the first `count` modes, each times the frame's coefficient.
+#[must_use]
+pub fn combine(components: &Components, frame: usize, count: usize) -> Vec<f32> {
+    let all = components.modes.len();
+    let mut sum = components.mean.clone();
+    for (mode, &factor) in components.modes.iter().zip(&components.coefficients[frame * all..]).take(count.min(all)) {
+        sum.iter_mut().zip(mode).for_each(|(sum, value)| *sum += factor * value);
+    }
+    sum
+}

@@ -1,0 +1,317 @@
+//! How good an appearance is against the number of its components: the curves of thesis figures 4.6 and 4.9 to 4.12, TVCG
+//! figure 22, and how transitions look between two recorded frames.
+//!
+//! Everything is measured in texture space over active texels, against the textures as captured. *Naive* is PCA of the
+//! textures as they are, with as many components in all.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use shared::appearance::quality::Similarity;
+
+use super::AppearanceError;
+use super::align::{AlignOptions, Aligned, align, colours};
+use super::build::{Basis, combine, compared, means, split};
+use super::charts::Charts;
+use super::pca::{Components, components};
+use super::store::Store;
+use super::textures::TextureSource;
+use super::warp::Warping;
+use crate::progress::{Progress, Report};
+
+/// Numbers of components on the curves.
+const COUNTS: [usize; 14] = [1, 2, 3, 5, 8, 12, 16, 20, 25, 30, 40, 50, 65, 80];
+/// Shares of the frames that are learnt from, in percent.
+const SHARES: [usize; 6] = [10, 20, 30, 40, 50, 60];
+/// Frames between the two that are interpolated.
+const DISTANCES: [usize; 3] = [4, 8, 16];
+/// Frames, or pairs of frames, on which each point of a curve is measured.
+const SAMPLE: usize = 24;
+
+/// Similarity and error at a point of a curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Quality {
+    /// Structural similarity.
+    pub ssim: f64,
+    /// Mean square error of colours from 0 to 1.
+    pub mse: f64,
+}
+
+/// One number of components.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Reconstruction {
+    /// Components in all.
+    pub components: usize,
+    /// Eigen textures and Eigen warps, moved by Poisson reconstruction.
+    pub ours: Quality,
+    /// The same, moved directly.
+    pub direct: Quality,
+    /// Naive PCA.
+    pub naive: Quality,
+}
+
+/// One share of training frames; all others are rebuilt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Generalisation {
+    /// Share of the complete frames that is learnt from, in percent.
+    pub percent: usize,
+    /// Their number.
+    pub training: usize,
+    /// All modes of the training frames.
+    pub ours: Quality,
+    /// All modes of naive PCA.
+    pub naive: Quality,
+}
+
+/// Halves of two frames, with some Eigen textures, against the same with all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Interpolation {
+    /// Eigen textures.
+    pub textures: usize,
+    /// Similarity to the interpolation with all.
+    pub quality: Quality,
+}
+
+/// The frame in the middle of two recorded ones, made from these two.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Ghosting {
+    /// Frames from one to the other.
+    pub distance: usize,
+    /// Pairs.
+    pub pairs: usize,
+    /// Coefficients interpolated, all components.
+    pub ours: Quality,
+    /// Coefficients interpolated, 50 components in all.
+    pub ours_50: Quality,
+    /// The two textures cross-faded.
+    pub blend: Quality,
+    /// Mean gradient of the three over that of the recorded frame: below 1 is blur.
+    pub sharpness: [f64; 3],
+}
+
+/// All curves of a capture.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Curves {
+    /// Against the number of components.
+    pub reconstruction: Vec<Reconstruction>,
+    /// Against the share of training frames.
+    pub generalisation: Vec<Generalisation>,
+    /// Against the number of Eigen textures.
+    pub interpolation: Vec<Interpolation>,
+    /// Against the distance of frames.
+    pub ghosting: Vec<Ghosting>,
+}
+
+/// Measures a capture's appearance; `sequences` are the frames of each sequence.
+///
+/// # Errors
+/// Textures that cannot be read, or no room for scratch files.
+pub fn curves(
+    source: &(impl TextureSource + ?Sized),
+    charts: &Charts,
+    sequences: &[Range<usize>],
+    options: &AlignOptions,
+    report: Report,
+) -> Result<Curves, AppearanceError> {
+    let aligned = align(source, charts, options, report)?;
+    let raw = raw(source, charts)?;
+    let all = aligned.complete.clone();
+    let bench = Bench { source, aligned, raw, similarity: Similarity::new(charts.width as u32, &charts.active()) };
+    let told = |done: u64| report(Progress { what: "appearance curves", done, total: 4 });
+    told(0);
+    let full = bench.learn(&all, all.len())?;
+    let reconstruction = bench.reconstruction(&full, &all)?;
+    told(1);
+    let interpolation = bench.interpolation(&full.0, &all)?;
+    told(2);
+    let ghosting = bench.ghosting(&full.0, sequences)?;
+    drop(full);
+    told(3);
+    let generalisation = bench.generalisation(&all)?;
+    Ok(Curves { reconstruction, generalisation, interpolation, ghosting })
+}
+
+/// The textures as they are, a row a frame.
+fn raw(source: &(impl TextureSource + ?Sized), charts: &Charts) -> Result<Store, AppearanceError> {
+    let store = Store::new(source.frame_count(), 3 * charts.texels().len(), 2.0)?;
+    let written: Result<Vec<()>, AppearanceError> = (0..source.frame_count())
+        .into_par_iter()
+        .map(|frame| store.write(frame, &colours(&source.read(frame)?, charts)))
+        .collect();
+    written.map(|_| store)
+}
+
+struct Bench<'a, S: TextureSource + ?Sized> {
+    source: &'a S,
+    aligned: Aligned,
+    raw: Store,
+    similarity: Similarity,
+}
+
+impl<S: TextureSource + ?Sized> Bench<'_, S> {
+    fn learn(&self, training: &[usize], count: usize) -> Result<(Basis, Components), AppearanceError> {
+        let basis = Basis::new(&self.aligned, training, count, count)?;
+        Ok((basis, components(&self.raw, training, count)?))
+    }
+
+    fn original(&self, frame: usize) -> Result<Vec<f32>, AppearanceError> {
+        Ok(colours(&self.source.read(frame)?, &self.aligned.charts))
+    }
+
+    /// The mean quality over `frames` of what `rebuild` makes of them.
+    fn over(
+        &self,
+        frames: &[usize],
+        rebuild: impl Fn(usize) -> Vec<f32> + Sync,
+    ) -> Result<Quality, AppearanceError> {
+        let found = frames
+            .par_iter()
+            .map(|&frame| Ok(compared(&self.similarity, &self.original(frame)?, rebuild(frame))))
+            .collect();
+        means(found).map(|(ssim, mse)| Quality { ssim, mse })
+    }
+
+    fn reconstruction(
+        &self,
+        (basis, naive): &(Basis, Components),
+        frames: &[usize],
+    ) -> Result<Vec<Reconstruction>, AppearanceError> {
+        let (frames, warper) = (evenly(frames, SAMPLE), &self.aligned.warper);
+        COUNTS
+            .into_iter()
+            .filter(|&count| count < self.aligned.complete.len())
+            .map(|count| {
+                let (textures, warps) = split(count);
+                let ours = |how| self.over(&frames, |frame| basis.rebuild(warper, frame, textures, warps, how));
+                Ok(Reconstruction {
+                    components: count,
+                    ours: ours(Warping::Poisson)?,
+                    direct: ours(Warping::Direct)?,
+                    naive: self.over(&frames, |frame| combine(naive, frame, count))?,
+                })
+            })
+            .collect()
+    }
+
+    fn generalisation(&self, frames: &[usize]) -> Result<Vec<Generalisation>, AppearanceError> {
+        let order = shuffled(frames);
+        SHARES
+            .into_iter()
+            .map(|percent| {
+                let training = (order.len() * percent / 100).max(2).min(order.len().saturating_sub(1));
+                let (known, unknown) = order.split_at(training);
+                let mut known = known.to_vec();
+                known.sort_unstable();
+                let unknown = evenly(unknown, SAMPLE);
+                let (basis, naive) = self.learn(&known, training)?;
+                let warper = &self.aligned.warper;
+                let ours =
+                    self.over(&unknown, |frame| basis.rebuild(warper, frame, training, training, Warping::Poisson))?;
+                let naive = self.over(&unknown, |frame| combine(&naive, frame, training))?;
+                Ok(Generalisation { percent, training, ours, naive })
+            })
+            .collect()
+    }
+
+    fn interpolation(&self, basis: &Basis, frames: &[usize]) -> Result<Vec<Interpolation>, AppearanceError> {
+        let order = shuffled(frames);
+        let pairs: Vec<[usize; 2]> = order.chunks_exact(2).take(SAMPLE).map(|pair| [pair[0], pair[1]]).collect();
+        let all = basis.textures.modes.len();
+        let wanted: Vec<Vec<f32>> = pairs.par_iter().map(|&pair| self.between(basis, pair, all, all)).collect();
+        COUNTS
+            .into_iter()
+            .filter(|&count| count < all)
+            .map(|count| {
+                let found = pairs
+                    .par_iter()
+                    .zip(&wanted)
+                    .map(|(&pair, wanted)| {
+                        let got = self.between(basis, pair, count, all);
+                        let clamped: Vec<f32> = wanted.iter().map(|value| value.clamp(0.0, 1.0)).collect();
+                        Ok(compared(&self.similarity, &clamped, got))
+                    })
+                    .collect();
+                let (ssim, mse) = means(found)?;
+                Ok(Interpolation { textures: count, quality: Quality { ssim, mse } })
+            })
+            .collect()
+    }
+
+    /// Half way between two frames: means of coefficients are means of textures and of warps.
+    fn between(&self, basis: &Basis, pair: [usize; 2], textures: usize, warps: usize) -> Vec<f32> {
+        let half = |components: &Components, count: usize| {
+            let [a, b] = pair.map(|frame| combine(components, frame, count));
+            a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<f32>>()
+        };
+        let (texture, warp) = (half(&basis.textures, textures), half(&basis.warps, warps));
+        self.aligned.warper.warp(&texture, 3, &warp, Warping::Poisson)
+    }
+
+    fn ghosting(&self, basis: &Basis, sequences: &[Range<usize>]) -> Result<Vec<Ghosting>, AppearanceError> {
+        let complete = &self.aligned.complete;
+        DISTANCES
+            .into_iter()
+            .map(|distance| {
+                let fits = |middle: &usize| {
+                    let ends = [middle.saturating_sub(distance / 2), *middle, middle + distance / 2];
+                    let together = sequences.iter().any(|s| ends.iter().all(|frame| s.contains(frame)));
+                    together && ends.iter().all(|frame| complete.binary_search(frame).is_ok())
+                };
+                let middles: Vec<usize> = complete.iter().copied().filter(fits).collect();
+                let middles = evenly(&middles, SAMPLE);
+                let ends = |middle: usize| [middle - distance / 2, middle + distance / 2];
+                let all = basis.textures.modes.len();
+                let (some_textures, some_warps) = split(50);
+                let ours = |middle| self.between(basis, ends(middle), all, all);
+                let ours_50 = |middle| self.between(basis, ends(middle), some_textures, some_warps);
+                let blend = |middle| -> Vec<f32> {
+                    let [a, b] = ends(middle).map(|frame| self.raw.row(frame).unwrap_or_default());
+                    a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect()
+                };
+                let sharpness = [
+                    self.sharpness(&middles, ours)?,
+                    self.sharpness(&middles, ours_50)?,
+                    self.sharpness(&middles, blend)?,
+                ];
+                Ok(Ghosting {
+                    distance,
+                    pairs: middles.len(),
+                    ours: self.over(&middles, ours)?,
+                    ours_50: self.over(&middles, ours_50)?,
+                    blend: self.over(&middles, blend)?,
+                    sharpness,
+                })
+            })
+            .collect()
+    }
+
+    /// Mean length of gradients of what `make` makes over that of the recorded frames.
+    fn sharpness(&self, frames: &[usize], make: impl Fn(usize) -> Vec<f32> + Sync) -> Result<f64, AppearanceError> {
+        let texels = self.aligned.charts.texels();
+        let steepness = |values: &[f32]| -> f64 {
+            let pairs = texels.windows(2).enumerate().filter(|(_, pair)| pair[1] == pair[0] + 1);
+            pairs.map(|(k, _)| (0..3).map(|c| f64::from((values[3 * k + 3 + c] - values[3 * k + c]).abs())).sum::<f64>()).sum()
+        };
+        let found = frames
+            .par_iter()
+            .map(|&frame| Ok((steepness(&make(frame)), steepness(&self.original(frame)?))))
+            .collect();
+        means(found).map(|(made, recorded)| made / recorded.max(1e-12))
+    }
+}
+
+/// At most `most` of `frames`, evenly spread.
+fn evenly(frames: &[usize], most: usize) -> Vec<usize> {
+    frames.iter().copied().step_by(frames.len().div_ceil(most).max(1)).collect()
+}
+
+/// `frames` in an order that looks random but is always the same.
+fn shuffled(frames: &[usize]) -> Vec<usize> {
+    let mut order = frames.to_vec();
+    order.sort_by_key(|&frame| {
+        let mixed = (frame as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 7
+    });
+    order
+}

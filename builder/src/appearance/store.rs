@@ -1,0 +1,135 @@
+//! Many long rows of numbers in a scratch file, read back a stripe of columns at a time.
+//!
+//! A row is what one frame gives (a texture, a warp), a stripe the same columns of all rows. Whatever an analysis over
+//! frames needs, it gets from one stripe at a time: memory stays flat however many frames there are. Numbers are kept in
+//! 16 bits of a fixed range.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::sync::Mutex;
+
+use super::AppearanceError;
+
+/// Columns of a stripe.
+pub const STRIPE: usize = 8192;
+
+/// Rows of numbers in a scratch file, which vanishes with this.
+#[derive(Debug)]
+pub struct Store {
+    file: Mutex<File>,
+    rows: usize,
+    columns: usize,
+    range: f32,
+}
+
+impl Store {
+    /// Room for `rows` of `columns` numbers, each from `-range` to `range`.
+    ///
+    /// # Errors
+    /// Where no scratch file can be made.
+    pub fn new(rows: usize, columns: usize, range: f32) -> Result<Self, AppearanceError> {
+        let file = tempfile::tempfile().map_err(scratch)?;
+        Ok(Self { file: Mutex::new(file), rows, columns, range })
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Number of stripes; the last may be narrower.
+    #[must_use]
+    pub fn stripes(&self) -> usize {
+        self.columns.div_ceil(STRIPE)
+    }
+
+    /// Writes a row; numbers out of range are clamped.
+    ///
+    /// # Errors
+    /// Where the file cannot be written, for example because the disk is full.
+    pub fn write(&self, row: usize, values: &[f32]) -> Result<(), AppearanceError> {
+        let scale = f32::from(i16::MAX) / self.range;
+        let numbers: Vec<i16> = values.iter().map(|value| (value * scale).round() as i16).collect();
+        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for (stripe, numbers) in numbers.chunks(STRIPE).enumerate() {
+            file.seek(SeekFrom::Start(self.offset(stripe, row))).map_err(scratch)?;
+            file.write_all(bytemuck::cast_slice(numbers)).map_err(scratch)?;
+        }
+        Ok(())
+    }
+
+    /// The columns of a stripe, row after row.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub fn stripe(&self, stripe: usize) -> Result<Vec<f32>, AppearanceError> {
+        let mut numbers = vec![0_i16; self.rows * self.width(stripe)];
+        {
+            let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            file.seek(SeekFrom::Start(self.offset(stripe, 0))).map_err(scratch)?;
+            file.read_exact(bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
+        }
+        let scale = self.range / f32::from(i16::MAX);
+        Ok(numbers.into_iter().map(|number| f32::from(number) * scale).collect())
+    }
+
+    /// One row.
+    ///
+    /// # Errors
+    /// Where the file cannot be read.
+    pub fn row(&self, row: usize) -> Result<Vec<f32>, AppearanceError> {
+        let mut numbers = vec![0_i16; self.columns];
+        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        for (stripe, numbers) in numbers.chunks_mut(STRIPE).enumerate() {
+            file.seek(SeekFrom::Start(self.offset(stripe, row))).map_err(scratch)?;
+            file.read_exact(bytemuck::cast_slice_mut(numbers)).map_err(scratch)?;
+        }
+        let scale = self.range / f32::from(i16::MAX);
+        Ok(numbers.into_iter().map(|number| f32::from(number) * scale).collect())
+    }
+
+    /// Number of columns of a stripe.
+    #[must_use]
+    pub fn width(&self, stripe: usize) -> usize {
+        STRIPE.min(self.columns - stripe * STRIPE)
+    }
+
+    fn offset(&self, stripe: usize, row: usize) -> u64 {
+        2 * (stripe * STRIPE * self.rows + row * self.width(stripe)) as u64
+    }
+}
+
+fn scratch(source: io::Error) -> AppearanceError {
+    AppearanceError::Scratch { folder: std::env::temp_dir(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_stripes_are_the_same_numbers() {
+        let columns = STRIPE + 77;
+        let store = Store::new(3, columns, 2.0).unwrap();
+        let value = |row: usize, column: usize| ((row * 31 + column * 7) % 400) as f32 / 100.0 - 2.0;
+        for row in [2, 0, 1] {
+            store.write(row, &(0..columns).map(|column| value(row, column)).collect::<Vec<_>>()).unwrap();
+        }
+        for stripe in 0..store.stripes() {
+            let width = store.width(stripe);
+            for (k, got) in store.stripe(stripe).unwrap().into_iter().enumerate() {
+                assert!((got - value(k / width, stripe * STRIPE + k % width)).abs() < 1e-4);
+            }
+        }
+        for (column, got) in store.row(1).unwrap().into_iter().enumerate() {
+            assert!((got - value(1, column)).abs() < 1e-4);
+        }
+    }
+}

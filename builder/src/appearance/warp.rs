@@ -1,0 +1,490 @@
+//! Moving a texture by a warp within its charts: directly, or by Poisson reconstruction.
+//!
+//! Thesis 4.4.1: the warped texture A minimises `sum |laplacian A - div g|^2 + weight^2 |A - c|^2`, c the colours and g
+//! the gradients of the texture, both moved by the warp. The thesis writes the weight once as lambda (equation 4.1) and
+//! once as lambda^2 (4.3, the system that is solved); we take the latter. L is the Laplacian of the graph that links active
+//! texels of one chart: the border of a chart is natural and nothing flows across it.
+//!
+//! With A = c + e and r = div g - L c the normal equations are `(L^2 + weight^2) e = L r`, and L / (L^2 + weight^2) is the
+//! real part of 1 / (L - i weight): one complex system of the Laplacian's own stencil, whose condition is the root of
+//! that of the normal equations. L is the same for the whole data set and influence fades within some
+//! 1 / sqrt(weight) = 7 texels, so conjugate gradients from c need few steps; a factor over a million unknowns would
+//! only cost memory.
+
+use super::charts::Charts;
+use super::flow::Flow;
+use super::level::{Level, PAD};
+use crate::simd::{Kernel, Level as Instructions};
+
+/// Weight of colours against gradients (thesis 4.4.1).
+pub const COLOUR_WEIGHT: f32 = 0.02;
+/// Steps of conjugate gradients at most.
+const MOST_STEPS: usize = 60;
+/// The residual that is left, as a part of the first one.
+const TOLERANCE: f64 = 2e-3;
+
+/// Moves textures over one atlas.
+#[derive(Clone, Debug)]
+pub struct Warper {
+    level: Level,
+    /// Place of each active texel in a plane with margins.
+    places: Vec<u32>,
+    instructions: Instructions,
+}
+
+/// How a texture is moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Warping {
+    /// Each texel takes the colour where its warp points.
+    Direct,
+    /// Colours and gradients are moved, and the texture is solved for.
+    #[default]
+    Poisson,
+}
+
+impl Warper {
+    /// Prepares for textures over `charts`.
+    #[must_use]
+    pub fn new(charts: &Charts) -> Self {
+        let level = Level::new(charts.clone());
+        let places = (0..level.labels.len() as u32).filter(|&place| level.labels[place as usize] != 0).collect();
+        Self { level, places, instructions: Instructions::best() }
+    }
+
+    /// Number of active texels.
+    #[must_use]
+    pub fn texel_count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// `values`, `channels` of them per active texel, moved: active texel x of the result shows what lies at
+    /// `x + warp(x)`. `warp` has two values per active texel.
+    #[must_use]
+    pub fn warp(&self, values: &[f32], channels: usize, warp: &[f32], how: Warping) -> Vec<f32> {
+        let mut result = vec![0.0; values.len()];
+        for channel in 0..channels {
+            let mut plane = vec![0.0; self.level.labels.len()];
+            for (k, &place) in self.places.iter().enumerate() {
+                plane[place as usize] = values[k * channels + channel];
+            }
+            self.level.extend(&mut plane);
+            let moved = match how {
+                Warping::Direct => self.direct(&plane, warp),
+                Warping::Poisson => self.poisson(&plane, warp),
+            };
+            for (k, &place) in self.places.iter().enumerate() {
+                result[k * channels + channel] = moved[place as usize];
+            }
+        }
+        result
+    }
+
+    /// Gives the active texels `unseen` colours from around them; three values per active texel.
+    pub fn fill(&self, colours: &mut [f32], unseen: &[u32]) {
+        if unseen.is_empty() {
+            return;
+        }
+        let mut unknown = vec![false; self.level.labels.len()];
+        unseen.iter().for_each(|&k| unknown[self.places[k as usize] as usize] = true);
+        let mut planes = vec![vec![0.0; self.level.labels.len()]; 4];
+        for (&place, colour) in self.places.iter().zip(colours.chunks_exact(3)) {
+            planes.iter_mut().zip(colour).for_each(|(plane, &value)| plane[place as usize] = value);
+        }
+        for pair in planes.chunks_exact_mut(2) {
+            if let [a, b] = pair {
+                self.level.fill(&unknown, a, b);
+            }
+        }
+        for (&place, colour) in self.places.iter().zip(colours.chunks_exact_mut(3)) {
+            colour.iter_mut().zip(&planes).for_each(|(value, plane)| *value = plane[place as usize]);
+        }
+    }
+
+    /// The warp of active texels from a flow over all texels.
+    #[must_use]
+    pub fn compact(&self, flow: &Flow) -> Vec<f32> {
+        let charts = &self.level.charts;
+        let texels = charts.labels.iter().enumerate().filter(|(_, label)| **label != 0);
+        texels.flat_map(|(texel, _)| [flow.x[texel], flow.y[texel]]).collect()
+    }
+
+    /// A flow over all texels from the warp of active ones.
+    #[must_use]
+    pub fn spread(&self, warp: &[f32]) -> Flow {
+        let charts = &self.level.charts;
+        let mut flow = Flow { x: vec![0.0; charts.labels.len()], y: vec![0.0; charts.labels.len()] };
+        let texels = charts.labels.iter().enumerate().filter(|(_, label)| **label != 0);
+        for ((texel, _), way) in texels.zip(warp.chunks_exact(2)) {
+            (flow.x[texel], flow.y[texel]) = (way[0], way[1]);
+        }
+        flow
+    }
+
+    /// The warp that undoes `warp`: w'(y) = -w(y + w'(y)), by fixed-point iteration.
+    #[must_use]
+    pub fn inverse(&self, warp: &[f32]) -> Vec<f32> {
+        let mut inverse: Vec<f32> = warp.iter().map(|w| -w).collect();
+        for _ in 0..8 {
+            let there = self.warp(warp, 2, &inverse, Warping::Direct);
+            for (inverse, there) in inverse.iter_mut().zip(&there) {
+                *inverse = -there;
+            }
+        }
+        inverse
+    }
+
+    fn direct(&self, plane: &[f32], warp: &[f32]) -> Vec<f32> {
+        let mut moved = vec![0.0; plane.len()];
+        for (&place, way) in self.places.iter().zip(warp.chunks_exact(2)) {
+            moved[place as usize] = self.sample(plane, place, way[0], way[1]);
+        }
+        moved
+    }
+
+    fn poisson(&self, plane: &[f32], warp: &[f32]) -> Vec<f32> {
+        let stride = self.level.stride;
+        let colours = self.direct(plane, warp);
+        let (mut ways_x, mut ways_y) = (vec![0.0; plane.len()], vec![0.0; plane.len()]);
+        for (&place, way) in self.places.iter().zip(warp.chunks_exact(2)) {
+            (ways_x[place as usize], ways_y[place as usize]) = (way[0], way[1]);
+        }
+        // How much each moved gradient differs from the gradient of the moved colours; gathered as a divergence.
+        let mut divergence = vec![0.0; plane.len()];
+        for &place in &self.places {
+            let i = place as usize;
+            for (linked, step, ex, ey) in [(self.level.right[i], 1, 1.0, 0.0), (self.level.down[i], stride, 0.0, 1.0)] {
+                if linked == 0.0 {
+                    continue;
+                }
+                let j = i + step;
+                let (wx, wy) = (0.5 * (ways_x[i] + ways_x[j]), 0.5 * (ways_y[i] + ways_y[j]));
+                let gradient = self.sample(plane, place, wx + ex, wy + ey) - self.sample(plane, place, wx, wy);
+                let more = gradient - (colours[j] - colours[i]);
+                divergence[i] += more;
+                divergence[j] -= more;
+            }
+        }
+        let mut correction = self.solve(&divergence);
+        for (correction, colour) in correction.iter_mut().zip(&colours) {
+            *correction += colour;
+        }
+        correction
+    }
+
+    /// The value of `plane` at a texel moved by a way, interpolated among texels of its chart's territory; where there
+    /// are none, the texel's own value.
+    fn sample(&self, plane: &[f32], place: u32, way_x: f32, way_y: f32) -> f32 {
+        let (stride, rows) = (self.level.stride, self.level.rows);
+        let place = place as usize;
+        let (x, y) = ((place % stride) as f32 + way_x, (place / stride) as f32 + way_y);
+        let (left, top) = (x.floor(), y.floor());
+        // Written so that NaN is outside.
+        let inside = left >= 0.0 && top >= 0.0 && left < (stride - 1) as f32 && top < (rows - 1) as f32;
+        if !inside {
+            return plane[place];
+        }
+        let (fx, fy) = (x - left, y - top);
+        let at = top as usize * stride + left as usize;
+        let corners = [at, at + 1, at + stride, at + stride + 1];
+        let shares = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
+        let label = self.level.labels[place];
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (corner, share) in corners.into_iter().zip(shares) {
+            if self.level.territory[corner] == label {
+                sum += share * plane[corner];
+                weight += share;
+            }
+        }
+        if weight > 1e-3 { sum / weight } else { plane[place] }
+    }
+
+    /// The real part of the solution z of `(L - i weight) z = right`, by conjugate gradients without conjugation
+    /// (van der Vorst, Melissen 1990), which fit symmetric complex matrices.
+    fn solve(&self, right: &[f32]) -> Vec<f32> {
+        let level = &self.level;
+        let dot = |a: &[f32], b: &[f32]| self.instructions.run(Dot { level, a, b });
+        // u^T v of complex vectors.
+        let product = |u: &Complex, v: &Complex| (dot(&u.re, &v.re) - dot(&u.im, &v.im), dot(&u.re, &v.im) + dot(&u.im, &v.re));
+        let mut x = Complex::zero(right.len());
+        let mut residual = Complex { re: right.to_vec(), im: vec![0.0; right.len()] };
+        let mut direction = residual.clone();
+        let mut image = Complex::zero(right.len());
+        let mut squares = product(&residual, &residual);
+        let enough = TOLERANCE * TOLERANCE * squares.0;
+        for _ in 0..MOST_STEPS {
+            if squares == (0.0, 0.0) {
+                break;
+            }
+            self.instructions.run(Laplacian { level, input: &direction.re, output: &mut image.re });
+            self.instructions.run(Laplacian { level, input: &direction.im, output: &mut image.im });
+            self.instructions.run(Add { weight: COLOUR_WEIGHT, from: &direction.im, to: &mut image.re });
+            self.instructions.run(Add { weight: -COLOUR_WEIGHT, from: &direction.re, to: &mut image.im });
+            let step = divide(squares, product(&direction, &image));
+            self.add(step, &direction, &mut x);
+            self.add((-step.0, -step.1), &image, &mut residual);
+            let length = dot(&residual.re, &residual.re) + dot(&residual.im, &residual.im);
+            if length <= enough {
+                break;
+            }
+            let next = product(&residual, &residual);
+            let (re, im) = divide(next, squares);
+            self.instructions.run(Turn { re: re as f32, im: im as f32, residual: &residual, direction: &mut direction });
+            squares = next;
+        }
+        x.re
+    }
+
+    /// `to += factor * from`, all complex.
+    fn add(&self, factor: (f64, f64), from: &Complex, to: &mut Complex) {
+        let (re, im) = (factor.0 as f32, factor.1 as f32);
+        self.instructions.run(Add { weight: re, from: &from.re, to: &mut to.re });
+        self.instructions.run(Add { weight: -im, from: &from.im, to: &mut to.re });
+        self.instructions.run(Add { weight: re, from: &from.im, to: &mut to.im });
+        self.instructions.run(Add { weight: im, from: &from.re, to: &mut to.im });
+    }
+}
+
+#[derive(Clone)]
+struct Complex {
+    re: Vec<f32>,
+    im: Vec<f32>,
+}
+
+impl Complex {
+    fn zero(length: usize) -> Self {
+        Self { re: vec![0.0; length], im: vec![0.0; length] }
+    }
+}
+
+/// a / b of complex numbers.
+fn divide(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    let length = b.0 * b.0 + b.1 * b.1;
+    ((a.0 * b.0 + a.1 * b.1) / length, (a.1 * b.0 - a.0 * b.1) / length)
+}
+
+/// `direction = residual + (re + i im) direction`.
+struct Turn<'a> {
+    re: f32,
+    im: f32,
+    residual: &'a Complex,
+    direction: &'a mut Complex,
+}
+
+impl Kernel for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { re, im, residual, direction } = self;
+        let parts = direction.re.iter_mut().zip(&mut direction.im);
+        for ((x, y), (rx, ry)) in parts.zip(residual.re.iter().zip(&residual.im)) {
+            (*x, *y) = (rx + re * *x - im * *y, ry + re * *y + im * *x);
+        }
+    }
+}
+
+/// The graph Laplacian: the sum of differences to linked texels.
+struct Laplacian<'a> {
+    level: &'a Level,
+    input: &'a [f32],
+    output: &'a mut [f32],
+}
+
+impl Kernel for Laplacian<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { level, input, output } = self;
+        let (stride, n) = (level.stride, level.stride - 2 * PAD);
+        for row in PAD..level.rows - PAD {
+            let o = row * stride + PAD;
+            let out = &mut output[o..o + n];
+            let (here, before, after) = (&input[o..o + n], &input[o - 1..o - 1 + n], &input[o + 1..o + 1 + n]);
+            let (above, below) = (&input[o - stride..o - stride + n], &input[o + stride..o + stride + n]);
+            let (r, l) = (&level.right[o..o + n], &level.right[o - 1..o - 1 + n]);
+            let (d, u) = (&level.down[o..o + n], &level.down[o - stride..o - stride + n]);
+            for k in 0..n {
+                out[k] = r[k] * (after[k] - here[k])
+                    + l[k] * (before[k] - here[k])
+                    + d[k] * (below[k] - here[k])
+                    + u[k] * (above[k] - here[k]);
+            }
+        }
+    }
+}
+
+/// The sum of products, in a fixed order: lanes along each row, rows one after the other.
+struct Dot<'a> {
+    level: &'a Level,
+    a: &'a [f32],
+    b: &'a [f32],
+}
+
+impl Kernel for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        const LANES: usize = 16;
+        let mut total = 0.0;
+        for (a, b) in self.a.chunks_exact(self.level.stride).zip(self.b.chunks_exact(self.level.stride)) {
+            let mut lanes = [0.0_f32; LANES];
+            let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+            let rest: f32 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+            for (a, b) in a.zip(b) {
+                for k in 0..LANES {
+                    lanes[k] += a[k] * b[k];
+                }
+            }
+            total += f64::from(rest + lanes.iter().sum::<f32>());
+        }
+        total
+    }
+}
+
+/// `to += weight * from`.
+struct Add<'a> {
+    weight: f32,
+    from: &'a [f32],
+    to: &'a mut [f32],
+}
+
+impl Kernel for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, from) in self.to.iter_mut().zip(self.from) {
+            *to += self.weight * from;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn charts() -> Charts {
+        let (width, height) = (14, 11);
+        let label = |x: usize, y: usize| match (x, y) {
+            (0..7, 1..10) => 1,
+            (7..13, 0..8) if (x, y) != (9, 4) => 2,
+            _ => 0,
+        };
+        Charts { width, height, labels: (0..width * height).map(|k| label(k % width, k / width)).collect() }
+    }
+
+    fn noise(k: usize) -> f32 {
+        let hash = (k as u32 ^ 0x51ED).wrapping_mul(0x9E37_79B9).rotate_left(11).wrapping_mul(0x85EB_CA6B);
+        (hash >> 8) as f32 / (1 << 24) as f32
+    }
+
+    #[test]
+    fn no_warp_changes_nothing() {
+        let warper = Warper::new(&charts());
+        let values: Vec<f32> = (0..3 * warper.texel_count()).map(noise).collect();
+        let still = vec![0.0; 2 * warper.texel_count()];
+        for how in [Warping::Direct, Warping::Poisson] {
+            let moved = warper.warp(&values, 3, &still, how);
+            assert!(moved.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-6), "{how:?}");
+        }
+    }
+
+    /// The minimum by a dense solve of its normal equations in `f64`, everything written out.
+    fn plain(charts: &Charts, values: &[f32], warp: &[f32]) -> Vec<f64> {
+        let warper = Warper::new(charts);
+        let texels = charts.texels();
+        let n = texels.len();
+        let index = |x: i64, y: i64| -> Option<usize> {
+            let inside = x >= 0 && y >= 0 && x < charts.width as i64 && y < charts.height as i64;
+            inside.then(|| texels.binary_search(&((y * charts.width as i64 + x) as u32)).ok()).flatten()
+        };
+        let colours = warper.warp(values, 1, warp, Warping::Direct);
+        let mut laplacian = vec![vec![0.0; n]; n];
+        let mut divergence = vec![0.0; n];
+        for i in 0..n {
+            let (x, y) = (i64::from(texels[i]) % charts.width as i64, i64::from(texels[i]) / charts.width as i64);
+            for (ex, ey) in [(1, 0), (0, 1)] {
+                let Some(j) = index(x + ex, y + ey) else { continue };
+                if charts.labels[texels[i] as usize] != charts.labels[texels[j] as usize] {
+                    continue;
+                }
+                for (a, b) in [(i, j), (j, i)] {
+                    laplacian[a][b] += 1.0;
+                    laplacian[a][a] -= 1.0;
+                }
+                let mean = [0, 1].map(|c| 0.5 * (warp[2 * i + c] + warp[2 * j + c]));
+                let at = |dx: f32, dy: f32| {
+                    let mut way = vec![0.0; 2 * n];
+                    (way[2 * i], way[2 * i + 1]) = (mean[0] + dx, mean[1] + dy);
+                    f64::from(warper.warp(values, 1, &way, Warping::Direct)[i])
+                };
+                let gradient = at(ex as f32, ey as f32) - at(0.0, 0.0);
+                divergence[i] += gradient;
+                divergence[j] -= gradient;
+            }
+        }
+        let weight = f64::from(COLOUR_WEIGHT).powi(2);
+        let mut matrix = vec![vec![0.0; n + 1]; n];
+        for i in 0..n {
+            for j in 0..n {
+                matrix[i][j] = (0..n).map(|k| laplacian[k][i] * laplacian[k][j]).sum();
+            }
+            matrix[i][i] += weight;
+            matrix[i][n] =
+                (0..n).map(|k| laplacian[k][i] * divergence[k]).sum::<f64>() + weight * f64::from(colours[i]);
+        }
+        eliminate(matrix)
+    }
+
+    fn eliminate(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
+        let n = matrix.len();
+        for i in 0..n {
+            for k in i + 1..n {
+                let factor = matrix[k][i] / matrix[i][i];
+                for j in i..=n {
+                    matrix[k][j] -= factor * matrix[i][j];
+                }
+            }
+        }
+        let mut x = vec![0.0; n];
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|j| matrix[i][j] * x[j]).sum();
+            x[i] = (matrix[i][n] - known) / matrix[i][i];
+        }
+        x
+    }
+
+    #[test]
+    fn poisson_warping_is_the_minimum_of_its_energy() {
+        let charts = charts();
+        let warper = Warper::new(&charts);
+        let n = warper.texel_count();
+        let values: Vec<f32> = (0..n).map(noise).collect();
+        let warp: Vec<f32> = (0..2 * n).map(|k| 1.5 * (noise(k + 999) - 0.5)).collect();
+        let fast = warper.warp(&values, 1, &warp, Warping::Poisson);
+        let exact = plain(&charts, &values, &warp);
+        let direct = warper.warp(&values, 1, &warp, Warping::Direct);
+        let off = |values: &[f32]| {
+            values.iter().zip(&exact).map(|(a, b)| (f64::from(*a) - b).powi(2)).sum::<f64>().sqrt() / (n as f64).sqrt()
+        };
+        assert!(off(&fast) < 5e-3, "{}", off(&fast));
+        assert!(off(&direct) > 5e-2, "{}", off(&direct));
+    }
+
+    #[test]
+    fn an_inverse_undoes_a_warp() {
+        let size = 48;
+        let warper = Warper::new(&Charts::whole(size, size));
+        let place = |k: usize| ((k % size) as f32, (k / size) as f32);
+        let warp: Vec<f32> = (0..size * size)
+            .flat_map(|k| [1.5 * (0.15 * place(k).0).sin(), 1.5 * (0.13 * place(k).1 + 1.0).cos()])
+            .collect();
+        let inverse = warper.inverse(&warp);
+        let there = warper.warp(&warp, 2, &inverse, Warping::Direct);
+        for k in (0..size * size).filter(|k| (4..size - 4).contains(&(k % size)) && (4..size - 4).contains(&(k / size))) {
+            assert!((there[2 * k] + inverse[2 * k]).abs() < 1e-3);
+        }
+    }
+}

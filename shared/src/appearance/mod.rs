@@ -1,0 +1,6 @@
+//! How a captured actor looks from frame to frame: Eigen textures and Eigen warps (thesis chapter 4, TVCG section 5).
+
+pub mod model;
+pub mod quality;
+
+pub use model::AppearanceModel;
