@@ -79,7 +79,7 @@ fn benches(criterion: &mut Criterion) {
         let triangles = TriangleBatches::new(topology.triangles());
         let order = elimination_order(topology);
         let pattern = LaplacianPattern::new(topology, &triangles, &order).unwrap();
-        let symbolic = SymbolicCholesky::new(&pattern);
+        let symbolic = SymbolicCholesky::new(&pattern).unwrap();
         let mut workspace = Workspace::default();
         let mut laplacian = Laplacian::default();
         pattern.assemble(&triangles, &source, &mut laplacian);

@@ -28,6 +28,9 @@ const MOST_ATTEMPTS: usize = SINGLE_PIVOTS + 8;
 /// Marks a diagonal entry among numbers of edges.
 const DIAGONAL: u32 = u32::MAX;
 
+/// Entries of a factor for each vertex at most: surfaces have 50 to 100, whatever a bundle's order claims to be.
+pub const MOST_ENTRIES: usize = 1024;
+
 /// Columns of the factor that are worked on together.
 const PANEL: usize = 4;
 
@@ -37,6 +40,9 @@ pub enum CholeskyError {
     /// An order does not name every vertex once.
     #[error("the elimination order does not name each of the {0} vertices once")]
     Order(usize),
+    /// The order, or a mesh that is no surface, makes a factor that nobody should wait for.
+    #[error("eliminated in this order, the mesh's Laplacian fills in: its factor has more than {0} entries")]
+    Fill(usize),
     /// The matrix holds something that is not a number.
     #[error("the pose's Laplacian is not finite")]
     NotFinite,
@@ -131,8 +137,10 @@ pub struct Workspace {
 
 impl SymbolicCholesky {
     /// Analyses a pattern.
-    #[must_use]
-    pub fn new(pattern: &LaplacianPattern) -> Self {
+    ///
+    /// # Errors
+    /// [`CholeskyError::Fill`] where the factor would have more than [`MOST_ENTRIES`] entries a vertex.
+    pub fn new(pattern: &LaplacianPattern) -> Result<Self, CholeskyError> {
         let n = pattern.free_count();
         let (mut column_start, mut rows, mut edge_of_entry) = (vec![0], Vec::new(), Vec::new());
         for column in 0..n {
@@ -144,8 +152,9 @@ impl SymbolicCholesky {
             edge_of_entry.extend_from_slice(&edges[below..]);
             column_start.push(rows.len() as u32);
         }
+        let most = MOST_ENTRIES.saturating_mul(n);
         let mut symbolic = Self {
-            structure: Structure::new(n, |row| pattern.row(row).0),
+            structure: Structure::new(n, most, |row| pattern.row(row).0).ok_or(CholeskyError::Fill(most))?,
             column_start,
             rows,
             edge_of_entry,
@@ -155,7 +164,7 @@ impl SymbolicCholesky {
             tallest: 0,
         };
         symbolic.lay_out_panels();
-        symbolic
+        Ok(symbolic)
     }
 
     /// Numbers in a factor.

@@ -8,7 +8,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 use glam::{Vec3, Vec4};
-use shared::cholesky::{SymbolicCholesky, Workspace, elimination_order};
+use shared::cholesky::{CholeskyError, SymbolicCholesky, Workspace, elimination_order};
 use shared::gradients::TriangleBatches;
 use shared::laplacian::{Laplacian, LaplacianPattern};
 use shared::topology::Topology;
@@ -69,7 +69,7 @@ fn a_laplacian_times_a_vector_is_the_sum_over_its_triangles() {
 fn factors_solve_their_laplacian() {
     for seed in 0..4 {
         let case = case(seed);
-        let symbolic = SymbolicCholesky::new(&case.pattern);
+        let symbolic = SymbolicCholesky::new(&case.pattern).unwrap();
         let factor = symbolic.factorise(&case.laplacian, &mut Workspace::default()).unwrap();
         assert_eq!(factor.regularised, 0);
         let x = random_vectors(case.pattern.free_count(), seed + 10);
@@ -98,7 +98,7 @@ fn any_order_of_elimination_gives_the_same_solution() {
             let pattern = LaplacianPattern::new(&topology, &triangles, &order).unwrap();
             let mut laplacian = Laplacian::default();
             pattern.assemble(&triangles, &pose, &mut laplacian);
-            let symbolic = SymbolicCholesky::new(&pattern);
+            let symbolic = SymbolicCholesky::new(&pattern).unwrap();
             let factor = symbolic.factorise(&laplacian, &mut Workspace::default()).unwrap();
             let x = random_vectors(pattern.free_count(), 3);
             let mut solved = vec![Vec4::ZERO; x.len()];
@@ -155,10 +155,24 @@ fn factors_are_no_larger_than_in_the_order_of_faer() {
         let (topology, _) = together(&[tube(rings, around)], 0);
         let triangles = TriangleBatches::new(topology.triangles());
         let size = |order: &[u32]| {
-            SymbolicCholesky::new(&LaplacianPattern::new(&topology, &triangles, order).unwrap()).value_count()
+            SymbolicCholesky::new(&LaplacianPattern::new(&topology, &triangles, order).unwrap()).unwrap().value_count()
         };
         let (ours, theirs) = (size(&elimination_order(&topology)), size(&order_of_faer(&topology)));
         println!("{} vertices: {ours} numbers, faer's order {theirs}", topology.vertex_count());
         assert!(ours as f64 <= theirs as f64 * 1.1, "{ours} and {theirs}");
     }
+}
+
+#[test]
+fn an_order_that_fills_in_is_refused() {
+    // Shuffled, a surface of so many vertices has more than a thousand entries a vertex.
+    let (topology, _) = together(&[tube(160, 120)], 0);
+    let triangles = TriangleBatches::new(topology.triangles());
+    let mut order = elimination_order(&topology);
+    let mut random = Random::new(9);
+    for last in (1..order.len()).rev() {
+        order.swap(last, ((random.next() + 1.0) * 0.5 * last as f32) as usize);
+    }
+    let pattern = LaplacianPattern::new(&topology, &triangles, &order).unwrap();
+    assert!(matches!(SymbolicCholesky::new(&pattern), Err(CholeskyError::Fill(_))));
 }

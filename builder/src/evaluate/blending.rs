@@ -27,7 +27,7 @@ const SKATE_TRANSITIONS: usize = 200;
 /// Makes the section.
 pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
-    let order = elimination_order(&subject.capture.topology)?;
+    let order = elimination_order(&subject.capture.topology);
     let mut section = SectionReport::default();
     trajectories(subject, &mut section);
     let own = Own::of(&recordings);

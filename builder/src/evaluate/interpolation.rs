@@ -38,7 +38,7 @@ pub(super) struct Error {
 /// Makes the section.
 pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
     let topology = &subject.capture.topology;
-    let order = elimination_order(topology)?;
+    let order = elimination_order(topology);
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
     let (n, seed) = (subject.frame_count() as u64, subject.options.seed);
     let draw = |index: u64| ((mix(seed, 2 * index) % n) as u32, (mix(seed, 2 * index + 1) % n) as u32);

@@ -147,7 +147,7 @@ fn distances_of_part(subject: &Subject, share: f64, times: &mut Vec<Time>) -> Re
 
 /// Seconds of processor time for a Poisson in-between of any two frames.
 fn in_betweens(subject: &Subject) -> Result<f64, EvaluateError> {
-    let order = elimination_order(&subject.capture.topology)?;
+    let order = elimination_order(&subject.capture.topology);
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
     let mut stage = Stage::new(recordings, &order)?;
     let (n, seed) = (subject.frame_count() as u64, subject.options.seed);
@@ -166,7 +166,7 @@ fn in_betweens(subject: &Subject) -> Result<f64, EvaluateError> {
 fn encode(subject: &Subject, report: Report) -> Result<(Option<bundle::EncodeReport>, Time), EvaluateError> {
     let graph = subject.graph(LengthChoice::Total, report)?;
     report(Progress { what: "bundle", done: 0, total: 0 });
-    let order = elimination_order(&subject.capture.topology)?;
+    let order = elimination_order(&subject.capture.topology);
     let input = BundleInput {
         capture: &subject.capture,
         graph: &graph,

@@ -58,8 +58,9 @@ impl Run {
 
 impl Structure {
     /// Analyses a symmetric matrix of `n` rows that has entries where each row's `neighbours` say, which are in order.
-    pub fn new<'a>(n: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Self {
-        let reach = reach(n, neighbours);
+    /// `None` where the factor has more than `most` entries.
+    pub fn new<'a>(n: usize, most: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Option<Self> {
+        let reach = reach(n, most, neighbours)?;
         let mut runs: Vec<Run> = Vec::new();
         for column in 0..reach.len() {
             let below = reach[column].len();
@@ -86,7 +87,7 @@ impl Structure {
             structure.value_start.push(values);
         }
         structure.first_column.push(reach.len() as u32);
-        structure
+        Some(structure)
     }
 
     pub fn columns(&self) -> usize {
@@ -120,7 +121,8 @@ fn is_worth_it(run: &Run, rows_below: usize) -> bool {
 
 /// The rows below the diagonal of each column of the factor, in order. Each row of the matrix reaches the columns on the
 /// ways from its entries up the tree in which a column's parent is the first row that it reaches.
-fn reach<'a>(n: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Vec<Vec<u32>> {
+fn reach<'a>(n: usize, most: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Option<Vec<Vec<u32>>> {
+    let mut entries = n;
     let mut reach: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut seen_by = vec![n; n];
     for row in 0..n {
@@ -130,9 +132,13 @@ fn reach<'a>(n: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Vec<Vec<u32>>
             while seen_by[column] != row {
                 seen_by[column] = row;
                 reach[column].push(row as u32);
+                entries += 1;
                 column = reach[column][0] as usize;
             }
         }
+        if entries > most {
+            return None;
+        }
     }
-    reach
+    Some(reach)
 }

@@ -90,14 +90,14 @@ impl PoissonInterpolator {
     /// `None` to find one.
     ///
     /// # Errors
-    /// An order that does not name each vertex once.
+    /// An order that does not name each vertex once, or one by which the Laplacian fills in.
     pub fn new(topology: &Topology, order: Option<&[u32]>) -> Result<Self, CholeskyError> {
         let triangles = TriangleBatches::new(topology.triangles());
         let pattern = match order {
             Some(order) => LaplacianPattern::new(topology, &triangles, order)?,
             None => LaplacianPattern::new(topology, &triangles, &elimination_order(topology))?,
         };
-        let symbolic = SymbolicCholesky::new(&pattern);
+        let symbolic = SymbolicCholesky::new(&pattern)?;
         let n = topology.vertex_count();
         Ok(Self {
             triangles,
