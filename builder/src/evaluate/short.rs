@@ -285,7 +285,7 @@ fn islands(actor: &Actor, components: &Components) -> SectionReport {
 
 fn seam_section(actor: &Actor, report: Report) -> Result<SectionReport, ReportError> {
     let mut section = SectionReport::new(0, "Seams");
-    let order = elimination_order(&actor.topology)?;
+    let order = elimination_order(&actor.topology);
     let recordings = actor.recordings();
     let own = Own::of(&recordings);
     let limit = own.percentile(0.99);
