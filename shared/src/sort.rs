@@ -1,4 +1,4 @@
-//! Sorting, once for all of the player: the standard library's sort of each further type would weigh 3 KB on the page.
+//! Sorting, once for all of the player: the standard library's sort of each further type would weigh 2 KB on the page.
 
 /// Sorts keys that callers pack from what orders their elements, most significant first.
 #[inline(never)]
