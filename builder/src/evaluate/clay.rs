@@ -95,7 +95,7 @@ impl Canvas {
     fn fill(&mut self, at: [Vec3; 3], colours: [Vec3; 3]) {
         let [a, b, c] = at.map(|p| Vec2::new(p.x, p.y));
         let area = (b - a).perp_dot(c - a);
-        if !(area.abs() > 1e-9) {
+        if area.is_nan() || area.abs() < 1e-9 {
             return;
         }
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));

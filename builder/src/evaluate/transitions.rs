@@ -149,10 +149,9 @@ fn costs(
         .into_par_iter()
         .map(|i| {
             let mut row = [Moments::default(); 3];
-            for (j, cost) in found.row(i).filter(|&(j, _)| i != j && reference.get(i, j).is_some()) {
+            for (_, cost) in found.row(i).filter(|&(j, _)| i != j && reference.get(i, j).is_some()) {
                 let (sum, frames) = (f64::from(cost.deformation), f64::from(cost.duration));
                 [sum / frames, sum, frames].into_iter().zip(&mut row).for_each(|(value, moments)| moments.add(value));
-                let _ = j;
             }
             row
         })
