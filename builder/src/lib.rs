@@ -4,6 +4,7 @@
 
 pub mod distance;
 pub mod essential;
+pub mod export;
 pub mod import;
 pub mod memory;
 pub mod pack;

@@ -1,6 +1,6 @@
 //! Old bundles stay readable, and the writer's bytes change only on purpose.
 //!
-//! `golden/v1.0.reprise` was written by version 1.0. Never replace it: a change of the format adds a file.
+//! `golden/v1.0.reprise` was written by version 1.0, and so on. Never replace one: a change of the format adds a file.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
 
@@ -11,10 +11,13 @@ use glam::Vec3;
 use shared::bundle::{BundleInput, BundleReader, encode, validate};
 use shared::capture::{Capture, Poses};
 use shared::pose_source::PoseSource;
+use shared::search::Motion;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use shared::topology::Topology;
 
-const GOLDEN: &[u8] = include_bytes!("golden/v1.0.reprise");
+const GOLDEN: &[u8] = include_bytes!("golden/v1.1.reprise");
+/// What earlier versions wrote.
+const GOLDEN_1_0: &[u8] = include_bytes!("golden/v1.0.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
 fn pyramid() -> Capture {
@@ -75,10 +78,24 @@ fn graph_without_transcendentals(capture: &Capture) -> shared::graph::EssentialG
 }
 
 #[test]
-fn version_1_0_can_be_read() {
+fn all_versions_can_be_read() {
+    for golden in [GOLDEN_1_0, GOLDEN] {
+        check_golden(golden);
+    }
+    assert_eq!(BundleReader::from_bytes(GOLDEN_1_0).unwrap().motion(), None);
     let capture = pyramid();
-    let mut reader = BundleReader::from_bytes(GOLDEN).unwrap();
-    assert_eq!(validate(GOLDEN), []);
+    let stored = BundleReader::from_bytes(GOLDEN).unwrap().motion().unwrap().clone();
+    let measured = Motion::measure(&capture.timeline, capture.topology.weights(), &mut capture.poses.clone()).unwrap();
+    for (a, b) in stored.centres.iter().zip(&measured.centres) {
+        assert!(a.distance(*b) < 1e-4);
+    }
+    assert!(stored.fits(&capture.timeline));
+}
+
+fn check_golden(golden: &[u8]) {
+    let capture = pyramid();
+    let mut reader = BundleReader::from_bytes(golden).unwrap();
+    assert_eq!(validate(golden), []);
     assert_eq!(reader.meta().unwrap().generator, "reprise 0.1.0");
     assert_eq!(reader.timeline(), Some(&capture.timeline));
     assert_eq!(reader.surface(), Some(&capture.surface));

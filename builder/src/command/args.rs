@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::direct::{TypedPose, parse_pose, parse_seconds, parse_size};
+
 /// Turns 4D surface captures into actors that anyone can direct on a web page.
 #[derive(Debug, Parser)]
 #[command(name = "builder", version, about, max_term_width = 100)]
@@ -26,6 +28,8 @@ pub enum Command {
     Pack(PackArguments),
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
+    /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
+    Direct(DirectArguments),
     /// Tell what a bundle or an input holds.
     Inspect(InspectArguments),
     /// Check a bundle and list what is wrong with it, with stable codes.
@@ -157,6 +161,53 @@ pub enum Artefact {
     Holes,
     /// All of them.
     All,
+}
+
+/// Arguments of `builder direct`. What is asked for is done in the order path, keys, wander, to.
+#[derive(Debug, Args)]
+pub struct DirectArguments {
+    /// The bundle of the actor.
+    #[arg(value_name = "FILE")]
+    pub bundle: PathBuf,
+    /// What to write: walk.glb, or frames as frames/%05d.obj, frames/%05d.ply, or pictures as frames/%05d.png.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: String,
+    /// A JSON file with a path to follow: {"points": [[x, z], ...], "shape": "spline"}.
+    #[arg(long, value_name = "FILE")]
+    pub path: Option<PathBuf>,
+    /// A TOML file with key poses: [[poses]] with pose = 12 and time = 1.5.
+    #[arg(long, value_name = "FILE")]
+    pub keys: Option<PathBuf>,
+    /// Wander about for this long, for example 60s.
+    #[arg(long, value_name = "DURATION", value_parser = parse_seconds)]
+    pub wander: Option<f64>,
+    /// Go to a pose: a sequence's name and a time in seconds within it, or a frame's number; may be given again.
+    #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
+    pub to: Vec<TypedPose>,
+    /// A JSON file with a whole request (docs/directing.md), as the page exports it.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "wander", "to"])]
+    pub request: Option<PathBuf>,
+    /// The pose to begin with; whatever suits best where not given.
+    #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
+    pub start: Option<TypedPose>,
+    /// Seed of what is random; the request's where not given.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// States that the search expands for each target at most.
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub effort: u32,
+    /// Write only every so many frames.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub every: u32,
+    /// Width and height of pictures in pixels.
+    #[arg(long, default_value = "720x720", value_name = "SIZE", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Seconds in which the camera of pictures turns once about the actor.
+    #[arg(long, default_value = "8s", value_name = "DURATION", value_parser = parse_seconds)]
+    pub turn: f64,
+    /// Print an object with the walk and what it reaches on stdout.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `builder inspect`.

@@ -1,6 +1,7 @@
 //! The command line: arguments, terminal, exit codes. The work itself is the library's.
 
 mod args;
+mod direct;
 mod failure;
 mod inspect;
 mod output;
@@ -48,6 +49,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.command {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
+        Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments),
     }

@@ -296,10 +296,8 @@ impl Work {
                     Some(_) => Vec::new(),
                     None => vec!["From here the actor cannot get to where it could wander.".into()],
                 };
-                let goal = Goal::Wander {
-                    objectives: wander.optimiser().objectives(),
-                    frames: wander.frames().len() as u32,
-                };
+                let goal =
+                    Goal::Wander { objectives: wander.optimiser().objectives(), frames: wander.frames().len() as u32 };
                 done.push(scene, &walk.unwrap_or_default(), goal, notes);
             }
         }
@@ -558,7 +556,9 @@ fn path_notes(report: &PathReport) -> Vec<String> {
     }
     if report.max_aside > 0.5 {
         let aside = report.max_aside;
-        notes.push(format!("The walk strays up to {aside:.1} m from the path: no motion of this capture turns like it."));
+        notes.push(format!(
+            "The walk strays up to {aside:.1} m from the path: no motion of this capture turns like it."
+        ));
     }
     if let Some(kept) = report.demands_kept.filter(|&kept| kept < 0.95) {
         notes.push(format!("{:.0} % of the painted stretches show what they demand.", 100.0 * kept));
@@ -569,7 +569,10 @@ fn path_notes(report: &PathReport) -> Vec<String> {
 fn place_notes(report: &PlaceReport) -> Vec<String> {
     let mut notes = Vec::new();
     if report.distance > 0.3 {
-        notes.push(format!("The walk ends {:.1} m from the place: no motion of this capture gets closer.", report.distance));
+        notes.push(format!(
+            "The walk ends {:.1} m from the place: no motion of this capture gets closer.",
+            report.distance
+        ));
     }
     if let Some(turn) = report.turn.filter(|&turn| turn > 0.35) {
         notes.push(format!("It faces {:.0} degrees away from the heading asked for.", turn.to_degrees()));

@@ -99,7 +99,9 @@ impl PathTask {
     /// How well a walk that was found follows the path.
     #[must_use]
     pub fn judge(&self, ways: &Ways, found: &Found) -> PathReport {
-        let mut report = PathReport { length: self.curve.length(), ..PathReport::default() };
+        let curve = self.curve.polyline(0.05).iter().map(|point| point.to_array()).collect();
+        let mut report =
+            PathReport { length: self.curve.length(), curve, flat: self.curve.is_flat(), ..PathReport::default() };
         let (mut steps, mut demanded, mut kept) = (0_u32, 0_u32, 0_u32);
         let states = found.states(self, ways);
         for (state, &way) in states.iter().zip(&found.ways) {
@@ -141,6 +143,10 @@ pub struct PathReport {
     pub max_aside: f64,
     /// Share of the frames on demanding stretches that show what is demanded; `None` where nothing is.
     pub demands_kept: Option<f64>,
+    /// The path as it was asked for, with the way to its beginning: points (x, y, z), at height 0 on the ground.
+    pub curve: Vec<[f32; 3]>,
+    /// Whether it lies on the ground.
+    pub flat: bool,
     /// The walk's way: for each sample metres travelled and the followed point (x, y, z).
     pub track: Vec<[f32; 4]>,
 }

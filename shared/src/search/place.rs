@@ -32,8 +32,9 @@ pub struct PlaceTask {
     /// Weight of the graph's cost against seconds.
     pub realism: f64,
     seconds_per_step: f64,
+    /// Steps after which a walk gives up.
+    pub most_steps: u32,
     step_cost: f64,
-    most_steps: u32,
     steps_in_layer: u32,
 }
 

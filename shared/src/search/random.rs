@@ -317,3 +317,35 @@ impl Optimiser {
         gradient
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No small shift between two choices of a state makes the objective better by more than the rounds' tolerance.
+    #[test]
+    fn the_optimum_cannot_be_shifted() {
+        let states = 12_u32;
+        let mut edges: Vec<(u32, u32)> = (0..states).map(|state| (state, (state + 1) % states)).collect();
+        edges.extend((0..20).map(|k| (k * 7 % states, k * 5 % states)));
+        edges.sort_unstable();
+        edges.dedup();
+        let wanted: Vec<f64> = (0..states).map(|state| f64::from(1 + state % 3)).collect();
+        let Some(chain) = Chain::even(states, &edges) else { panic!("every state has an edge") };
+        let mut optimiser = Optimiser::new(chain, &wanted);
+        while !optimiser.advance(1) {}
+        let (best, shift) = (optimiser.objectives()[2], 1e-3);
+        for state in 0..optimiser.chain.states() {
+            let row = optimiser.chain.row(state);
+            for (from, to) in row.clone().flat_map(|from| row.clone().map(move |to| (from, to))) {
+                let mut shifted = optimiser.chain.clone();
+                if shifted.probabilities[from] > 2.0 * shift {
+                    shifted.probabilities[from] -= shift;
+                    shifted.probabilities[to] += shift;
+                    let objective = shifted.objective(&optimiser.wanted, &shifted.stationary(&optimiser.stationary));
+                    assert!(objective > best - 2e-6, "{objective} against {best}");
+                }
+            }
+        }
+    }
+}

@@ -115,9 +115,8 @@ impl Walk {
         }
         let sums = Self::of_legs(self.legs.clone(), graph)?;
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
-        let holds = same(sums.cost, self.cost)
-            && same(sums.deformation, self.deformation)
-            && sums.duration == self.duration;
+        let holds =
+            same(sums.cost, self.cost) && same(sums.deformation, self.deformation) && sums.duration == self.duration;
         if holds { Ok(frame) } else { Err(WalkError::Sums) }
     }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests fail as tests do")]
 
 pub mod exact;
+pub mod ground;
 pub mod meshes;
 
 use std::path::{Path, PathBuf};
