@@ -2,5 +2,6 @@
 
 pub mod direct;
 pub mod error;
+mod numbers;
 pub mod player;
 pub mod stage;
