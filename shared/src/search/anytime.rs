@@ -1,7 +1,7 @@
 //! The tool's search: an answer at once, a better one with time, the best one where time suffices.
 //!
 //! States are kept by layers (how far they have come) and each layer is expanded in the order of cost so far plus the
-//! admissible bound. The first pass expands a few states a layer, no more of one sequence than its share (or what is cheap
+//! admissible bound and a guess. The first pass expands a few states a layer, no more of one sequence than its share (or what is cheap
 //! now would crowd out what can still turn), of states that are alike only one, and takes transitions from every eighth
 //! frame only; it answers quickly. Each later pass is wider and finer. A pass that left nothing out but what the bound
 //! prunes is branch-and-bound: its answer is proven to be the best. Work is cut into slices by counting expanded states, so
@@ -57,7 +57,10 @@ pub struct Anytime {
 /// A state that waits to be expanded.
 #[derive(Clone, Copy, Debug)]
 struct Open {
+    /// Cost so far and lower bound of what is to come.
     bound: f64,
+    /// The same with a guess: the order of expansion.
+    order: f64,
     serial: u32,
     state: State,
     /// Index in the trail of the state before, and the way from it; for a start, [`NONE`] and its number.
@@ -91,9 +94,9 @@ impl PartialOrd for Open {
 }
 
 impl Ord for Open {
-    /// The least bound is the greatest, then the earliest.
+    /// The least order is the greatest, then the earliest.
     fn cmp(&self, other: &Self) -> Ordering {
-        other.bound.total_cmp(&self.bound).then(other.serial.cmp(&self.serial))
+        other.order.total_cmp(&self.order).then(other.serial.cmp(&self.serial))
     }
 }
 
@@ -200,7 +203,7 @@ impl Anytime {
         loop {
             let open = self.layers.get_mut(self.layer)?.pop()?;
             if self.is_hopeless(open.bound) {
-                return None;
+                continue;
             }
             if self.expanded_in_layer >= width {
                 self.left_out = true;
@@ -264,12 +267,13 @@ impl Anytime {
         if task.halts(ways, &state) {
             return;
         }
+        let order = bound + task.guess(ways, &state);
         let layer = task.layer(&state).max(self.layer);
         let is_fresh = layer > self.layer || before == NONE || ways.way(way).transition.is_some();
         if layer >= self.layers.len() {
             self.layers.resize_with(layer + 1, BinaryHeap::new);
         }
-        self.layers[layer].push(Open { bound, serial: self.serial, state, before, way, is_fresh });
+        self.layers[layer].push(Open { bound, order, serial: self.serial, state, before, way, is_fresh });
         self.serial = self.serial.wrapping_add(1);
     }
 

@@ -54,4 +54,4 @@ pub use spot::Spot;
 pub use task::{Found, LEAST_STEP_COST, State, Task};
 pub use walk::{Leg, Walk, WalkError, steps_of};
 pub use wander::{Wander, sparse_transitions};
-pub use ways::{SAMPLE_STRIDE, Sample, Survey, Way, Ways};
+pub use ways::{AHEAD, SAMPLE_STRIDE, Sample, Survey, Way, Ways};

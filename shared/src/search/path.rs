@@ -4,7 +4,7 @@
 use super::curve::Curve;
 use super::spot::{Spot, half_turn};
 use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
-use super::ways::{SAMPLE_STRIDE, Ways};
+use super::ways::{AHEAD, SAMPLE_STRIDE, Ways};
 
 /// Metre-seconds that each metre costs by which a walk ends before the path does.
 const LEFT_OVER: f64 = 20.0;
@@ -192,6 +192,13 @@ impl Task for PathTask {
         let a_little = from.min(steps);
         let given_up = a_little * self.step_cost + (left - speed * a_little) * LEFT_OVER;
         walked.min(given_up).min(left * LEFT_OVER)
+    }
+
+    /// Where the recording is about to lead, against where the path leads: what cannot turn is found out early.
+    fn guess(&self, ways: &Ways, state: &State) -> f64 {
+        let (point, [on_ground, in_space]) = ways.ahead(state.frame, state.spot);
+        let travelled = state.travelled + f64::from(if self.curve.is_flat() { on_ground } else { in_space });
+        self.curve.distance(point, travelled) * AHEAD
     }
 
     fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {

@@ -187,7 +187,7 @@ pub struct WanderRequest {
 }
 
 /// The default weight of the graph's cost.
-pub const DEFAULT_REALISM: f64 = 0.03;
+pub const DEFAULT_REALISM: f64 = 0.05;
 
 fn default_realism() -> f64 {
     DEFAULT_REALISM

@@ -46,6 +46,12 @@ pub trait Task {
     /// Whether a walk that has come to `state` must end there: the halting condition.
     fn halts(&self, ways: &Ways, state: &State) -> bool;
 
+    /// A guess of what `remaining` leaves out: it decides which states are expanded first, and prunes nothing.
+    fn guess(&self, ways: &Ways, state: &State) -> f64 {
+        let _ = (ways, state);
+        0.0
+    }
+
     /// How far `state` is, in equal strides: states of one layer are compared with each other. It never falls along a walk.
     fn layer(&self, state: &State) -> usize;
 

@@ -12,6 +12,9 @@ use crate::pose_source::PoseError;
 use crate::synthesis::Blend;
 use crate::timeline::Timeline;
 
+/// Seconds that a search looks ahead along the recording.
+pub const AHEAD: f64 = 0.6;
+
 /// Frames between two samples of a transition: the path's error is taken at every fourth frame of it.
 pub const SAMPLE_STRIDE: u32 = 4;
 
@@ -70,6 +73,10 @@ pub struct Ways {
     pub best_speed: f64,
     /// The largest turn in radians that the body makes in a step.
     pub best_turn: f64,
+    /// For each frame the one that is recorded [`AHEAD`] seconds later, or as late as there is one.
+    ahead: Vec<u32>,
+    /// Metres travelled on the ground and in space from the sequence's first frame to each.
+    travelled: Vec<[f32; 2]>,
     sequence_of_frame: Vec<u32>,
     behaviours: Vec<Behaviour>,
     ways: Vec<Way>,
@@ -146,6 +153,15 @@ impl Ways {
         behaviour.shown_by[sequence as usize]
     }
 
+    /// Where the followed point of `frame`, standing at `spot`, will be in [`AHEAD`] seconds if the recording goes on, and
+    /// how far it will have travelled: on the ground and in space. The frame must exist.
+    #[must_use]
+    pub fn ahead(&self, frame: u32, spot: Spot) -> (Vec3, [f32; 2]) {
+        let ahead = self.ahead[frame as usize];
+        let [before, after] = [frame, ahead].map(|frame| self.travelled[frame as usize]);
+        (self.point_at(ahead, spot), [after[0] - before[0], after[1] - before[1]])
+    }
+
     /// Index of the sequence of `frame`, which must exist.
     #[must_use]
     pub fn sequence(&self, frame: u32) -> usize {
@@ -185,7 +201,10 @@ impl Survey {
             return Err(PoseError::OutOfRange(frames));
         }
         let components = components(graph, timeline);
+        let (ahead, travelled) = look_ahead(timeline, &points);
         let ways = Ways {
+            ahead,
+            travelled,
             fps: f64::from(timeline.fps()),
             alpha: graph.alpha(),
             points,
@@ -314,6 +333,24 @@ impl Survey {
         ways.samples.extend_from_slice(samples);
         ways.first_sample.push(ways.samples.len() as u32);
     }
+}
+
+/// For each frame the one to look ahead to, and metres travelled from its sequence's first frame.
+fn look_ahead(timeline: &Timeline, points: &[Vec3]) -> (Vec<u32>, Vec<[f32; 2]>) {
+    let steps = (AHEAD * f64::from(timeline.fps())).round() as u32;
+    let (mut ahead, mut travelled) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+    for sequence in timeline.sequences() {
+        let mut sum = [0.0_f32; 2];
+        for frame in sequence.first_frame..sequence.end_frame() {
+            if frame > sequence.first_frame {
+                let (from, to) = (points[frame as usize - 1], points[frame as usize]);
+                sum = [sum[0] + from.xz().distance(to.xz()), sum[1] + from.distance(to)];
+            }
+            travelled.push(sum);
+            ahead.push(frame.saturating_add(steps).min(sequence.end_frame() - 1));
+        }
+    }
+    (ahead, travelled)
 }
 
 /// Every [`SAMPLE_STRIDE`]-th point of a track and its last one.
