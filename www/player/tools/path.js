@@ -85,6 +85,10 @@ export class PathTool {
     return this.box.document.path;
   }
 
+  points() {
+    return this.path.points;
+  }
+
   get isDrawing() {
     return this.armed || this.path.points.length < 2;
   }

@@ -46,6 +46,10 @@ export class PlaceTool {
     return this.box.document.place;
   }
 
+  points() {
+    return this.goal ? [[this.goal.x, this.goal.z]] : [];
+  }
+
   leave() {
     this.handles.hide();
   }

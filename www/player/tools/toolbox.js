@@ -17,7 +17,8 @@ import { Share } from './share.js';
 import { TimingTool } from './timing.js';
 import { WanderTool } from './wander.js';
 
-const OVERVIEW = { elevation: 0.62, distance: 2.1 };
+/** The view of tools that draw on the ground: radians above it, and the distance, more for what lies farther away. */
+const OVERVIEW = { elevation: 0.66, distance: 2.1, perMetre: 0.6 };
 
 export class Toolbox {
   /** @param {import('../core.js').Core} core */
@@ -122,9 +123,12 @@ export class Toolbox {
       this.overDue = on;
       return;
     }
-    if (on && !this.before) {
-      this.before = Array.from(stage.camera());
-      stage.look_from(this.before[0], OVERVIEW.elevation, OVERVIEW.distance, false);
+    if (on) {
+      this.before ??= Array.from(stage.camera());
+      const { x = 0, z = 0 } = this.director?.state ?? {};
+      const reach = Math.max(0, ...(this.tool.points?.() ?? []).map((point) => Math.hypot(point[0] - x, point[1] - z)));
+      const distance = Math.max(OVERVIEW.distance, 0.9 + OVERVIEW.perMetre * reach);
+      stage.look_from(this.before[0], OVERVIEW.elevation, distance, false);
     } else if (!on && this.before) {
       stage.look_from(...this.before, false);
       this.before = null;
@@ -175,8 +179,9 @@ export class Toolbox {
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
     this.history.change({ ...this.document, ...part });
     this.history.settle();
-    if (this.tool.id === tool) this.refresh();
-    else this.core.host.tool = tool;
+    if (this.tool.id !== tool) this.core.host.tool = tool;
+    else if (this.tool.onGround) this.lookOver(true);
+    this.refresh();
     this.ask();
     if (tool === 'pose') this.go();
     this.core.dispatch('change', { tool });

@@ -66,6 +66,6 @@ export class WanderTool {
   }
 
   sentence({ frames, objective }) {
-    return `${frames.toLocaleString('en')} frames within reach · ${objective.toPrecision(2)} off an even spread`;
+    return `visits ${frames.toLocaleString('en')} frames · unevenness ${objective.toPrecision(2)}`;
   }
 }
