@@ -13,6 +13,7 @@
 //! columns. Frames are counted over the whole capture (all sequences of one subject, one after another), from 0.
 
 pub mod align;
+pub mod appearance;
 pub mod bundle;
 pub mod capture;
 pub mod cholesky;

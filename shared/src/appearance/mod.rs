@@ -1,0 +1,5 @@
+//! How a captured actor looks from frame to frame: Eigen textures and Eigen warps (thesis chapter 4, TVCG section 5).
+
+pub mod model;
+
+pub use model::AppearanceModel;
