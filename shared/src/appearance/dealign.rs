@@ -56,20 +56,20 @@ impl Field {
 pub struct Aligned {
     /// The aligned texture.
     pub texture: Field,
-    /// The backward warp (dx, dy, unused) in texels of the texture; it may be smaller than the texture.
+    /// The backward warp (dx, dy, unused), in texels of the full size.
     pub warp: Field,
+    /// Texels of the full size along a texel of `texture`: 1, or 2 where it was rebuilt at half the size.
+    pub texel: f32,
+    /// Texels of the full size along a texel of `warp`.
+    pub cell: f32,
     /// Colour where nothing is known.
     pub fill: [f32; 3],
 }
 
 impl Aligned {
     fn warp_at(&self, x: usize, y: usize) -> [f32; 2] {
-        let scale = [
-            self.warp.width as f32 / self.texture.width as f32,
-            self.warp.height as f32 / self.texture.height as f32,
-        ];
-        let at = [(x as f32 + 0.5) * scale[0] - 0.5, (y as f32 + 0.5) * scale[1] - 0.5];
-        self.warp.sample(at[0], at[1]).map_or([0.0; 2], |[dx, dy, _]| [dx, dy])
+        let at = [x, y].map(|at| (at as f32 + 0.5) * self.texel / self.cell - 0.5);
+        self.warp.sample(at[0], at[1]).map_or([0.0; 2], |[dx, dy, _]| [dx / self.texel, dy / self.texel])
     }
 
     fn moved(&self, x: usize, y: usize, warp: [f32; 2]) -> [f32; 3] {
@@ -257,7 +257,7 @@ mod tests {
             [3.0 * (0.9 * x + 0.3 * y).sin(), 2.0 * (0.5 * y - 0.7 * x).cos(), 0.0, 1.0]
         });
         let warp = Field { width: small, height: small, texels: warp.collect() };
-        (Mask::new(size, &active), Aligned { texture, warp, fill: [0.4; 3] })
+        (Mask::new(size, &active), Aligned { texture, warp, texel: 1.0, cell: 4.0, fill: [0.4; 3] })
     }
 
     /// `(M^2 + lambda^2) x - M r`, the normal equations of 4.3, by definition.
