@@ -16,12 +16,17 @@ const ROW: u32 = 32768;
 /// `Layer` of `appearance_basis.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct LayerUniform {
-    turn: [[f32; 4]; 3],
-    blocks: u32,
-    modes: u32,
-    side: u32,
-    padding: u32,
+pub struct LayerUniform {
+    /// Columns of the matrix from what is stored to colours.
+    pub turn: [[f32; 4]; 3],
+    /// Stored blocks.
+    pub blocks: u32,
+    /// Modes, the mean counted.
+    pub modes: u32,
+    /// Texels along a restored block.
+    pub side: u32,
+    /// Up to the size that a uniform has.
+    pub padding: u32,
 }
 
 /// A layer restored at one size.

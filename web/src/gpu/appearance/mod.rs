@@ -3,8 +3,8 @@
 //! `basis` adds up modes, `dealign` moves what they give by the warp, `pace` chooses how much of that the device can do in
 //! time. One rebuild is under way at a time: a slow device shows a texture that lags, not a page that does.
 
-mod basis;
-mod dealign;
+pub mod basis;
+pub mod dealign;
 mod pace;
 
 use std::sync::Arc;
