@@ -8,13 +8,14 @@
 import { Browser } from './browser.mjs';
 import { tests as modules } from './tests/modules.mjs';
 import { tests as loading } from './tests/loading.mjs';
+import { tests as appearance } from './tests/appearance.mjs';
 import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, loading, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, loading, appearance, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 let failed = 0;

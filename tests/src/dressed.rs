@@ -150,17 +150,17 @@ pub fn modes(reader: &BundleReader) -> Result<[Vec<Mode>; 2]> {
     Ok(modes)
 }
 
-/// The texture `lambda` of the way from frame `from` to frame `to`: texels across, and RGBA in sRGB.
+/// The texture of frame `frame`: RGBA in sRGB, alpha 0 where nothing is active; at half the size, or after so many cycles
+/// of Poisson reconstruction.
 ///
 /// # Errors
 /// As [`modes`].
-pub fn texture(reader: &BundleReader, ends: (u32, u32, f32), half: bool, cycles: usize) -> Result<(usize, Vec<u8>)> {
+pub fn texture(reader: &BundleReader, frame: u32, half: bool, cycles: usize) -> Result<Vec<u8>> {
     let appearance = reader.appearance().context("the bundle has no appearance")?;
     let modes = modes(reader)?;
-    let (from, to, lambda) = ends;
     let rebuild = |layer: usize, side: usize| {
         let own = &appearance.layers[layer];
-        own.rebuild(&appearance.mask, &modes[layer], &own.weights(from, to, lambda), side)
+        own.rebuild(&appearance.mask, &modes[layer], &own.weights(frame, frame, 0.0), side)
     };
     let aligned = Aligned {
         texture: rebuild(0, if half { 8 } else { 16 }),
@@ -169,7 +169,11 @@ pub fn texture(reader: &BundleReader, ends: (u32, u32, f32), half: bool, cycles:
         cell: (1 << appearance.layers[1].level) as f32,
         fill: [0.5; 3],
     };
-    let colours = aligned.dealign(&appearance.mask, cycles);
     let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-    Ok((aligned.texture.width, colours.iter().flat_map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect()))
+    let colours = aligned.dealign(&appearance.mask, cycles);
+    let pixels = colours.iter().zip(&aligned.texture.texels).flat_map(|(&[r, g, b], texel)| {
+        let alpha = if texel[3] == 1.0 { 255 } else { 0 };
+        [byte(r), byte(g), byte(b), alpha]
+    });
+    Ok(pixels.collect())
 }

@@ -22,6 +22,9 @@ const ALL: [(&str, &str); 8] = [
     ("mipmap", shaders::MIPMAP),
 ];
 
+/// What browsers offer without asking for features; packing half floats is part of WGSL, an extra only to naga.
+const OFFERED: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+
 fn parse(name: &str, source: &str) -> Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)))
 }
@@ -30,8 +33,7 @@ fn parse(name: &str, source: &str) -> Module {
 fn every_shader_is_valid_and_has_its_entry_points() {
     for (name, source) in ALL {
         let module = parse(name, source);
-        // What browsers offer without asking for features.
-        let outcome = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        let outcome = Validator::new(ValidationFlags::all(), OFFERED).validate(&module);
         assert!(outcome.is_ok(), "{name}: {:?}", outcome.err());
         let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(entries, ["vertex", "fragment"], "{name}");
@@ -46,7 +48,7 @@ fn every_compute_shader_is_valid_and_has_its_entry_points() {
         ("appearance_cycle", shaders::APPEARANCE_CYCLE, &["down", "up"]),
     ] {
         let module = parse(name, source);
-        let outcome = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        let outcome = Validator::new(ValidationFlags::all(), OFFERED).validate(&module);
         assert!(outcome.is_ok(), "{name}: {:?}", outcome.err());
         let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(entries, wanted, "{name}");

@@ -30,6 +30,10 @@ impl Looks {
                 return Ok(true);
             }
             let read = self.decoder.advance(bytes, &appearance.layers[layer], BLOCKS);
+            if read.is_err() {
+                // Said once; what has been read stays.
+                self.section = u32::MAX;
+            }
             if let Some(mode) = read.map_err(|_| PlayerError::DamagedLooks)? {
                 self.modes[layer].push(mode);
                 self.decoder = ModeDecoder::default();
