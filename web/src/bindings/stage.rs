@@ -234,12 +234,15 @@ impl Stage {
 
     /// Brings the actor's texture up to what the player shows; true where it may have to be asked again.
     pub fn dress(&mut self, player: &Player) -> bool {
-        let (Some(appearance), Some(picture)) = (player.inner.appearance(), player.inner.picture()) else { return false };
+        let (Some(appearance), Some(picture)) = (player.inner.appearance(), player.inner.picture()) else {
+            return false;
+        };
         if self.lost() {
             return false;
         }
         let (scene, slow) = (&mut self.scene, self.adapter.device_type == wgpu::DeviceType::Cpu);
-        let looks = scene.looks.get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
+        let looks =
+            scene.looks.get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
         looks.take(&scene.gpu, player.inner.modes());
         let layers = &appearance.layers;
         let wanted = if self.cross_fade {

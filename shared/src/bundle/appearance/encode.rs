@@ -143,10 +143,8 @@ fn encode_once(
         quality.warp_step,
     );
     // A mode of unit length changes a texel by 1 / sqrt(values): an eighth of a step on the whole texture is not seen.
-    let coefficient_steps = [
-        quality.texture_step * (3.0 * count).sqrt() / 8.0,
-        quality.warp_step * (2.0 * count).sqrt() / 8.0,
-    ];
+    let coefficient_steps =
+        [quality.texture_step * (3.0 * count).sqrt() / 8.0, quality.warp_step * (2.0 * count).sqrt() / 8.0];
     let head = Head {
         material,
         size: [model.width, model.height],
@@ -261,8 +259,7 @@ impl<'a> LayerCoder<'a> {
                 let mut waves = quantise(&forward(&self.table, &planes[channel]), step);
                 planes[channel] = inverse(&self.table, &waves.map(|wave| wave as f32 * step));
                 let near = near.map(|near| Some(near?[channel]));
-                own[channel] =
-                    models[channel].block(&mut encoder, &self.scan, near, &mut waves).unwrap_or_default();
+                own[channel] = models[channel].block(&mut encoder, &self.scan, near, &mut waves).unwrap_or_default();
             }
             traces.push(own);
             if channels == 3 {

@@ -5,11 +5,7 @@ use crate::appearance::transform::SIDE;
 use crate::bundle::entropy::binary::Bit;
 
 /// Codes which of `width` × `height` texels are active: writes those `wanted`, or reads them and ignores `wanted`.
-pub fn active(
-    coder: &mut impl Coder,
-    (width, height): (usize, usize),
-    wanted: &[bool],
-) -> Vec<bool> {
+pub fn active(coder: &mut impl Coder, (width, height): (usize, usize), wanted: &[bool]) -> Vec<bool> {
     let mut texels = Texels { width, height, active: vec![false; width * height] };
     let wide = width.div_ceil(SIDE);
     let (mut some, mut all, mut shape) = ([Bit::default(); 9], [Bit::default(); 9], vec![Bit::default(); 64]);

@@ -56,8 +56,7 @@ impl Dealign {
     /// For textures of which `mask` says what is active, with the same as textures.
     pub fn new(gpu: &Gpu, mask: &Mask, masks: Vec<wgpu::Texture>) -> Self {
         let field = unfiltered(wgpu::TextureSampleType::Float { filterable: false });
-        let residual_layout =
-            gpu.layout(ShaderStages::COMPUTE, &[UNIFORM, field, field, numbers(), written(COMPLEX)]);
+        let residual_layout = gpu.layout(ShaderStages::COMPUTE, &[UNIFORM, field, field, numbers(), written(COMPLEX)]);
         let cycle_bindings = [UNIFORM, numbers(), numbers(), numbers(), numbers(), written(COMPLEX)];
         let cycle_layout = gpu.layout(ShaderStages::COMPUTE, &cycle_bindings);
         let texture_layout = gpu.layout(ShaderStages::FRAGMENT, &[UNIFORM, field, field, numbers()]);
@@ -113,10 +112,8 @@ impl Dealign {
         let solution = self.cycle.as_ref().filter(|_| gradients);
         let correction = solution.map_or(&self.none, |cycle| &cycle.solution);
         let correction = wgpu::BindingResource::TextureView(correction);
-        let group =
-            gpu.group(&self.texture_layout, &[self.motion.as_entire_binding(), aligned, warp, correction]);
-        let level =
-            target.create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() });
+        let group = gpu.group(&self.texture_layout, &[self.motion.as_entire_binding(), aligned, warp, correction]);
+        let level = target.create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() });
         let load = if motion.fill[3] < 1.0 { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -8,7 +8,7 @@ pub mod dealign;
 mod pace;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use shared::appearance::basis::Mode;
 use shared::appearance::transform::AREA;
@@ -47,8 +47,8 @@ pub struct Looks {
     pace: Pace,
     now: fn() -> f64,
     shown: Option<(Wanted, [usize; 2], Setting)>,
-    /// When the rebuild under way began, and whether it is done.
-    under_way: Option<(f64, Arc<AtomicBool>)>,
+    /// When the rebuild under way began, and the bits of when it was done; 0 before that.
+    under_way: Option<(f64, Arc<AtomicU64>)>,
 }
 
 impl Looks {
@@ -104,10 +104,11 @@ impl Looks {
     /// rebuild is still under way. True where the texture changed.
     pub fn show(&mut self, gpu: &Gpu, mesh: &mut Mesh, wanted: Wanted) -> bool {
         if let Some((start, done)) = &self.under_way {
-            if !done.load(Ordering::Relaxed) {
+            let done = f64::from_bits(done.load(Ordering::Relaxed));
+            if done == 0.0 {
                 return false;
             }
-            self.pace.note((self.now)() - start);
+            self.pace.note(done - start);
             self.under_way = None;
         }
         let counts = [0, 1].map(|layer| self.layers[layer].mode_count());
@@ -129,10 +130,11 @@ impl Looks {
             }
         }
         mesh.textures().fill_levels(gpu, &self.texture);
-        let done = Arc::new(AtomicBool::new(false));
+        let now = self.now;
+        let done = Arc::new(AtomicU64::new(0));
         let told = Arc::clone(&done);
-        gpu.queue.on_submitted_work_done(move || told.store(true, Ordering::Relaxed));
-        self.under_way = Some(((self.now)(), done));
+        gpu.queue.on_submitted_work_done(move || told.store(now().to_bits(), Ordering::Relaxed));
+        self.under_way = Some((now(), done));
         self.shown = Some(wanted);
         true
     }
