@@ -8,6 +8,7 @@ pub mod entropy;
 pub mod geometry;
 
 mod appearance;
+mod checksum;
 mod encode;
 mod error;
 mod graph;
