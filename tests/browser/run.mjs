@@ -2,8 +2,8 @@
  * Runs the browser tests: `node run.mjs [part of a name]`.
  *
  * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise),
- * REPRISE_NATIVE the folder that `native_walk` wrote from it, CHROMIUM the browser (default: /usr/bin/chromium).
- * Pictures go to out/.
+ * REPRISE_NATIVE the folder that `native_walk` wrote from it, REPRISE_DRESSED the one that `dress` wrote, CHROMIUM the
+ * browser (default: /usr/bin/chromium). Pictures go to out/.
  */
 
 import { Browser } from './browser.mjs';
