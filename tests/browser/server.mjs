@@ -25,6 +25,9 @@ const VENDOR = {
 const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
 
+/** Folders that native programs made for the tests, by their place on the server. */
+const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED };
+
 /** Bundles that went wrong on their way, made from the good one. */
 const FAULTS = {
   '/faults/damaged.reprise': (bundle) => {
@@ -70,8 +73,8 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
   if (Object.hasOwn(VENDOR, pathname)) return send(response, await readFile(join(modules, VENDOR[pathname])), '.js');
-  const native = process.env.REPRISE_NATIVE && pathname.startsWith('/native/');
-  const [folder, path] = native ? [process.env.REPRISE_NATIVE, pathname.slice('/native'.length)] : [root, pathname];
+  const made = Object.entries(MADE).find(([name, folder]) => folder && pathname.startsWith(`/${name}/`));
+  const [folder, path] = made ? [made[1], pathname.slice(made[0].length + 1)] : [root, pathname];
   const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));
   const found = file.startsWith(folder) && (await stat(file).catch(() => null))?.isFile();
   if (found) return send(response, await readFile(file), extname(file));

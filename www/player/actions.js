@@ -35,6 +35,7 @@ export function actionsOf(core, host) {
     },
     facts: () => view.toggleFacts() || core.loop?.request(),
     tint: () => (host.tint = !host.tint),
+    compare: () => core.view.looks.toggle(),
     poses: () => core.togglePoses(),
     loop: () => (host.loop = !host.loop),
     help: () => view.keys.toggle(),

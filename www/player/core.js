@@ -118,13 +118,14 @@ export class Core {
     if (view.preview.update(start, changed)) this.showGhosts(changed);
     if (changed && poses.due(start)) poses.choose(director);
     const moving = live && view.stage.stage.camera_moving();
-    const draws = changed || moving || this.dirty;
+    const dressing = live && view.looks.step(director.info, director.player, view.stage.stage);
+    const draws = changed || moving || dressing || this.dirty;
     if (draws) this.draw();
     const walk = view.preview.plan ?? director.walk;
     view.update(director, { walk, frameMs: this.frameMs.value });
     if (changed && draws) this.frameMs.add(performance.now() - start);
     if (changed) this.tellFrame();
-    return director.player.playing() || changed || moving || this.dirty;
+    return director.player.playing() || changed || moving || dressing || this.dirty;
   }
 
   draw() {

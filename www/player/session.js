@@ -36,6 +36,8 @@ export class Session {
     this.textures = new Textures();
     this.complete = false;
     this.shown = false;
+    /** Whether a texture was rebuilt from the modes that have arrived. */
+    this.rebuilt = false;
     this.losses = [];
   }
 
@@ -156,7 +158,7 @@ export class Session {
 
   /** The picture of a pose, or null while that would not show it as it is. */
   thumbnail(frame, width, height) {
-    const ready = this.shown && this.textures.dressed && this.view.alive();
+    const ready = this.shown && (this.textures.dressed || this.rebuilt) && this.view.alive();
     return ready ? this.view.stage.thumbnail(this.director.player, frame, width, height) : null;
   }
 }

@@ -6,6 +6,7 @@ import { Facts } from './facts.js';
 import { title } from './format.js';
 import { KeysDialog } from './keyboard.js';
 import { ProgressBar } from './loading.js';
+import { Looks } from './looks.js';
 import { Preview } from './preview.js';
 import { Score } from './score.js';
 import { StageView } from './stage-view.js';
@@ -65,6 +66,13 @@ class View {
     this.preview = new Preview({ director: () => core.director, score: this.score, host, request: () => core.loop?.request() });
     this.progress = new ProgressBar();
     this.error = new ErrorCard((action) => core.mend(action));
+    this.looks = new Looks({
+      compare: (compare) => this.stage.setOptions({ compare }),
+      dressed: () => {
+        core.session.rebuilt = true;
+        this.score.wantThumbnails();
+      },
+    });
     this.facts = new Facts();
     this.keys = new KeysDialog();
 
@@ -87,7 +95,8 @@ class View {
       slot('poster', this.poster),
       this.facts.root,
       h('div', { class: 'chips left' }, this.factsChip),
-      h('div', { class: 'chips right' }, this.posesChip, this.tintChip, this.keysChip),
+      h('div', { class: 'chips right' }, this.looks.chip, this.posesChip, this.tintChip, this.keysChip),
+      this.looks.list,
       slot('progress', this.progress.root),
       slot('error', this.error.root),
     );
@@ -111,6 +120,7 @@ class View {
   reset() {
     this.score.placeholder();
     this.preview.at(-1);
+    this.looks.forget();
     this.preview.tooltip.hide();
     this.error.hide();
     this.progress.hide();
@@ -173,7 +183,7 @@ class View {
     this.transport.update(state, timeline);
     this.transport.setPlaying(director.player.playing());
     this.describeStage(state, timeline, info);
-    if (this.facts.open) this.facts.update({ info, state, ...numbers, adapter: this.adapter() });
+    if (this.facts.open) this.facts.update({ info, state, ...numbers, adapter: this.adapter(), texture: this.stage.stage?.texture_setting() });
   }
 
   /** What a screen reader says of the picture; rewritten only when it would say something else. */

@@ -16,7 +16,11 @@ pub fn test(dist: &Path) -> Result<()> {
     let mut native = cargo();
     native.args(["run", "-q", "-p", "reprise-tests", "--bin", "native_walk", "--"]).arg(dist.join("demo.reprise"));
     run("walks, natively", native.arg(&walks))?;
-    run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks))
+    let dressed = target().join("dressed");
+    let mut dress = cargo();
+    dress.args(["run", "-q", "-p", "reprise-tests", "--bin", "dress", "--"]).arg(dist.join("demo.reprise"));
+    run("textures, natively", dress.arg(&dressed).arg("512"))?;
+    run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks).env("REPRISE_DRESSED", dressed))
 }
 
 /// A script of the browser tests' folder, for the page in `dist`.

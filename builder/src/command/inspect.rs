@@ -57,6 +57,9 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
     let (Some(meta), Some(timeline), Some(topology)) = (reader.meta(), reader.timeline(), reader.topology()) else {
         return Err(Failure::Input(anyhow!("{} ends before its content is described", path.display())));
     };
+    let sections_of = |start: &str| -> u64 {
+        reader.sections().iter().filter(|section| section.name.starts_with(start)).map(|section| section.stored).sum()
+    };
     let sections: Vec<Value> = reader
         .sections()
         .iter()
@@ -82,6 +85,14 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
             "alpha": graph.alpha(),
         })),
         "max_error": meta.max_error,
+        "appearance": reader.appearance().map(|appearance| json!({
+            "material": appearance.material,
+            "width": appearance.size[0],
+            "height": appearance.size[1],
+            "texture_modes": appearance.layers[0].mode_count(),
+            "warp_modes": appearance.layers[1].mode_count(),
+            "bytes_per_frame": sections_of("appearance") as f64 / f64::from(timeline.frame_count().max(1)),
+        })),
         "sections": sections,
     }))
 }

@@ -8,7 +8,7 @@ use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
 pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
-/// A larger minor version only adds sections that may be skipped.
+/// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
 pub const VERSION_MINOR: u16 = 1;
 
 /// Bytes before the section table.
@@ -37,13 +37,17 @@ pub enum Kind {
     Order,
     /// The welded vertex of each vertex of the input files.
     FileVertices,
+    /// What all frames' textures share, and each frame's coefficients. Since 1.1.
+    Appearance,
+    /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
+    AppearanceMode,
     /// Where the actor is and which way it faces in every frame.
     Motion,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -52,6 +56,8 @@ impl Kind {
         Self::Graph,
         Self::Order,
         Self::FileVertices,
+        Self::Appearance,
+        Self::AppearanceMode,
         Self::Motion,
     ];
 
@@ -67,6 +73,8 @@ impl Kind {
             Self::Graph => 6,
             Self::Order => 7,
             Self::FileVertices => 8,
+            Self::Appearance => 32,
+            Self::AppearanceMode => 33,
             Self::Motion => 64,
         }
     }
@@ -89,20 +97,22 @@ impl Kind {
             Self::Graph => "graph",
             Self::Order => "order",
             Self::FileVertices => "file-vertices",
+            Self::Appearance => "appearance",
+            Self::AppearanceMode => "appearance-mode",
             Self::Motion => "motion",
         }
-    }
-
-    /// Whether a reader that does not know the kind may pass it over: kinds that came with a minor version.
-    #[must_use]
-    pub fn may_be_skipped(self) -> bool {
-        self == Self::Motion
     }
 
     /// Whether a bundle may hold several of it, told apart by their ordinals.
     #[must_use]
     pub fn is_repeated(self) -> bool {
-        matches!(self, Self::Geometry | Self::Image)
+        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode)
+    }
+
+    /// The minor version that brought it.
+    #[must_use]
+    pub fn since(self) -> u16 {
+        u16::from(matches!(self, Self::Appearance | Self::AppearanceMode | Self::Motion))
     }
 }
 
@@ -206,7 +216,7 @@ impl Header {
         bytes.resize(FIXED_BYTES, 0);
         for section in &self.sections {
             bytes.extend(section.number.to_le_bytes());
-            bytes.push(if section.kind.is_some_and(|kind| !kind.may_be_skipped()) { 0 } else { MAY_BE_SKIPPED });
+            bytes.push(if section.kind.is_some_and(|kind| kind.since() == 0) { 0 } else { MAY_BE_SKIPPED });
             bytes.push(section.codec.number());
             bytes.extend(section.ordinal.to_le_bytes());
             bytes.extend(section.offset.to_le_bytes());

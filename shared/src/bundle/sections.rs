@@ -5,7 +5,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::checksum::checksum;
 use super::error::BundleError;
-use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR};
 
 /// A line of the list of sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,8 @@ pub(super) struct Draft {
 
 /// The file that holds `drafts` in this order.
 pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
-    let mut header = Header { major: VERSION_MAJOR, minor: VERSION_MINOR, total: 0, sections: Vec::new() };
+    let minor = drafts.iter().map(|draft| draft.kind.since()).max().unwrap_or(0);
+    let mut header = Header { major: VERSION_MAJOR, minor, total: 0, sections: Vec::new() };
     let mut contents = Vec::new();
     for draft in drafts {
         let raw = draft.raw.len() as u64;

@@ -65,7 +65,7 @@ impl From<PlayerError> for JsValue {
             PlayerError::NotLoaded => Kind::NotLoaded,
             PlayerError::NoFrame(_) => Kind::BadArgument,
             PlayerError::Unreachable { .. } => Kind::Unreachable,
-            PlayerError::Damaged(_) => Kind::Damaged,
+            PlayerError::Damaged(_) | PlayerError::DamagedLooks => Kind::Damaged,
         };
         error(kind, &failure.to_string())
     }

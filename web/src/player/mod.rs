@@ -9,6 +9,7 @@ pub mod direct;
 pub mod events;
 mod follow;
 pub mod loading;
+pub mod looks;
 mod motion;
 pub mod plan;
 pub mod produce;
@@ -58,6 +59,9 @@ pub enum PlayerError {
     /// A frame of the bundle is damaged.
     #[error("frame {0} of the bundle is damaged; load it again")]
     Damaged(u32),
+    /// A mode of the textures is damaged.
+    #[error("the textures of the bundle are damaged; load it again")]
+    DamagedLooks,
 }
 
 impl From<PoseError> for PlayerError {
@@ -75,6 +79,8 @@ pub struct Player {
     loading: Loading,
     clock: Clock,
     producer: Producer,
+    looks: looks::Looks,
+    now: fn() -> f64,
     events: Events,
     trail: VecDeque<TrailPoint>,
     /// The frame that the picture comes from, and the one that it goes to.
@@ -102,6 +108,8 @@ impl Player {
             loading,
             clock: Clock::new(25.0),
             producer: Producer::new(now),
+            looks: looks::Looks::default(),
+            now,
             events: Events::default(),
             trail: VecDeque::new(),
             last: None,

@@ -118,6 +118,8 @@ pub struct Info<'a> {
     alpha: f64,
     sequences: Vec<SequenceInfo<'a>>,
     images: Vec<ImageInfo>,
+    /// Modes of colours and of warps in the textures; `null` where no texture changes, or it has not arrived.
+    appearance: Option<[usize; 2]>,
     main: usize,
 }
 
@@ -224,6 +226,7 @@ impl Player {
             alpha: graph.map_or(0.0, shared::graph::EssentialGraph::alpha),
             sequences: sequences.collect(),
             images: images.collect(),
+            appearance: self.appearance().map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
             main: main.iter().filter(|&&inside| inside).count(),
         })
     }
