@@ -32,7 +32,7 @@ const GRADIENTS: f32 = 10.0;
 /// Weight of smoothness.
 const SMOOTHNESS: f32 = 20.0;
 /// Squared gradient that counts as noise, values being 0 to 255.
-const NOISE: f32 = 0.01;
+const NOISE: f32 = 1.0;
 /// Squared distance below which a robust weight stays the same, in texels.
 const EPSILON: f32 = 1e-6;
 /// Square of the spectral radius that the Chebyshev weights assume.
