@@ -88,6 +88,8 @@ export interface ActorInfo {
   alpha: number;
   sequences: { name: string; first: number; count: number; cyclic: boolean; labels: string[] }[];
   images: { media_type: string; width: number; height: number; ready: boolean }[];
+  /** Eigen textures and Eigen warps that the texture is rebuilt from; `null` where it does not change or is still to come. */
+  appearance: [number, number] | null;
   /** Frames in the largest strongly connected component: all of them reach each other. */
   main: number;
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use shared::appearance::AppearanceModel;
-use shared::bundle::{self, BundleInput, EncodeReport, default_max_error};
+use shared::bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
 use shared::capture::Capture;
 use shared::cholesky::elimination_order;
 use shared::graph::EssentialGraph;
@@ -15,7 +15,7 @@ use crate::appearance::textures::{TextureFiles, TextureSource};
 use crate::appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
 use crate::distance::{self, DistanceOptions};
 use crate::essential::{self, Findings};
-use crate::import::{self, ImportError, ImportOptions};
+use crate::import::{self, ImportError, ImportOptions, Warning};
 use crate::memory;
 use crate::progress::{Progress, Report};
 use crate::transitions::{self, TransitionOptions};
@@ -85,7 +85,7 @@ pub struct PackReport {
     /// What the bundle weighs and how exact it is.
     pub bundle: EncodeReport,
     /// What the user should know about the input.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// What a capture holds.
@@ -298,7 +298,7 @@ fn essential_graph(
 fn encode(
     capture: &Capture,
     graph: &EssentialGraph,
-    _appearance: Option<&AppearanceModel>,
+    appearance: Option<&AppearanceModel>,
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
     let order = elimination_order(&capture.topology).map_err(|error| PackError::Ours(error.to_string()))?;
@@ -310,7 +310,10 @@ fn encode(
         poisson_order: Some(&order),
         generator: format!("Reprise builder {}", env!("CARGO_PKG_VERSION")),
     };
-    bundle::encode(&input).map_err(|error| PackError::Option(error.to_string()))
+    // The model is of the atlas of the first material that has a texture, as `Charts` are.
+    let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
+    let appearance = appearance.map(|model| AppearanceInput { model, material, quality: AppearanceQuality::default() });
+    bundle::encode_with_appearance(&input, appearance.as_ref()).map_err(|error| PackError::Option(error.to_string()))
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

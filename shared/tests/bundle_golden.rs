@@ -1,6 +1,7 @@
 //! Old bundles stay readable, and the writer's bytes change only on purpose.
 //!
-//! `golden/v1.0.reprise` was written by version 1.0. Never replace it: a change of the format adds a file.
+//! `golden/v1.0.reprise` was written by version 1.0, `golden/v1.1.reprise`, which has appearance, by version 1.1. Never
+//! replace them: a change of the format adds a file.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
 
@@ -8,13 +9,17 @@ mod captures;
 
 use captures::{graph, timeline};
 use glam::Vec3;
-use shared::bundle::{BundleInput, BundleReader, encode, validate};
+use shared::appearance::AppearanceModel;
+use shared::bundle::{
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_appearance, validate,
+};
 use shared::capture::{Capture, Poses};
 use shared::pose_source::PoseSource;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use shared::topology::Topology;
 
 const GOLDEN: &[u8] = include_bytes!("golden/v1.0.reprise");
+const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.1.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
 fn pyramid() -> Capture {
@@ -43,8 +48,31 @@ fn pyramid() -> Capture {
     Capture { name: "pyramid".into(), topology, surface, timeline: timeline(&[9, 5]), poses, vertex_of_file_vertex }
 }
 
-#[test]
-fn the_writer_has_not_changed() {
+/// Two charts side by side, and modes of whole numbers.
+fn looks() -> AppearanceModel {
+    let active: Vec<bool> = (0..40 * 18).map(|at| at % 40 != 19).collect();
+    let count = active.iter().filter(|&&active| active).count();
+    let values = |channels: usize, factor: usize| -> Vec<f32> {
+        (0..count * channels).map(|at| ((at / 7 * factor) % 16) as f32 / 16.0).collect()
+    };
+    let modes = |channels: usize, count: usize| -> Vec<Vec<f32>> {
+        (0..count).map(|mode| values(channels, 3 + 2 * mode).iter().map(|value| value - 0.5).collect()).collect()
+    };
+    let coefficients = |count: usize| (0..14 * count).map(|at| ((at * 5) % 8) as f32 / 64.0 - 0.0625).collect();
+    AppearanceModel {
+        width: 40,
+        height: 18,
+        active,
+        mean_texture: values(3, 5),
+        textures: modes(3, 3),
+        mean_warp: values(2, 11),
+        warps: modes(2, 2),
+        texture_coefficients: coefficients(3),
+        warp_coefficients: coefficients(2),
+    }
+}
+
+fn check_writer(appearance: Option<&AppearanceInput>, golden: &[u8]) {
     let capture = pyramid();
     let graph = graph_without_transcendentals(&capture);
     let order = [4, 2, 0, 1, 3];
@@ -52,15 +80,52 @@ fn the_writer_has_not_changed() {
     let poisson_order = Some(&order[..]);
     let input =
         BundleInput { capture: &capture, graph: &graph, first_frame: 10, max_error: 0.001, poisson_order, generator };
-    let (bytes, _) = encode(&input).unwrap();
-    if bytes != GOLDEN {
-        let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/written.reprise");
-        std::fs::write(path, &bytes).unwrap();
+    let (bytes, _) = encode_with_appearance(&input, appearance).unwrap();
+    if bytes != golden {
+        let path = format!("{}/written-{}.reprise", env!("CARGO_TARGET_TMPDIR"), appearance.is_some());
+        std::fs::write(&path, &bytes).unwrap();
         panic!(
             "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside the old file"
         );
     }
 }
+
+#[test]
+fn the_writer_has_not_changed() {
+    check_writer(None, GOLDEN);
+}
+
+#[test]
+fn the_writer_of_appearance_has_not_changed() {
+    let model = looks();
+    let appearance = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
+    check_writer(Some(&appearance), GOLDEN_WITH_APPEARANCE);
+}
+
+#[test]
+fn version_1_1_can_be_read() {
+    let reader = BundleReader::from_bytes(GOLDEN_WITH_APPEARANCE).unwrap();
+    assert_eq!(validate(GOLDEN_WITH_APPEARANCE), []);
+    let appearance = reader.appearance().unwrap();
+    assert_eq!((appearance.size, appearance.material), ([40, 18], 0));
+    let active: Vec<bool> = appearance.mask.full().flags.iter().map(|flags| flags & 1 == 1).collect();
+    assert_eq!(active, looks().active);
+    let mut hasher = crc32fast::Hasher::new();
+    for ordinal in 0..appearance.section_count() {
+        let (layer, _) = appearance.place(ordinal).unwrap();
+        let bytes = reader.mode_bytes(ordinal).unwrap();
+        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX).unwrap().unwrap();
+        hasher.update(bytemuck::cast_slice(&mode.offsets));
+        hasher.update(bytemuck::cast_slice(&mode.entries));
+    }
+    for layer in &appearance.layers {
+        hasher.update(bytemuck::cast_slice(&layer.coefficients));
+    }
+    assert_eq!(hasher.finalize(), MODES_CHECKSUM, "decoded modes are not the same bit for bit");
+}
+
+/// CRC-32 of all decoded modes and coefficients.
+const MODES_CHECKSUM: u32 = 0;
 
 /// The common graph with costs and placements that are whole numbers over powers of two.
 fn graph_without_transcendentals(capture: &Capture) -> shared::graph::EssentialGraph {

@@ -7,7 +7,7 @@ import { chromium } from 'playwright-core';
 import { serve } from './server.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
-const dist = resolve(process.env.REPRISE_DIST ?? join(here, '../../dist'));
+export const dist = resolve(process.env.REPRISE_DIST ?? join(here, '../../dist'));
 export const bundlePath = resolve(process.env.REPRISE_BUNDLE ?? join(dist, 'demo.reprise'));
 const out = join(here, 'out');
 

@@ -17,6 +17,9 @@ const TYPES = {
 const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
 
+/** Folders that native programs made for the tests, by their place on the server. */
+const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED };
+
 /** Bundles that went wrong on their way, made from the good one. */
 const FAULTS = {
   '/faults/damaged.reprise': (bundle) => {
@@ -61,8 +64,10 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/slow.reprise') return trickle(response, bundle, false);
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
-  const file = join(root, normalize(pathname === '/' ? '/index.html' : decodeURIComponent(pathname)));
-  const found = file.startsWith(root) && (await stat(file).catch(() => null))?.isFile();
+  const made = Object.entries(MADE).find(([name, folder]) => folder && pathname.startsWith(`/${name}/`));
+  const [folder, path] = made ? [made[1], pathname.slice(made[0].length + 1)] : [root, pathname];
+  const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));
+  const found = file.startsWith(folder) && (await stat(file).catch(() => null))?.isFile();
   if (found) return send(response, await readFile(file), extname(file));
   response.writeHead(404, { 'content-type': 'text/plain' });
   response.end('Not found');
@@ -73,13 +78,16 @@ function send(response, bytes, extension) {
   response.end(bytes);
 }
 
+/** Milliseconds between the pieces of a slow download. */
+const PAUSE = 100;
+
 /** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
 async function trickle(response, bundle, breaks) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
   const piece = Math.ceil(bundle.length / 20);
   for (let at = 0; at < bundle.length; at += piece) {
     response.write(bundle.subarray(at, at + piece));
-    await new Promise((resolve) => setTimeout(resolve, 250));
+    await new Promise((resolve) => setTimeout(resolve, PAUSE));
     if (breaks && at > 0) {
       response.destroy();
       return;

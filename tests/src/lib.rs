@@ -1,5 +1,7 @@
 //! What the tests that cross crates share.
 
+pub mod dressed;
+
 use anyhow::{Context, Result, bail};
 use glam::Vec3;
 use shared::align::Placement;

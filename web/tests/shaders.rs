@@ -3,13 +3,16 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Module, TypeInner};
+use web::gpu::appearance::basis::LayerUniform;
+use web::gpu::appearance::dealign::Motion;
 use web::gpu::frame::FrameUniform;
 use web::gpu::mesh::MaterialUniform;
 use web::gpu::pose::ActorUniform;
 use web::gpu::shadow::BlurUniform;
 use web::shaders;
 
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 8] = [
+    ("appearance_texture", shaders::APPEARANCE_TEXTURE),
     ("actor", shaders::ACTOR),
     ("ghost", shaders::GHOST),
     ("occlusion", shaders::OCCLUSION),
@@ -19,6 +22,9 @@ const ALL: [(&str, &str); 7] = [
     ("mipmap", shaders::MIPMAP),
 ];
 
+/// What browsers offer without asking for features; packing half floats is part of WGSL, an extra only to naga.
+const OFFERED: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+
 fn parse(name: &str, source: &str) -> Module {
     naga::front::wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)))
 }
@@ -27,11 +33,25 @@ fn parse(name: &str, source: &str) -> Module {
 fn every_shader_is_valid_and_has_its_entry_points() {
     for (name, source) in ALL {
         let module = parse(name, source);
-        // What browsers offer without asking for features.
-        let outcome = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        let outcome = Validator::new(ValidationFlags::all(), OFFERED).validate(&module);
         assert!(outcome.is_ok(), "{name}: {:?}", outcome.err());
         let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(entries, ["vertex", "fragment"], "{name}");
+    }
+}
+
+#[test]
+fn every_compute_shader_is_valid_and_has_its_entry_points() {
+    for (name, source, wanted) in [
+        ("appearance_basis", shaders::APPEARANCE_BASIS, &["main"][..]),
+        ("appearance_residual", shaders::APPEARANCE_RESIDUAL, &["main"]),
+        ("appearance_cycle", shaders::APPEARANCE_CYCLE, &["down", "up"]),
+    ] {
+        let module = parse(name, source);
+        let outcome = Validator::new(ValidationFlags::all(), OFFERED).validate(&module);
+        assert!(outcome.is_ok(), "{name}: {:?}", outcome.err());
+        let entries: Vec<_> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        assert_eq!(entries, wanted, "{name}");
     }
 }
 
@@ -55,6 +75,10 @@ macro_rules! layout {
 
 #[test]
 fn uniforms_have_the_layout_of_their_twins() {
+    let layer = layout!(LayerUniform, turn, blocks, modes, side);
+    check_layout(shaders::APPEARANCE_BASIS, "Layer", layer, size_of::<LayerUniform>());
+    let motion = layout!(Motion, fill, texel, cell);
+    check_layout(shaders::APPEARANCE_TEXTURE, "Move", motion, size_of::<Motion>());
     let frame = layout!(
         FrameUniform,
         clip_from_world,

@@ -99,6 +99,7 @@ export class ReprisePlayer extends AttributeElement {
       moved: () => this.#redraw(),
       lost: () => this.#recover(),
       errorAction: (action) => this.#onErrorButton(action),
+      compare: (compare) => this.#view.stage.setOptions({ compare }),
     });
     this.shadowRoot.addEventListener('keydown', (event) => this.pressKey(event));
     return view;
@@ -277,11 +278,12 @@ export class ReprisePlayer extends AttributeElement {
     if (preview.update(start, changed)) stage.setGhosts(director.player, this.#ghosts(), changed);
     if (changed && this.#poses.on && start - this.#poses.at > SUGGEST_ANEW) this.#suggest();
     const moving = live && stage.stage.camera_moving();
-    const draws = changed || moving || this.#dirty;
+    const dressing = live && this.#view.looks.step(director.info, director.player, stage.stage);
+    const draws = changed || moving || dressing || this.#dirty;
     if (draws) this.#draw();
     this.#view.update(director, this.#numbers());
     if (changed && draws) this.#frameMs.add(performance.now() - start);
-    return director.player.playing() || changed || moving || this.#dirty;
+    return director.player.playing() || changed || moving || dressing || this.#dirty;
   }
 
   #draw() {
@@ -397,6 +399,7 @@ export class ReprisePlayer extends AttributeElement {
       cancel: () => this.#escape(),
       facts: () => this.#view.toggleFacts() || this.#loop?.request(),
       tint: () => (this.tint = !this.tint),
+      compare: () => this.#view.looks.toggle(),
       poses: () => this.#togglePoses(),
       loop: () => (this.loop = !this.loop),
       help: () => this.#view.keys.toggle(),
@@ -451,7 +454,7 @@ export class ReprisePlayer extends AttributeElement {
 
   #thumbnail(frame, width, height) {
     const { stage } = this.#view;
-    return this.#shown && this.#textures.dressed && stage.alive() ? stage.stage.thumbnail(this.#director.player, frame, width, height) : null;
+    return this.#shown && (this.#textures.dressed || this.#view.looks.dressed) && stage.alive() ? stage.stage.thumbnail(this.#director.player, frame, width, height) : null;
   }
 
   #applyOptions() {

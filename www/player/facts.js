@@ -25,8 +25,9 @@ export class Facts {
    * @param {object | null} facts.walk the walk planned or under way
    * @param {number} facts.frameMs CPU time of a frame of ours
    * @param {{name: string, fallback: boolean} | null} facts.adapter
+   * @param {string | undefined} facts.texture how the texture is rebuilt
    */
-  update({ info, state, walk, frameMs, adapter }) {
+  update({ info, state, walk, frameMs, adapter, texture }) {
     if (!this.open) return;
     this.group('Walk');
     this.row('cost', walk ? figure(walk.cost) : '–', 'The sum of D + αL over the walk, in the essential graph');
@@ -41,6 +42,7 @@ export class Facts {
     this.row('density', figure(info.density), 'Edges kept, as a part of all pairs of frames');
     this.row('α', figure(info.alpha), 'The cost of one frame of duration');
     this.row('within reach', `${info.main.toLocaleString('en')} frames`, 'The largest strongly connected component');
+    if (info.appearance) this.row('texture', `${info.appearance.join(' + ')} modes, ${texture ?? 'not yet'}`, 'Eigen textures + Eigen warps, and how they are put together here');
     this.group('Time');
     this.row('synthetic frame', Number.isFinite(state.synthesis_ms) && state.synthesis_ms > 0 ? `${state.synthesis_ms.toFixed(1)} ms` : '–', 'Median: blend, align and Poisson solve');
     this.row('whole frame', Number.isFinite(frameMs) ? `${frameMs.toFixed(1)} ms` : '–', 'Median CPU time: synthesis and drawing commands');

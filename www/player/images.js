@@ -25,7 +25,7 @@ export class Textures {
    * @returns {Promise<void>} when those have been handed over; rejects with a `damaged` error if one does not decode
    */
   async update(info, encoded, send) {
-    this.none = info.images.length === 0;
+    this.none = info.images.length === 0 && !info.appearance;
     const fresh = info.images.map((image, index) => ({ ...image, index })).filter(({ ready, index }) => ready && !this.sent.has(index));
     for (const { index } of fresh) this.sent.add(index);
     for (const { index, media_type: type } of fresh) {

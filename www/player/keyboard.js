@@ -13,6 +13,7 @@ export const KEYS = [
   { keys: ['f'], shown: 'F', does: 'facts', act: 'facts' },
   { keys: ['t'], shown: 'T', does: 'tint: recorded green, synthetic red', act: 'tint' },
   { keys: ['p'], shown: 'P', does: 'poses around the actor', act: 'poses' },
+  { keys: ['c'], shown: 'C', does: 'compare ways of changing the texture', act: 'compare' },
   { keys: ['l'], shown: 'L', does: 'loop', act: 'loop' },
   { keys: ['?'], shown: '?', does: 'these keys', act: 'help' },
 ];

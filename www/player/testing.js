@@ -29,6 +29,16 @@ export class Testing {
     return Array.from(this.player.arrival(frame));
   }
 
+  /** Keeps to one way of rebuilding the texture, waits for it at the present moment, and reads it: RGBA, and its width. */
+  async texture(setting) {
+    const { stage, player } = this;
+    stage.texture_setting(setting);
+    for (let quiet = 0; quiet < 3; quiet = player.refine(50) || stage.dress(player) ? 0 : quiet + 1) {
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+    return Array.from(await stage.read_texture());
+  }
+
   adapter() {
     return JSON.parse(this.stage.adapter());
   }

@@ -6,6 +6,7 @@ import { Facts } from './facts.js';
 import { title } from './format.js';
 import { KeysDialog } from './keyboard.js';
 import { ProgressBar } from './loading.js';
+import { Looks } from './looks.js';
 import { Preview } from './preview.js';
 import { Score } from './score.js';
 import { StageView } from './stage-view.js';
@@ -56,6 +57,7 @@ class View {
     this.preview = new Preview({ director: on.director, score: this.score, host, request: on.request });
     this.progress = new ProgressBar();
     this.error = new ErrorCard(on.errorAction);
+    this.looks = new Looks({ compare: on.compare, dressed: () => this.score.wantThumbnails() });
     this.facts = new Facts();
     this.keys = new KeysDialog();
 
@@ -74,7 +76,8 @@ class View {
       this.poster,
       this.facts.root,
       h('div', { class: 'chips left' }, this.factsChip),
-      h('div', { class: 'chips right' }, this.posesChip, this.tintChip, this.keysChip),
+      h('div', { class: 'chips right' }, this.looks.chip, this.posesChip, this.tintChip, this.keysChip),
+      this.looks.list,
       this.progress.root,
       this.error.root,
     );
@@ -98,6 +101,7 @@ class View {
   reset() {
     this.score.placeholder();
     this.preview.at(-1);
+    this.looks.forget();
     this.preview.tooltip.hide();
     this.error.hide();
     this.progress.hide();
@@ -153,7 +157,7 @@ class View {
     this.transport.update(state, timeline);
     this.transport.setPlaying(director.player.playing());
     this.describeStage(state, timeline, info);
-    if (this.facts.open) this.facts.update({ info, state, ...numbers, adapter: this.adapter() });
+    if (this.facts.open) this.facts.update({ info, state, ...numbers, adapter: this.adapter(), texture: this.stage.stage?.texture_setting() });
   }
 
   /** What a screen reader says of the picture; rewritten only when it would say something else. */
@@ -163,8 +167,15 @@ class View {
     if (this.stage.root.getAttribute('aria-label') !== text) this.stage.root.setAttribute('aria-label', text);
   }
 
+  /** The graphics device; the engine may not know its name, the browser tells it a moment later. */
   adapter() {
-    if (this.stage.stage && !this.known) this.known = JSON.parse(this.stage.stage.adapter());
+    if (this.stage.stage && !this.known) {
+      this.known = JSON.parse(this.stage.stage.adapter());
+      if (!this.known.name) {
+        const name = (info) => info?.description || [info?.vendor, info?.architecture].filter(Boolean).join(' ');
+        navigator.gpu.requestAdapter().then((adapter) => (this.known.name = name(adapter?.info) || 'a device without a name'), () => {});
+      }
+    }
     return this.known ?? null;
   }
 

@@ -43,7 +43,7 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
 }
 
 /// Whether a file begins as a bundle does.
-fn is_bundle(path: &Path) -> bool {
+pub fn is_bundle(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     let is_file = path.is_file();
     is_file && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok_and(|()| start == MAGIC)
@@ -56,6 +56,9 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
         BundleReader::from_bytes(&bytes).with_context(|| path.display().to_string()).map_err(Failure::Input)?;
     let (Some(meta), Some(timeline), Some(topology)) = (reader.meta(), reader.timeline(), reader.topology()) else {
         return Err(Failure::Input(anyhow!("{} ends before its content is described", path.display())));
+    };
+    let sections_of = |start: &str| -> u64 {
+        reader.sections().iter().filter(|section| section.name.starts_with(start)).map(|section| section.stored).sum()
     };
     let sections: Vec<Value> = reader
         .sections()
@@ -82,6 +85,14 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
             "alpha": graph.alpha(),
         })),
         "max_error": meta.max_error,
+        "appearance": reader.appearance().map(|appearance| json!({
+            "material": appearance.material,
+            "width": appearance.size[0],
+            "height": appearance.size[1],
+            "texture_modes": appearance.layers[0].mode_count(),
+            "warp_modes": appearance.layers[1].mode_count(),
+            "bytes_per_frame": sections_of("appearance") as f64 / f64::from(timeline.frame_count().max(1)),
+        })),
         "sections": sections,
     }))
 }

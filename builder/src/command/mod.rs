@@ -49,6 +49,6 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
-        Command::Validate(arguments) => validate::run(arguments),
+        Command::Validate(arguments) => validate::run(arguments, &terminal),
     }
 }

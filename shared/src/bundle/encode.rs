@@ -3,6 +3,7 @@
 use glam::Vec3;
 use serde::Serialize;
 
+use super::appearance::{AppearanceInput, AppearanceReport, encode as appearance};
 use super::error::EncodeError;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
 use super::geometry::quantise::Grid;
@@ -51,6 +52,9 @@ pub struct EncodeReport {
     pub max_error: f64,
     /// Mean bytes of a frame's positions, the shared model not counted.
     pub bytes_per_frame: f64,
+    /// What became of the textures, where they were given as models.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub appearance: Option<AppearanceReport>,
 }
 
 /// Bytes of all sections of a kind.
@@ -81,6 +85,17 @@ pub fn default_max_error(capture: &Capture, first_frame: u32) -> f32 {
 /// Input whose parts do not fit together, coordinates that cannot be stored within the error bound, or more of
 /// something than the format allows.
 pub fn encode(input: &BundleInput) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
+    encode_with_appearance(input, None)
+}
+
+/// As [`encode`], with the models of the capture's textures.
+///
+/// # Errors
+/// As [`encode`]; models that do not fit the capture.
+pub fn encode_with_appearance(
+    input: &BundleInput,
+    appearance: Option<&AppearanceInput>,
+) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
     let capture = input.capture;
     check(input)?;
     let (lowest, highest) = bounds(capture.poses.iter());
@@ -106,7 +121,11 @@ pub fn encode(input: &BundleInput) -> Result<(Vec<u8>, EncodeReport), EncodeErro
         chunks: geometry.chunks.clone(),
     };
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
-    let drafts = drafts(input, &meta, geometry)?;
+    let mut drafts = drafts(input, &meta, geometry)?;
+    let appearance = match appearance {
+        Some(appearance) => Some(add_appearance(&mut drafts, appearance, capture)?),
+        None => None,
+    };
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;
         return Err(EncodeError::TooLarge { what: "bytes in one section", count, limit: MAX_SECTION_BYTES });
@@ -115,8 +134,24 @@ pub fn encode(input: &BundleInput) -> Result<(Vec<u8>, EncodeReport), EncodeErro
     if header.total > MAX_BYTES {
         return Err(EncodeError::TooLarge { what: "bytes", count: header.total, limit: MAX_BYTES });
     }
-    let report = report(&header, capture.poses.len(), rms_error, max_error);
+    let report = EncodeReport { appearance, ..report(&header, capture.poses.len(), rms_error, max_error) };
     Ok((bytes, report))
+}
+
+/// What the first pose is painted with comes right after it; what refines that comes last.
+fn add_appearance(
+    drafts: &mut Vec<Draft>,
+    input: &AppearanceInput,
+    capture: &Capture,
+) -> Result<AppearanceReport, EncodeError> {
+    let coded = appearance::encode(input, capture.timeline.frame_count(), capture.surface.materials.len())?;
+    let first = drafts.iter().position(|draft| draft.kind == Kind::Geometry).map_or(drafts.len(), |first| first + 1);
+    drafts.insert(first, Draft { kind: Kind::Appearance, ordinal: 0, raw: coded.head });
+    for (ordinal, raw) in (0..).zip(coded.modes) {
+        let place = if ordinal == 0 { first + 1 } else { drafts.len() };
+        drafts.insert(place, Draft { kind: Kind::AppearanceMode, ordinal, raw });
+    }
+    Ok(coded.report)
 }
 
 /// The sections in the order of the file: what draws the first pose, then its images, then the rest of the motion
@@ -187,6 +222,7 @@ fn report(header: &Header, frame_count: usize, rms_error: f64, max_error: f64) -
         rms_error,
         max_error,
         bytes_per_frame: geometry as f64 / frame_count.max(1) as f64,
+        appearance: None,
     }
 }
 

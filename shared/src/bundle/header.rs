@@ -1,5 +1,6 @@
 //! The header: what the file is, whether it is whole, and where its sections lie.
 
+use super::checksum::checksum;
 use super::error::BundleError;
 use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
 
@@ -7,8 +8,8 @@ use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
 pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
-/// A larger minor version only adds sections that may be skipped.
-pub const VERSION_MINOR: u16 = 0;
+/// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
+pub const VERSION_MINOR: u16 = 1;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
@@ -36,11 +37,15 @@ pub enum Kind {
     Order,
     /// The welded vertex of each vertex of the input files.
     FileVertices,
+    /// What all frames' textures share, and each frame's coefficients. Since 1.1.
+    Appearance,
+    /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
+    AppearanceMode,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -49,6 +54,8 @@ impl Kind {
         Self::Graph,
         Self::Order,
         Self::FileVertices,
+        Self::Appearance,
+        Self::AppearanceMode,
     ];
 
     /// Its number in the file. Numbers 32 to 63 are reserved for appearance.
@@ -63,6 +70,8 @@ impl Kind {
             Self::Graph => 6,
             Self::Order => 7,
             Self::FileVertices => 8,
+            Self::Appearance => 32,
+            Self::AppearanceMode => 33,
         }
     }
 
@@ -84,13 +93,21 @@ impl Kind {
             Self::Graph => "graph",
             Self::Order => "order",
             Self::FileVertices => "file-vertices",
+            Self::Appearance => "appearance",
+            Self::AppearanceMode => "appearance-mode",
         }
     }
 
     /// Whether a bundle may hold several of it, told apart by their ordinals.
     #[must_use]
     pub fn is_repeated(self) -> bool {
-        matches!(self, Self::Geometry | Self::Image)
+        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode)
+    }
+
+    /// The minor version that brought it.
+    #[must_use]
+    pub fn since(self) -> u16 {
+        u16::from(matches!(self, Self::Appearance | Self::AppearanceMode))
     }
 }
 
@@ -194,7 +211,7 @@ impl Header {
         bytes.resize(FIXED_BYTES, 0);
         for section in &self.sections {
             bytes.extend(section.number.to_le_bytes());
-            bytes.push(if section.kind.is_some() { 0 } else { MAY_BE_SKIPPED });
+            bytes.push(if section.kind.is_some_and(|kind| kind.since() == 0) { 0 } else { MAY_BE_SKIPPED });
             bytes.push(section.codec.number());
             bytes.extend(section.ordinal.to_le_bytes());
             bytes.extend(section.offset.to_le_bytes());
@@ -203,7 +220,7 @@ impl Header {
             bytes.extend(section.checksum.to_le_bytes());
             bytes.extend([0; 4]);
         }
-        let checksum = crc32fast::hash(&bytes);
+        let checksum = checksum(&[&bytes]);
         bytes[CHECKSUM_AT..CHECKSUM_AT + 4].copy_from_slice(&checksum.to_le_bytes());
         bytes
     }
@@ -229,12 +246,7 @@ impl Header {
 
 fn check_checksum(fixed: &[u8], table: &[u8]) -> Result<(), BundleError> {
     let expected = u32_at(fixed, CHECKSUM_AT);
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&fixed[..CHECKSUM_AT]);
-    hasher.update(&[0; 4]);
-    hasher.update(&fixed[CHECKSUM_AT + 4..]);
-    hasher.update(table);
-    let found = hasher.finalize();
+    let found = checksum(&[&fixed[..CHECKSUM_AT], &[0; 4], &fixed[CHECKSUM_AT + 4..], table]);
     if found == expected { Ok(()) } else { Err(BundleError::Damaged { kind: None, ordinal: 0, expected, found }) }
 }
 

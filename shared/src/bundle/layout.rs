@@ -41,7 +41,8 @@ pub(super) fn check_counts(header: &Header, meta: &Meta) -> Result<(), BundleErr
     Ok(())
 }
 
-fn count(header: &Header, kind: Kind) -> usize {
+/// Sections of `kind`.
+pub(super) fn count(header: &Header, kind: Kind) -> usize {
     header.sections.iter().filter(|section| section.kind == Some(kind)).count()
 }
 
@@ -50,7 +51,8 @@ fn needs(kind: Kind) -> &'static [Kind] {
     match kind {
         Kind::Meta => &[],
         Kind::Surface | Kind::Graph => &[Kind::Meta],
-        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices => &[Kind::Meta, Kind::Surface],
+        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices | Kind::Appearance => &[Kind::Meta, Kind::Surface],
         Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
+        Kind::AppearanceMode => &[Kind::Appearance],
     }
 }

@@ -7,6 +7,8 @@
 pub mod entropy;
 pub mod geometry;
 
+mod appearance;
+mod checksum;
 mod encode;
 mod error;
 mod graph;
@@ -20,7 +22,8 @@ mod surface;
 mod triangles;
 mod validate;
 
-pub use encode::{BundleInput, EncodeReport, SectionSize, default_max_error, encode};
+pub use appearance::{Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder};
+pub use encode::{BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance};
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};
@@ -48,6 +51,10 @@ pub mod limits {
     pub const MAX_MATERIALS: u32 = 1 << 16;
     /// Transitions of the graph.
     pub const MAX_TRANSITIONS: u32 = 1 << 24;
+    /// Modes of colours, and as many of warps.
+    pub const MAX_MODES: u32 = 255;
+    /// Texels along a side of a texture that has modes.
+    pub const MAX_TEXTURE_SIDE: u32 = 4096;
     /// Frames of a chunk of geometry.
     pub const MAX_CHUNK_FRAMES: u32 = 256;
     /// Largest coordinate in steps of the quantisation.

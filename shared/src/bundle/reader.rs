@@ -10,7 +10,7 @@ use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, Kind, SectionEntry};
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{graph, integers, layout, surface};
+use super::{Appearance, appearance, graph, integers, layout, surface};
 use crate::graph::EssentialGraph;
 use crate::pose_source::{PoseError, PoseSource};
 use crate::surface::{Image, Surface};
@@ -44,6 +44,8 @@ pub struct BundleReader {
     graph: Option<EssentialGraph>,
     order: Option<Vec<u32>>,
     file_vertices: Option<Vec<u32>>,
+    appearance: Option<Appearance>,
+    modes: Vec<Option<Vec<u8>>>,
 }
 
 impl BundleReader {
@@ -176,6 +178,18 @@ impl BundleReader {
     #[must_use]
     pub fn file_vertices(&self) -> Option<&[u32]> {
         self.file_vertices.as_deref()
+    }
+
+    /// What the textures of all frames share; `None` also where the bundle has none.
+    #[must_use]
+    pub fn appearance(&self) -> Option<&Appearance> {
+        self.appearance.as_ref()
+    }
+
+    /// Bytes of section `ordinal` of the modes, for a [`super::ModeDecoder`], once they have arrived.
+    #[must_use]
+    pub fn mode_bytes(&self, ordinal: u32) -> Option<&[u8]> {
+        self.modes.get(ordinal as usize)?.as_deref()
     }
 
     /// Whether the positions of `frame` have arrived.
@@ -312,6 +326,17 @@ impl BundleReader {
             Kind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
+            Kind::Appearance => {
+                let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
+                let appearance = appearance::decode::head(&raw, timeline.frame_count(), materials).map_err(wrong)?;
+                let count = self.header.as_ref().map_or(0, |header| layout::count(header, Kind::AppearanceMode));
+                if count != appearance.section_count() as usize {
+                    return Err(wrong("declares another number of modes than there are"));
+                }
+                self.modes = vec![None; count];
+                self.appearance = Some(appearance);
+            }
+            Kind::AppearanceMode => *self.modes.get_mut(ordinal).ok_or_else(|| wrong("is not declared"))? = Some(raw),
             Kind::Meta | Kind::Surface | Kind::Graph => {}
         }
         Ok(())

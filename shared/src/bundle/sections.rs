@@ -3,8 +3,9 @@
 use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
+use super::checksum::checksum;
 use super::error::BundleError;
-use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR};
 
 /// A line of the list of sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +47,8 @@ pub(super) struct Draft {
 
 /// The file that holds `drafts` in this order.
 pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
-    let mut header = Header { major: VERSION_MAJOR, minor: VERSION_MINOR, total: 0, sections: Vec::new() };
+    let minor = drafts.iter().map(|draft| draft.kind.since()).max().unwrap_or(0);
+    let mut header = Header { major: VERSION_MAJOR, minor, total: 0, sections: Vec::new() };
     let mut contents = Vec::new();
     for draft in drafts {
         let raw = draft.raw.len() as u64;
@@ -59,7 +61,7 @@ pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
             offset: 0,
             stored: stored.len() as u64,
             raw,
-            checksum: crc32fast::hash(&stored),
+            checksum: checksum(&[&stored]),
         });
         contents.push(stored);
     }
@@ -87,7 +89,7 @@ fn compress(kind: Kind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
 
 /// The raw bytes of a section whose stored bytes have all arrived.
 pub(super) fn open(entry: &SectionEntry, stored: Vec<u8>) -> Result<Vec<u8>, BundleError> {
-    let found = crc32fast::hash(&stored);
+    let found = checksum(&[&stored]);
     if found != entry.checksum {
         let (kind, ordinal, expected) = (entry.kind, entry.ordinal, entry.checksum);
         return Err(BundleError::Damaged { kind, ordinal, expected, found });

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::appearance::ModeDecoder;
 use super::error::BundleError;
 use super::header::VERSION_MINOR;
 use super::reader::BundleReader;
@@ -59,6 +60,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     let mut findings = header_findings(&reader);
     findings.extend(frame_findings(&mut reader));
     findings.extend(graph_findings(&reader));
+    findings.extend(appearance_findings(&reader));
     findings
 }
 
@@ -108,4 +110,15 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
         findings.push(Finding::new("no-order", Severity::Note, message));
     }
     findings
+}
+
+fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {
+    let Some(appearance) = reader.appearance() else { return Vec::new() };
+    let modes = (0..appearance.section_count()).filter_map(|ordinal| {
+        let (layer, _) = appearance.place(ordinal)?;
+        let mode = ModeDecoder::default().advance(reader.mode_bytes(ordinal)?, &appearance.layers[layer], usize::MAX);
+        let message = format!("section appearance-mode {ordinal} {}", mode.err()?);
+        Some(Finding::new("damaged-mode", Severity::Error, message))
+    });
+    modes.collect()
 }

@@ -59,6 +59,14 @@ impl Player {
         self.inner.loading().finish().map_err(bundle_error)
     }
 
+    /// Reads on in the textures' modes for about `milliseconds`; true where there is more to read at once.
+    ///
+    /// # Errors
+    /// One is damaged.
+    pub fn refine(&mut self, milliseconds: f64) -> Result<bool, JsValue> {
+        Ok(self.inner.refine(milliseconds)?)
+    }
+
     /// Whether the positions of `frame` have arrived.
     #[must_use]
     pub fn loaded(&self, frame: u32) -> bool {

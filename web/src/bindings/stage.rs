@@ -10,6 +10,7 @@ use web_sys::{HtmlCanvasElement, ImageBitmap};
 use super::error::{Kind, error};
 use super::player::{Player, now};
 use crate::camera::{Camera, Subject};
+use crate::gpu::appearance::{Looks, Setting, Wanted};
 use crate::gpu::context::{Gpu, extent};
 use crate::gpu::pose::Numbered;
 use crate::gpu::readback::read;
@@ -34,6 +35,8 @@ pub struct Stage {
     /// Whether the camera moved in the last picture.
     eased: bool,
     time: f64,
+    /// Whether textures are cross-faded in transitions, for comparison.
+    cross_fade: bool,
 }
 
 /// The adapter as the page reads it.
@@ -84,6 +87,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             due: true,
             eased: false,
             time: now(),
+            cross_fade: false,
         };
         Ok(stage.into())
     }))
@@ -228,6 +232,41 @@ impl Stage {
         true
     }
 
+    /// Brings the actor's texture up to what the player shows; true where it may have to be asked again.
+    pub fn dress(&mut self, player: &Player) -> bool {
+        let (Some(appearance), Some(picture)) = (player.inner.appearance(), player.inner.picture()) else {
+            return false;
+        };
+        if self.lost() {
+            return false;
+        }
+        let (scene, slow) = (&mut self.scene, self.adapter.device_type == wgpu::DeviceType::Cpu);
+        let looks =
+            scene.looks.get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
+        looks.take(&scene.gpu, player.inner.modes());
+        let layers = &appearance.layers;
+        let wanted = if self.cross_fade {
+            let [(colours, lambda), (warps, _)] = [0, 1].map(|layer| picture.ends(&layers[layer]));
+            let [[a, b], [c, d]] = [colours, warps];
+            Wanted::CrossFaded([a, c], [b, d], lambda)
+        } else {
+            Wanted::Interpolated([0, 1].map(|layer| picture.weights(&layers[layer])))
+        };
+        self.due |= looks.show(&scene.gpu, &mut scene.mesh, wanted);
+        looks.busy()
+    }
+
+    /// How the texture is rebuilt: `half`, `direct` or `poisson`; nothing where it is not. Given a word, it stays so;
+    /// with any other the device's speed decides.
+    pub fn texture_setting(&mut self, wanted: Option<String>) -> Option<String> {
+        let words = [(Setting::Half, "half"), (Setting::Direct, "direct"), (Setting::Poisson, "poisson")];
+        let looks = self.scene.looks.as_mut()?;
+        if let Some(wanted) = wanted {
+            looks.keep(words.iter().find(|(_, word)| *word == wanted).map(|(setting, _)| *setting));
+        }
+        words.iter().find(|(setting, _)| *setting == looks.setting()).map(|(_, word)| (*word).into())
+    }
+
     /// Turns the camera; CSS pixels.
     pub fn orbit(&mut self, dx: f32, dy: f32) {
         let height = self.css_size().y;
@@ -269,6 +308,9 @@ impl Stage {
         let look = &mut self.scene.look;
         if let Some(theme) = given("theme") {
             look.dark = theme.as_string().as_deref() == Some("dark");
+        }
+        if let Some(compare) = given("compare") {
+            self.cross_fade = compare.as_string().as_deref() == Some("cross-fade");
         }
         let switches = [("tint", &mut look.tint), ("grid", &mut look.grid), ("path", &mut look.path)];
         for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
@@ -374,6 +416,19 @@ impl Stage {
     pub fn adapter(&self) -> Result<String, JsValue> {
         let fallback = self.adapter.device_type == wgpu::DeviceType::Cpu;
         super::error::json(&Adapter { name: &self.adapter.name, fallback })
+    }
+
+    /// RGBA of the texture that was rebuilt last.
+    ///
+    /// # Errors
+    /// There is none, or the device is lost.
+    #[wasm_bindgen(unchecked_return_type = "Promise<Uint8ClampedArray>")]
+    pub fn read_texture(&self) -> Result<Promise, JsValue> {
+        self.alive()?;
+        let missing = || error(Kind::NotLoaded, "the actor's texture has no modes");
+        let texture = self.scene.looks.as_ref().ok_or_else(missing)?.texture();
+        let size = [texture.width(), texture.height()];
+        Ok(pixels_promise(|then| read(&self.scene.gpu, texture, size, false, then)))
     }
 
     /// RGBA of the last picture.

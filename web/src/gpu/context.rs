@@ -129,6 +129,26 @@ impl Gpu {
         })
     }
 
+    /// Creates the pipeline of a compute shader's entry point, whose group 0 has this layout.
+    #[must_use]
+    pub fn compute(&self, shader: &'static str, entry: &str, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
+        let source = wgpu::ShaderSource::Wgsl(shader.into());
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &[Some(layout)],
+            immediate_size: 0,
+        });
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: Some(&layout),
+            module: &module,
+            entry_point: Some(entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        })
+    }
+
     /// Creates the pipeline that `pass` describes.
     #[must_use]
     pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {

@@ -125,14 +125,33 @@ impl Mesh {
         let texture = self.textures.create(gpu, size);
         fill(&texture);
         self.textures.fill_levels(gpu, &texture);
-        let view = Textures::whole(&texture);
-        for (material, source) in self.materials.iter_mut().zip(&self.source) {
-            if material.image == Some(image) {
-                let uniform = MaterialUniform { base_colour: source.base_colour, captured: 1.0, padding: [0.0; 3] };
-                gpu.queue.write_buffer(&material.uniform, 0, bytemuck::bytes_of(&uniform));
-                material.group = group(gpu, &self.layout, &self.textures, &material.uniform, &view);
+        for material in 0..self.materials.len() {
+            if self.materials[material].image == Some(image) {
+                self.set_texture(gpu, material, &texture);
             }
         }
+    }
+
+    /// Paints material `material` with `texture`; its image no longer counts.
+    pub fn paint(&mut self, gpu: &Gpu, material: usize, texture: &wgpu::Texture) {
+        if material < self.materials.len() {
+            self.materials[material].image = None;
+            self.set_texture(gpu, material, texture);
+        }
+    }
+
+    /// Makes textures, and the smaller levels of those made by others.
+    #[must_use]
+    pub fn textures(&self) -> &Textures {
+        &self.textures
+    }
+
+    fn set_texture(&mut self, gpu: &Gpu, material: usize, texture: &wgpu::Texture) {
+        let view = Textures::whole(texture);
+        let (drawn, source) = (&mut self.materials[material], &self.source[material]);
+        let uniform = MaterialUniform { base_colour: source.base_colour, captured: 1.0, padding: [0.0; 3] };
+        gpu.queue.write_buffer(&drawn.uniform, 0, bytemuck::bytes_of(&uniform));
+        drawn.group = group(gpu, &self.layout, &self.textures, &drawn.uniform, &view);
     }
 
     /// Draws all parts in their materials; group 0 and 1 are set.

@@ -2,6 +2,7 @@
 //!
 //! Knows no page and no player: [`scene::Scene`] is given poses and says what it drew.
 
+pub mod appearance;
 pub mod context;
 pub mod frame;
 pub mod ghosts;

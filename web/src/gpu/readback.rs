@@ -30,7 +30,7 @@ pub fn read(
         extent(size),
     );
     gpu.queue.submit([encoder.finish()]);
-    let swap = matches!(gpu.format, TextureFormat::Bgra8Unorm | TextureFormat::Bgra8UnormSrgb);
+    let swap = matches!(texture.format(), TextureFormat::Bgra8Unorm | TextureFormat::Bgra8UnormSrgb);
     let mapped = buffer.clone();
     buffer.map_async(wgpu::MapMode::Read, .., move |outcome| {
         let bytes = outcome.ok().and_then(|()| mapped.get_mapped_range(..).ok()).map(|range| {

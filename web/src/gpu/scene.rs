@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 use shared::surface::Surface;
 
+use super::appearance::Looks;
 use super::context::Gpu;
 use super::frame::{FrameGroup, Look};
 use super::ghosts::Ghosts;
@@ -64,6 +65,8 @@ pub struct Scene {
     pub look: Look,
     /// The mesh with its materials.
     pub mesh: Mesh,
+    /// The texture that is rebuilt from modes, where the actor has one.
+    pub looks: Option<Looks>,
     /// Poses shown translucent.
     pub ghosts: Ghosts,
     /// The actor's measures.
@@ -102,6 +105,7 @@ impl Scene {
             gpu,
             look,
             mesh,
+            looks: None,
             ghosts,
             measures,
             pose_layout,

@@ -41,7 +41,10 @@ impl Textures {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: COLOUR,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::RENDER_ATTACHMENT,
+            usage: TextureUsages::TEXTURE_BINDING
+                | TextureUsages::COPY_DST
+                | TextureUsages::COPY_SRC
+                | TextureUsages::RENDER_ATTACHMENT,
             view_formats: &[],
         })
     }

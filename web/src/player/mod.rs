@@ -7,6 +7,7 @@ pub mod bench;
 pub mod clock;
 pub mod events;
 pub mod loading;
+pub mod looks;
 mod motion;
 pub mod plan;
 pub mod produce;
@@ -21,7 +22,7 @@ use shared::bundle::BundleError;
 use shared::capture::Capture;
 use shared::graph::EssentialGraph;
 use shared::pose_source::{PoseError, PoseSource};
-use shared::search::cheapest_walk;
+use shared::search::{Leg, Walk, cheapest_walk};
 use shared::synthesis::Synthesiser;
 use thiserror::Error;
 
@@ -55,6 +56,9 @@ pub enum PlayerError {
     /// A frame of the bundle is damaged.
     #[error("frame {0} of the bundle is damaged; load it again")]
     Damaged(u32),
+    /// A mode of the textures is damaged.
+    #[error("the textures of the bundle are damaged; load it again")]
+    DamagedLooks,
 }
 
 impl From<PoseError> for PlayerError {
@@ -72,6 +76,8 @@ pub struct Player {
     loading: Loading,
     clock: Clock,
     producer: Producer,
+    looks: looks::Looks,
+    now: fn() -> f64,
     events: Events,
     trail: VecDeque<TrailPoint>,
     /// The frame that the picture comes from, and the one that it goes to.
@@ -81,6 +87,8 @@ pub struct Player {
     playing: bool,
     looping: bool,
     stalled: Option<u32>,
+    /// Whether this tick has done a piece of a transition's beginning, and leaves the rest to the next.
+    waited: bool,
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
@@ -96,6 +104,8 @@ impl Player {
             loading,
             clock: Clock::new(25.0),
             producer: Producer::new(now),
+            looks: looks::Looks::default(),
+            now,
             events: Events::default(),
             trail: VecDeque::new(),
             last: None,
@@ -104,6 +114,7 @@ impl Player {
             playing: false,
             looping: true,
             stalled: None,
+            waited: false,
             reference: Vec::new(),
             main: None,
             changed: false,
@@ -159,6 +170,7 @@ impl Player {
     /// Goes on by `seconds` of real time. True where the picture changed.
     pub fn tick(&mut self, seconds: f64) -> bool {
         let mut changed = std::mem::take(&mut self.changed);
+        self.waited = false;
         if !self.playing {
             return changed;
         }
@@ -383,7 +395,19 @@ impl Player {
             self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
         };
         let start = end.unwrap_or(Placement::IDENTITY);
+        self.think_ahead(&actor, &graph, &walk, inside);
         Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
+    }
+
+    /// Whoever asks where `walk` arrives may soon click: a standing actor begins with the work for its first transition.
+    fn think_ahead(&mut self, actor: &Actor, graph: &EssentialGraph, walk: &Walk, inside: bool) {
+        let transition = walk.legs.iter().find_map(|leg| match leg {
+            Leg::Synthetic(edge) => Some(*edge),
+            Leg::Recorded { .. } => None,
+        });
+        if let (Some(edge), false, false) = (transition, inside, self.playing) {
+            self.producer.prepare(&mut self.loading, actor, graph, edge);
+        }
     }
 
     /// All frames of the cheapest walk from `from`, as it was recorded, to `to`, made as the player makes them.

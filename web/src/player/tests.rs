@@ -2,7 +2,8 @@
 
 use glam::{Quat, Vec3};
 use shared::align::Placement;
-use shared::bundle::{BundleInput, encode};
+use shared::appearance::AppearanceModel;
+use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, encode, encode_with_appearance};
 use shared::capture::{Capture, Poses};
 use shared::graph::{EssentialGraph, Transition};
 use shared::surface::{Corner, Material, Part, Surface};
@@ -13,6 +14,7 @@ use shared::warp::{Move, Warp};
 
 use super::events::Event;
 use super::loading::{Loading, Phase};
+use super::produce::At;
 use super::{Player, PlayerError};
 
 /// A timeline of 25 frames per second with sequences of these lengths, cyclic or not.
@@ -262,6 +264,8 @@ fn a_transition_under_way_is_finished_when_the_mind_changes() {
     player.seek(4.0).unwrap();
     player.go_to(22).unwrap();
     player.tick(0.02);
+    assert!(player.state().unwrap().transition.is_none(), "one factorisation a tick");
+    player.tick(0.02);
     assert!(player.state().unwrap().transition.is_some());
     assert_eq!(player.state().unwrap().mode, "synthetic");
     let foreseen = player.arrival(19).unwrap();
@@ -357,4 +361,72 @@ fn a_bundle_plays_as_far_as_it_has_arrived() {
     assert_eq!(run(&mut player).last(), Some(&Event::Arrive { frame: 208 }));
     let damaged: Vec<_> = bytes.iter().enumerate().map(|(k, byte)| byte ^ u8::from(k == bytes.len() / 2)).collect();
     assert!(Player::new(Loading::default(), || 0.0).push(&damaged).is_err());
+}
+
+/// Models of one texel whose only mode's coefficient is the frame's number, for colours and for warps.
+fn numbered_looks(frame_count: u32) -> AppearanceModel {
+    AppearanceModel {
+        width: 1,
+        height: 1,
+        active: vec![true],
+        mean_texture: vec![0.5; 3],
+        textures: vec![vec![1.0, 0.0, 0.0]],
+        mean_warp: vec![0.0; 2],
+        warps: vec![vec![0.0, 1.0]],
+        texture_coefficients: (0..frame_count).map(|frame| frame as f32).collect(),
+        warp_coefficients: (0..frame_count).map(|frame| 2.0 * frame as f32).collect(),
+    }
+}
+
+#[test]
+fn coefficients_are_interpolated_as_the_shape_is() {
+    let (capture, graph) = capture(&[(20, false), (12, false)], &[(4, 26)]);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 0,
+        max_error: 1e-4,
+        poisson_order: None,
+        generator: "test".into(),
+    };
+    let model = numbered_looks(32);
+    let looks = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
+    let (bytes, _) = encode_with_appearance(&input, Some(&looks)).unwrap();
+    let mut player = Player::new(Loading::default(), || 0.0);
+    player.push(&bytes).unwrap();
+    assert!(!player.refine(1e9).unwrap());
+    assert_eq!([player.modes()[0].len(), player.modes()[1].len()], [2, 2]);
+    let layers = player.appearance().unwrap().layers.clone();
+    // The coefficient of the only mode: its weight, without its step.
+    let coefficient = |weights: &[f32], layer: usize| weights[1] / layers[layer].steps[1];
+    player.go_to(28).unwrap();
+    let mut in_transition = 0;
+    for _ in 0..600 {
+        player.tick(0.01);
+        let picture = player.picture().unwrap();
+        let mixed = |at: At| match at {
+            At::Recorded(frame) => frame as f32,
+            At::Synthetic { source, destination, lambda, .. } => {
+                source as f32 + (destination as f32 - source as f32) * lambda
+            }
+        };
+        let weight = picture.weight as f32;
+        let wanted = mixed(picture.before.at) * (1.0 - weight) + mixed(picture.after.at) * weight;
+        for layer in 0..2 {
+            let own = coefficient(&picture.weights(&layers[layer]), layer);
+            assert!((own - wanted * (layer + 1) as f32).abs() < 0.1, "{own} {wanted} {picture:?}");
+            let ([source, destination], lambda) = picture.ends(&layers[layer]);
+            let [source, destination] = [source, destination].map(|weights| coefficient(&weights, layer));
+            assert!((0.0..=1.0).contains(&lambda));
+            if picture.before.at.is_synthetic() || picture.after.at.is_synthetic() {
+                in_transition += 1;
+                // Each side is one texture, that of its own sequence.
+                let sequence = 20.0 * (layer + 1) as f32;
+                assert!(source < sequence && destination >= sequence - 0.1, "{source} {destination}");
+            } else {
+                assert!((source - own).abs() < 1e-3 && (destination - own).abs() < 1e-3);
+            }
+        }
+    }
+    assert!(in_transition > 4);
 }

@@ -15,3 +15,20 @@ pub const GROUND: &str = concat!(include_str!("frame.wgsl"), include_str!("groun
 pub const TRAIL: &str = concat!(include_str!("frame.wgsl"), include_str!("trail.wgsl"));
 /// One level of a mipmap.
 pub const MIPMAP: &str = include_str!("mipmap.wgsl");
+/// Restores a layer's blocks from the waves of its modes.
+pub const APPEARANCE_BASIS: &str = include_str!("appearance_basis.wgsl");
+/// What a texture moved directly lacks of its moved gradients.
+pub const APPEARANCE_RESIDUAL: &str = concat!(
+    include_str!("appearance_move.wgsl"),
+    include_str!("appearance_complex.wgsl"),
+    include_str!("appearance_residual.wgsl")
+);
+/// A multigrid cycle, down and up.
+pub const APPEARANCE_CYCLE: &str =
+    concat!(include_str!("appearance_complex.wgsl"), include_str!("appearance_cycle.wgsl"));
+/// The finished texture of a frame.
+pub const APPEARANCE_TEXTURE: &str = concat!(
+    include_str!("appearance_move.wgsl"),
+    include_str!("appearance_complex.wgsl"),
+    include_str!("appearance_texture.wgsl")
+);

@@ -32,6 +32,10 @@ export const stageStyles = `
 }
 .chip:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
 .chip[aria-pressed="true"], .chip[aria-expanded="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
+.chip[aria-checked="true"] { color: var(--accent); }
+.chip:disabled { opacity: 0.5; cursor: default; }
+.choices { position: absolute; inset-inline-end: 12px; inset-block-end: 48px; display: grid; padding: 4px; border-radius: 4px; background: color-mix(in srgb, var(--surface) 90%, transparent); }
+.choices .chip { text-align: start; }
 
 .facts {
   position: absolute;

@@ -104,6 +104,14 @@ impl Encoder {
     }
 }
 
+/// Where a [`Decoder`] stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Paused {
+    position: usize,
+    range: u32,
+    code: u32,
+}
+
 /// Reads decisions. Past the end of its bytes it reads zeros and remembers that it did.
 pub struct Decoder<'a> {
     bytes: &'a [u8],
@@ -121,6 +129,18 @@ impl<'a> Decoder<'a> {
             decoder.code = decoder.code << 8 | decoder.next_byte();
         }
         decoder
+    }
+
+    /// Where it stands, to go on later.
+    #[must_use]
+    pub fn pause(&self) -> Paused {
+        Paused { position: self.position, range: self.range, code: self.code }
+    }
+
+    /// Goes on over the same `bytes`.
+    #[must_use]
+    pub fn resume(bytes: &'a [u8], Paused { position, range, code }: Paused) -> Self {
+        Self { bytes, position, range, code }
     }
 
     /// The next decision of the kind that `model` has learnt.

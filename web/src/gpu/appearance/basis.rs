@@ -1,0 +1,190 @@
+//! The passes `appearance_basis`: a layer's mean and modes, and their sum; the twin of `Layer::rebuild`.
+
+use bytemuck::{Pod, Zeroable};
+use shared::appearance::basis::{CHROMA, Layer, Mode};
+use shared::appearance::mask::Mask;
+use shared::appearance::transform::{OPPONENT, SIDE, cosines};
+use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
+
+use super::{numbers, storage, written};
+use crate::gpu::context::{Gpu, STORAGE, UNIFORM, view};
+use crate::shaders;
+
+/// Workgroups along the first axis; `appearance_basis.wgsl` knows it too.
+const ROW: u32 = 32768;
+
+/// `Layer` of `appearance_basis.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub struct LayerUniform {
+    /// Columns of the matrix from what is stored to colours.
+    pub turn: [[f32; 4]; 3],
+    /// Stored blocks.
+    pub blocks: u32,
+    /// Modes, the mean counted.
+    pub modes: u32,
+    /// Texels along a restored block.
+    pub side: u32,
+    /// Up to the size that a uniform has.
+    pub padding: u32,
+}
+
+/// A layer restored at one size.
+struct Output {
+    uniform: wgpu::Buffer,
+    cosines: wgpu::Buffer,
+    restored: wgpu::Texture,
+    mask: wgpu::TextureView,
+    side: u32,
+    group: Option<wgpu::BindGroup>,
+}
+
+/// A layer's modes on the device.
+pub struct Basis {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+    turn: [[f32; 4]; 3],
+    blocks: u32,
+    places: wgpu::Buffer,
+    offsets: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    weights: wgpu::Buffer,
+    /// Entries and modes that are there.
+    filled: u64,
+    modes: usize,
+    /// Full size, half size.
+    outputs: Vec<Output>,
+}
+
+/// Columns of the matrix from what is stored to colours, or to warps.
+pub fn turn(layer: &Layer) -> [[f32; 4]; 3] {
+    if layer.channels < 3 {
+        return [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4]];
+    }
+    let scaled = |channel: usize, scale: f32| {
+        let [r, g, b] = OPPONENT[channel].map(|value| value * scale);
+        [r, g, b, 0.0]
+    };
+    [scaled(0, 1.0), scaled(1, CHROMA), scaled(2, CHROMA)]
+}
+
+impl Basis {
+    /// Without modes yet; `masks` are the textures of `mask`.
+    pub fn new(gpu: &Gpu, layer: &Layer, mask: &Mask, masks: &[wgpu::Texture]) -> Self {
+        let bindings =
+            [UNIFORM, STORAGE, STORAGE, STORAGE, STORAGE, STORAGE, numbers(), written(TextureFormat::Rgba16Float)];
+        let layout = gpu.layout(ShaderStages::COMPUTE, &bindings);
+        let pipeline = gpu.compute(shaders::APPEARANCE_BASIS, "main", &layout);
+        let places: Vec<u32> = layer.blocks.iter().map(|b| u32::from(b.x) | u32::from(b.y) << 16).collect();
+        let blocks = places.len() as u32;
+        let output = |side: usize| {
+            let level = layer.level + usize::from(side < SIDE);
+            let own = &mask.levels[level];
+            Output {
+                uniform: gpu.buffer(size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM),
+                cosines: gpu.buffer_of(bytemuck::cast_slice(&cosines(side)), BufferUsages::STORAGE),
+                restored: storage(
+                    gpu,
+                    [own.width as u32, own.height as u32],
+                    TextureFormat::Rgba16Float,
+                    TextureUsages::STORAGE_BINDING,
+                ),
+                mask: view(&masks[level]),
+                side: side as u32,
+                group: None,
+            }
+        };
+        let sizes: &[usize] = if layer.channels == 3 { &[SIDE, SIDE / 2] } else { &[SIDE] };
+        Self {
+            outputs: sizes.iter().map(|&side| output(side)).collect(),
+            layout,
+            pipeline,
+            turn: turn(layer),
+            places: gpu.buffer_of(bytemuck::cast_slice(&places), BufferUsages::STORAGE),
+            offsets: gpu.buffer(u64::from(blocks + 1) * 4 * layer.steps.len() as u64, BufferUsages::STORAGE),
+            entries: gpu.buffer(1 << 20, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
+            weights: gpu.buffer(4 * layer.steps.len() as u64, BufferUsages::STORAGE),
+            blocks,
+            filled: 0,
+            modes: 0,
+        }
+    }
+
+    /// Modes that are there, the mean counted.
+    pub fn mode_count(&self) -> usize {
+        self.modes
+    }
+
+    /// Takes the next mode. One that the device has no room for is passed over.
+    pub fn push(&mut self, gpu: &Gpu, mode: &Mode) {
+        let length = mode.entries.len() as u64;
+        let needed = (self.filled + length) * 4;
+        let fits = needed <= gpu.device.limits().max_storage_buffer_binding_size;
+        if fits && needed > self.entries.size() {
+            let room = (needed * 2).min(gpu.device.limits().max_storage_buffer_binding_size);
+            let larger = gpu.buffer(room, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(&self.entries, 0, &larger, 0, self.filled * 4);
+            gpu.queue.submit([encoder.finish()]);
+            self.entries = larger;
+        }
+        let first = self.filled as u32;
+        let offsets: Vec<u32> = mode.offsets.iter().map(|&offset| first + if fits { offset } else { 0 }).collect();
+        let at = self.modes as u64 * u64::from(self.blocks + 1) * 4;
+        gpu.queue.write_buffer(&self.offsets, at, bytemuck::cast_slice(&offsets));
+        if fits {
+            gpu.queue.write_buffer(&self.entries, self.filled * 4, bytemuck::cast_slice(&mode.entries));
+            self.filled += length;
+        }
+        self.modes += 1;
+        for output in &mut self.outputs {
+            let uniform = LayerUniform {
+                turn: self.turn,
+                blocks: self.blocks,
+                modes: self.modes as u32,
+                side: output.side,
+                padding: 0,
+            };
+            gpu.queue.write_buffer(&output.uniform, 0, bytemuck::bytes_of(&uniform));
+            let restored = view(&output.restored);
+            output.group = Some(gpu.group(
+                &self.layout,
+                &[
+                    output.uniform.as_entire_binding(),
+                    output.cosines.as_entire_binding(),
+                    self.places.as_entire_binding(),
+                    self.offsets.as_entire_binding(),
+                    self.entries.as_entire_binding(),
+                    self.weights.as_entire_binding(),
+                    wgpu::BindingResource::TextureView(&output.mask),
+                    wgpu::BindingResource::TextureView(&restored),
+                ],
+            ));
+        }
+    }
+
+    /// Adds up the modes with `weights`, at full or at half the size.
+    pub fn rebuild(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass<'_>, weights: &[f32], half: bool) {
+        let Some(group) = self.output(half).group.as_ref().filter(|_| self.blocks > 0) else { return };
+        let room = self.weights.size() as usize / 4;
+        gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&weights[..weights.len().min(room)]));
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.dispatch_workgroups(self.blocks.min(ROW), self.blocks.div_ceil(ROW), 1);
+    }
+
+    /// What [`Self::rebuild`] wrote.
+    pub fn restored(&self, half: bool) -> &wgpu::Texture {
+        &self.output(half).restored
+    }
+
+    /// Texels across and down of what [`Self::rebuild`] writes.
+    pub fn size(&self, half: bool) -> [u32; 2] {
+        let restored = self.restored(half);
+        [restored.width(), restored.height()]
+    }
+
+    fn output(&self, half: bool) -> &Output {
+        &self.outputs[usize::from(half).min(self.outputs.len() - 1)]
+    }
+}

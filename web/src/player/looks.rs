@@ -1,0 +1,114 @@
+//! How the actor looks: modes as they arrive, and the coefficients of a moment.
+
+use shared::appearance::basis::{Layer, Mode};
+use shared::bundle::{Appearance, BundleReader, ModeDecoder};
+
+use super::loading::Source;
+use super::produce::At;
+use super::state::Picture;
+use super::{Player, PlayerError};
+
+/// Blocks that are read between two looks at the clock.
+const BLOCKS: usize = 64;
+
+/// Modes that have arrived and been read.
+#[derive(Debug, Default)]
+pub struct Looks {
+    /// The mean and the modes of colours, then those of warps.
+    pub modes: [Vec<Mode>; 2],
+    decoder: ModeDecoder,
+    /// Section that is being read.
+    section: u32,
+}
+
+impl Looks {
+    /// Reads on until `end` says so. True where there is more to read at once.
+    fn refine(&mut self, reader: &BundleReader, end: impl Fn() -> bool) -> Result<bool, PlayerError> {
+        let Some(appearance) = reader.appearance() else { return Ok(false) };
+        while let (Some((layer, _)), Some(bytes)) = (appearance.place(self.section), reader.mode_bytes(self.section)) {
+            if end() {
+                return Ok(true);
+            }
+            let read = self.decoder.advance(bytes, &appearance.layers[layer], BLOCKS);
+            if read.is_err() {
+                // Said once; what has been read stays.
+                self.section = u32::MAX;
+            }
+            if let Some(mode) = read.map_err(|_| PlayerError::DamagedLooks)? {
+                self.modes[layer].push(mode);
+                self.decoder = ModeDecoder::default();
+                self.section += 1;
+            }
+        }
+        Ok(false)
+    }
+}
+
+impl Player {
+    /// Reads modes for about `milliseconds`. True where there is more to read at once.
+    ///
+    /// # Errors
+    /// A mode that is damaged.
+    pub fn refine(&mut self, milliseconds: f64) -> Result<bool, PlayerError> {
+        let Source::Bundle(reader) = &self.loading.source else { return Ok(false) };
+        let (now, start) = (self.now, (self.now)());
+        self.looks.refine(reader, || now() - start > milliseconds)
+    }
+
+    /// What all textures share, once it has arrived.
+    #[must_use]
+    pub fn appearance(&self) -> Option<&Appearance> {
+        match &self.loading.source {
+            Source::Bundle(reader) => reader.appearance(),
+            Source::Memory(_) => None,
+        }
+    }
+
+    /// Modes that have been read.
+    #[must_use]
+    pub fn modes(&self) -> &[Vec<Mode>; 2] {
+        &self.looks.modes
+    }
+}
+
+/// Source, destination and the destination's weight.
+type Side = (u32, u32, f32);
+
+impl Picture<'_> {
+    /// The frames before and after the moment as mixtures of two recorded ones. A recorded frame beside a transition is
+    /// that transition's beginning or end.
+    fn sides(&self) -> [Side; 2] {
+        let side = |at: At| match at {
+            At::Synthetic { source, destination, lambda, .. } => (source, destination, lambda),
+            At::Recorded(frame) => (frame, frame, 0.0),
+        };
+        let [before, after] = [side(self.before.at), side(self.after.at)];
+        match (self.before.at, self.after.at) {
+            (At::Recorded(_), At::Synthetic { .. }) => [(before.0, after.1, 0.0), after],
+            (At::Synthetic { .. }, At::Recorded(_)) => [before, (before.0, after.1, 1.0)],
+            _ => [before, after],
+        }
+    }
+
+    /// Weights of the moment's texture in `layer`: coefficients are interpolated as the shape is.
+    #[must_use]
+    pub fn weights(&self, layer: &Layer) -> Vec<f32> {
+        let [before, after] = self.sides().map(|(from, to, lambda)| layer.weights(from, to, lambda));
+        mixed(&before, &after, self.weight as f32)
+    }
+
+    /// Weights of the source's and of the destination's texture, and how much the latter counts.
+    #[must_use]
+    pub fn ends(&self, layer: &Layer) -> ([Vec<f32>; 2], f32) {
+        let sides = self.sides();
+        let weight = self.weight as f32;
+        let of = |frame: u32| layer.weights(frame, frame, 0.0);
+        let source = mixed(&of(sides[0].0), &of(sides[1].0), weight);
+        let destination = mixed(&of(sides[0].1), &of(sides[1].1), weight);
+        ([source, destination], sides[0].2 + (sides[1].2 - sides[0].2) * weight)
+    }
+}
+
+fn mixed(before: &[f32], after: &[f32], weight: f32) -> Vec<f32> {
+    before.iter().zip(after).map(|(a, b)| a + (b - a) * weight).collect()
+}

@@ -1,0 +1,66 @@
+/**
+ * The actor's texture where it changes from frame to frame: reads its modes a little at a time, has it rebuilt, and lets
+ * the reader compare ways of changing it in transitions.
+ */
+
+import { h } from './dom.js';
+
+/** Milliseconds of a display frame that go into reading modes. */
+const READING = 4;
+
+/** Ways to change the texture. A bundle holds models, not the textures they were made from, nor a naive model beside them. */
+const WAYS = [
+  { name: 'ours', title: 'Colours and their warp interpolated, as the shape is' },
+  { name: 'cross-fade', title: 'The two textures blended linearly: details show twice' },
+  { name: 'original', title: 'Missing: the textures as captured are not in this file', missing: true },
+];
+
+export class Looks {
+  /**
+   * @param {object} on
+   * @param {(way: string) => void} on.compare
+   * @param {() => void} on.dressed there is a texture to show
+   */
+  constructor(on) {
+    this.on = on;
+    this.dressed = false;
+    this.chip = h('button', { type: 'button', class: 'chip', title: 'Compare ways of changing the texture (C)', 'aria-expanded': 'false', hidden: true }, 'compare');
+    this.list = h('div', { class: 'choices', role: 'radiogroup', 'aria-label': 'How the texture changes', hidden: true }, ...WAYS.map((way) => this.choice(way)));
+    this.chip.addEventListener('click', () => this.toggle());
+  }
+
+  choice({ name, title, missing }) {
+    const button = h('button', { type: 'button', class: 'chip', role: 'radio', title, 'aria-checked': String(name === 'ours') }, missing ? `${name} (missing)` : name);
+    button.disabled = Boolean(missing);
+    button.addEventListener('click', () => this.choose(name));
+    return button;
+  }
+
+  choose(name) {
+    [...this.list.children].forEach((button, at) => button.setAttribute('aria-checked', String(WAYS[at].name === name)));
+    this.on.compare(name);
+  }
+
+  toggle(open = this.list.hidden) {
+    this.list.hidden = !open || this.chip.hidden;
+    this.chip.setAttribute('aria-expanded', String(!this.list.hidden));
+  }
+
+  /** Another actor, or a new stage. */
+  forget() {
+    this.dressed = false;
+  }
+
+  /** One display frame's share of the work. @returns whether there is more to do */
+  step(info, player, stage) {
+    this.chip.hidden = !info.appearance;
+    if (!info.appearance) return false;
+    const more = player.refine(READING);
+    const busy = stage.dress(player);
+    if (busy && !this.dressed) {
+      this.dressed = true;
+      this.on.dressed();
+    }
+    return more || busy;
+  }
+}
