@@ -1,14 +1,18 @@
 //! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
-use shared::bundle::{self, BundleInput, EncodeReport, default_max_error};
+use shared::appearance::AppearanceModel;
+use shared::bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
 use shared::capture::Capture;
 use shared::cholesky::elimination_order;
 use shared::graph::EssentialGraph;
 use thiserror::Error;
 
+use crate::appearance::textures::{TextureFiles, TextureSource};
+use crate::appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
 use crate::distance::{self, DistanceOptions};
 use crate::essential::{self, Findings};
 use crate::import::{self, ImportError, ImportOptions, Warning};
@@ -32,6 +36,18 @@ pub struct PackOptions {
     pub alpha: f64,
     /// Largest error of a stored vertex position in metres; by the body's height where not given.
     pub max_error: Option<f32>,
+    /// What becomes of textures that change from frame to frame.
+    pub appearance: AppearanceChoice,
+}
+
+/// What becomes of textures that change from frame to frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AppearanceChoice {
+    /// The first frame's texture is used for all.
+    #[default]
+    Static,
+    /// They become Eigen textures and Eigen warps.
+    Eigen(AppearanceOptions),
 }
 
 /// Why there is no bundle.
@@ -40,6 +56,9 @@ pub enum PackError {
     /// The input cannot be read as a capture.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// The textures of the frames cannot become an appearance.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
     /// An option makes no sense for this capture.
     #[error("{0}")]
     Option(String),
@@ -57,6 +76,8 @@ pub struct PackReport {
     pub capture: CaptureSummary,
     /// What the essential graph holds.
     pub graph: GraphSummary,
+    /// What the frames' textures became, where they have their own.
+    pub appearance: Option<AppearanceSummary>,
     /// Wall-clock seconds of each stage.
     pub seconds: StageSeconds,
     /// The most memory that the process held, in bytes, where the system tells.
@@ -127,10 +148,56 @@ pub struct StageSeconds {
 pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, &|step| report(step)))?;
-    let (bytes, mut pack_report) = pack_capture(&imported.capture, options, report)?;
+    let mut warnings = imported.warnings;
+    let built = match (&options.appearance, imported.frame_textures) {
+        (AppearanceChoice::Eigen(options), Some(paths)) => {
+            let built = timed(&mut seconds.appearance, || {
+                eigen_appearance(&imported.capture, paths, options, &mut warnings, report)
+            })?;
+            Some(built)
+        }
+        _ => None,
+    };
+    let (model, summary) = built.unzip();
+    let (bytes, mut pack_report) = pack_with_appearance(&imported.capture, model.as_ref(), options, report)?;
     pack_report.seconds.import = seconds.import;
-    pack_report.warnings = imported.warnings;
+    pack_report.seconds.appearance = seconds.appearance;
+    pack_report.appearance = summary;
+    pack_report.warnings = warnings;
     Ok((bytes, pack_report))
+}
+
+/// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.
+fn eigen_appearance(
+    capture: &Capture,
+    paths: Vec<PathBuf>,
+    options: &AppearanceOptions,
+    warnings: &mut Vec<String>,
+    report: Report,
+) -> Result<(AppearanceModel, AppearanceSummary), PackError> {
+    let textures = TextureFiles::new(paths, Vec::new())?;
+    let (width, height) = textures.size();
+    let (charts, findings) = Charts::new(&capture.surface, width, height)?;
+    if findings.shared_texels > 0 {
+        warnings.push(format!(
+            "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
+            findings.shared_texels
+        ));
+    }
+    if findings.wrapped_triangles > 0 {
+        warnings.push(format!(
+            "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
+            findings.wrapped_triangles
+        ));
+    }
+    let (model, summary) = appearance::build(&textures, &charts, options, report)?;
+    if !summary.completed_frames.is_empty() {
+        warnings.push(format!(
+            "{} frames have texels that no camera saw: they were left out of the model and completed from it",
+            summary.completed_frames.len()
+        ));
+    }
+    Ok((model, summary))
 }
 
 /// Returns the bytes of the bundle of a capture in memory, with a report.
@@ -142,14 +209,28 @@ pub fn pack_capture(
     options: &PackOptions,
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
+    pack_with_appearance(capture, None, options, report)
+}
+
+/// Returns the bytes of the bundle of a capture in memory and of its appearance, with a report.
+///
+/// # Errors
+/// Options that do not fit the capture, or stages that contradict each other.
+pub fn pack_with_appearance(
+    capture: &Capture,
+    appearance: Option<&AppearanceModel>,
+    options: &PackOptions,
+    report: Report,
+) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let (graph, graph_summary) = essential_graph(capture, options, &mut seconds, report)?;
     report(Progress { what: "bundle", done: 0, total: 0 });
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, appearance, options))?;
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
         graph: graph_summary,
+        appearance: None,
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
@@ -217,6 +298,7 @@ fn essential_graph(
 fn encode(
     capture: &Capture,
     graph: &EssentialGraph,
+    appearance: Option<&AppearanceModel>,
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
     let order = elimination_order(&capture.topology);
@@ -228,7 +310,10 @@ fn encode(
         poisson_order: Some(&order),
         generator: format!("Reprise builder {}", env!("CARGO_PKG_VERSION")),
     };
-    bundle::encode(&input).map_err(|error| PackError::Option(error.to_string()))
+    // The model is of the atlas of the first material that has a texture, as `Charts` are.
+    let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
+    let appearance = appearance.map(|model| AppearanceInput { model, material, quality: AppearanceQuality::default() });
+    bundle::encode_with_appearance(&input, appearance.as_ref()).map_err(|error| PackError::Option(error.to_string()))
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

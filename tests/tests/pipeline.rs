@@ -6,7 +6,7 @@ use std::process::Command;
 
 use builder::distance::DistanceOptions;
 use builder::import::ImportOptions;
-use builder::pack::{PackOptions, PackReport, pack};
+use builder::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 use builder::performer::{PerformerOptions, write_performer};
 use builder::progress::silent;
 use builder::transitions::TransitionOptions;
@@ -22,6 +22,7 @@ fn options(fps: Option<f32>) -> PackOptions {
         transition: TransitionOptions::default(),
         alpha: DEFAULT_ALPHA,
         max_error: None,
+        appearance: AppearanceChoice::Static,
     }
 }
 

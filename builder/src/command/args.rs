@@ -78,9 +78,27 @@ pub struct PackArguments {
     /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,
+    /// What becomes of textures that change from frame to frame.
+    #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
+    pub appearance: AppearanceKind,
+    /// Eigen textures and Eigen warps together; two in three are textures.
+    #[arg(long, default_value_t = 50, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]
+    pub appearance_components: u16,
+    /// As few components as reach this structural similarity of textures, for example 0.98.
+    #[arg(long, value_name = "SSIM", conflicts_with = "appearance_components")]
+    pub appearance_ssim: Option<f64>,
     /// Print an object with times, sizes and errors on stdout at the end.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What becomes of textures that change from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AppearanceKind {
+    /// The first frame's texture is used for all.
+    Static,
+    /// Eigen textures and Eigen warps (thesis chapter 4).
+    Eigen,
 }
 
 /// Arguments that say how an input is read.

@@ -3,10 +3,11 @@
 use anyhow::anyhow;
 use builder::distance::{DistanceKind, DistanceOptions};
 use builder::import::ImportOptions;
-use builder::pack::{PackError, PackOptions, PackReport, pack};
+use builder::appearance::AppearanceOptions;
+use builder::pack::{AppearanceChoice, PackError, PackOptions, PackReport, pack};
 use builder::transitions::{LengthChoice, TransitionOptions};
 
-use super::args::{ImportArguments, PackArguments, TransitionLength, UpAxis};
+use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis};
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::terminal::Terminal;
@@ -16,7 +17,7 @@ pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure
     let options = options(arguments)?;
     let report = |progress| terminal.progress(progress);
     let (bytes, report) = pack(&arguments.inputs, &options, &report).map_err(|error| match error {
-        PackError::Import(_) | PackError::Option(_) => Failure::Input(error.into()),
+        PackError::Import(_) | PackError::Appearance(_) | PackError::Option(_) => Failure::Input(error.into()),
         PackError::Ours(_) => Failure::Ours(error.into()),
     })?;
     write_whole(&arguments.output, &bytes).map_err(Failure::Input)?;
@@ -54,6 +55,9 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
     if arguments.max_error.is_some_and(|error| !(error > 0.0 && error.is_finite())) {
         return Err(Failure::Usage("--max-error must be a length in metres above zero".into()));
     }
+    if arguments.appearance_ssim.is_some_and(|ssim| !(ssim > 0.0 && ssim < 1.0)) {
+        return Err(Failure::Usage("--appearance-ssim must be between 0 and 1".into()));
+    }
     if arguments.output.file_name().is_none() {
         return Err(Failure::Input(anyhow!("{} is no name for a file", arguments.output.display())));
     }
@@ -75,6 +79,14 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         },
         alpha: arguments.alpha,
         max_error: arguments.max_error,
+        appearance: match arguments.appearance {
+            AppearanceKind::Static => AppearanceChoice::Static,
+            AppearanceKind::Eigen => AppearanceChoice::Eigen(AppearanceOptions {
+                components: arguments.appearance_components.into(),
+                ssim: arguments.appearance_ssim,
+                ..AppearanceOptions::default()
+            }),
+        },
     })
 }
 
@@ -108,6 +120,16 @@ fn summary(report: &PackReport) -> String {
             seconds.import, seconds.distances, seconds.transitions, seconds.graph, seconds.bundle
         ),
     ];
+    if let Some(appearance) = &report.appearance {
+        lines.push(format!(
+            "appearance: {} Eigen textures, {} Eigen warps, SSIM {:.4}, PSNR {:.1} dB, in {:.1} s",
+            appearance.textures,
+            appearance.warps,
+            appearance.ssim,
+            shared::appearance::quality::psnr(appearance.mean_square_error),
+            seconds.appearance
+        ));
+    }
     if graph.unreachable_pairs > 0 {
         lines.push(format!("warning: {} pairs of frames have no way from one to the other", graph.unreachable_pairs));
     }

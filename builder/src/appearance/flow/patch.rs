@@ -18,6 +18,8 @@ const FAR: f32 = PATCH as f32;
 const FLAT: f32 = 1e-6;
 /// Differences below this count all the same when patches are weighed.
 const LEAST_DIFFERENCE: f32 = 1.0 / 255.0;
+/// What the initial flow counts, against mean square gradients over differences.
+
 /// A neighbour's way is tried where it leaves less than this part of a patch's error.
 const CLEARLY: f32 = 0.8;
 
@@ -32,6 +34,8 @@ pub(super) struct Found {
     pub brighter: f32,
     /// Mean square of what is left; infinite where nothing could be compared.
     pub error: f32,
+    /// How sure the way is: the mean square gradients xx, xy, yy of the patch.
+    pub certainty: [f32; 3],
 }
 
 /// The two sides of a search on one level.
@@ -102,8 +106,9 @@ impl Kernel for Propagate<'_> {
     }
 }
 
-/// Spreads the ways of patches over the texels of some rows: each texel takes the mean of the patches over it, those that
-/// explain it best counting most. Returns where no patch said anything.
+/// Spreads the ways of patches over the texels of some rows: each texel takes the mean of the patches over it and of the
+/// initial flow. Patches that explain the texel best count most, each in the directions in which it has detail: along a
+/// straight edge, and where a patch is flat, what the coarser level said stays. Returns where no patch said anything.
 pub(super) struct Densify<'a> {
     pub sides: Sides<'a>,
     pub patches: &'a [Patch],
@@ -121,8 +126,7 @@ impl Kernel for Densify<'_> {
     fn run(self) -> Vec<bool> {
         let Self { sides, patches, found, first_row, flow: [flow_x, flow_y] } = self;
         let stride = sides.level.stride;
-        let mut weight_sum = vec![0.0; flow_x.len()];
-        let (mut x_sum, mut y_sum) = (vec![0.0; flow_x.len()], vec![0.0; flow_x.len()]);
+        let mut sums = vec![[0.0_f32; 5]; flow_x.len()];
         let end_row = first_row + flow_x.len() / stride;
         for (patch, found) in patches.iter().zip(found) {
             let (template, mask) = (block(&sides.template.value, stride, patch), mask(&sides, patch));
@@ -133,25 +137,29 @@ impl Kernel for Densify<'_> {
                     continue;
                 }
                 let start = (y - first_row) * stride + patch.x as usize;
-                let weights = &mut weight_sum[start..start + PATCH];
-                let (xs, ys) = (&mut x_sum[start..start + PATCH], &mut y_sum[start..start + PATCH]);
+                let sums = &mut sums[start..start + PATCH];
+                let ([xx, xy, yy], [x, y]) = (found.certainty, found.way);
                 for k in 0..PATCH {
                     let difference = (sample[row][k] - template[row][k] - found.brighter).abs();
                     let weight = mask[row][k] * valid[row][k] / difference.max(LEAST_DIFFERENCE);
-                    weights[k] += weight;
-                    xs[k] += weight * found.way[0];
-                    ys[k] += weight * found.way[1];
+                    sums[k][0] += weight * xx;
+                    sums[k][1] += weight * xy;
+                    sums[k][2] += weight * yy;
+                    sums[k][3] += weight * (xx * x + xy * y);
+                    sums[k][4] += weight * (xy * x + yy * y);
                 }
             }
         }
         let mut unknown = vec![false; flow_x.len()];
+        let PRIOR = super::TUNE[0];
         for k in 0..flow_x.len() {
-            if weight_sum[k] > 0.0 {
-                flow_x[k] = x_sum[k] / weight_sum[k];
-                flow_y[k] = y_sum[k] / weight_sum[k];
-            } else {
-                unknown[k] = true;
-            }
+            let [xx, xy, yy, x, y] = sums[k];
+            unknown[k] = xx + yy == 0.0;
+            let (xx, yy) = (xx + PRIOR, yy + PRIOR);
+            let (x, y) = (x + PRIOR * flow_x[k], y + PRIOR * flow_y[k]);
+            let inverse = 1.0 / (xx * yy - xy * xy);
+            flow_x[k] = (yy * x - xy * y) * inverse;
+            flow_y[k] = (xx * y - xy * x) * inverse;
         }
         unknown
     }
@@ -223,7 +231,9 @@ fn search_from(sides: &Sides<'_>, patch: &Patch, start: [f32; 2]) -> Found {
         sum_of_products(&gradient_y, &gradient_y) + FLAT * count,
     );
     let determinant = a * c - b * b;
-    let mut best = Found { way: start, brighter: 0.0, error: f32::INFINITY };
+    let share = 1.0 / count.max(1.0);
+    let certainty = [a * share - FLAT, b * share, c * share - FLAT];
+    let mut best = Found { way: start, brighter: 0.0, error: f32::INFINITY, certainty };
     let mut way = start;
     for _ in 0..STEPS {
         let Some((sample, valid)) = sampled(sides, patch, way) else { break };
@@ -232,7 +242,7 @@ fn search_from(sides: &Sides<'_>, patch: &Patch, start: [f32; 2]) -> Found {
         if !(error < best.error) {
             break;
         }
-        best = Found { way, brighter, error };
+        best = Found { way, brighter, error, certainty };
         let (bx, by) = (sum_of_products(&gradient_x, &residual), sum_of_products(&gradient_y, &residual));
         let step = [(c * bx - b * by) / determinant, (a * by - b * bx) / determinant];
         way = [way[0] - step[0], way[1] - step[1]];
