@@ -11,7 +11,7 @@ use web::gpu::pose::ActorUniform;
 use web::gpu::shadow::BlurUniform;
 use web::shaders;
 
-const ALL: [(&str, &str); 8] = [
+const ALL: [(&str, &str); 9] = [
     ("appearance_texture", shaders::APPEARANCE_TEXTURE),
     ("actor", shaders::ACTOR),
     ("ghost", shaders::GHOST),

@@ -160,7 +160,7 @@ fn iterate(v: &mut [Vec<f64>], d: &mut [f64], e: &mut [f64]) {
             e[l] = s * p;
             d[l] = c * p;
             // Written so that NaN ends it.
-            if !(e[l].abs() > f64::EPSILON * largest) {
+            if e[l].is_nan() || e[l].abs() <= f64::EPSILON * largest {
                 break;
             }
         }

@@ -237,7 +237,7 @@ fn definitions(subject: &Subject, transitions: &TransitionMatrix, alpha: f64) ->
         ),
         &["least among", "motion density", "mean cost", "essential cheaper by"],
     );
-    let definitions: [(&str, Vec<&[(i64, i64)]>); 4] = [
+    let definitions = [
         ("8 neighbours", vec![&around]),
         ("4 neighbours", vec![&cross]),
         ("2 along a row", vec![&rows]),

@@ -246,7 +246,7 @@ mod tests {
             .collect();
         let texels = (0..size * size).map(|at| {
             let (x, y) = ((at % size) as f32, (at / size) as f32);
-            let edge = f32::from(u8::from((0.3 * x + 0.1 * y) as u32 % 3 == 0));
+            let edge = f32::from(u8::from(((0.3 * x + 0.1 * y) as u32).is_multiple_of(3)));
             let known = if active[at] { 1.0 } else { 0.0 };
             [0.2 + 0.5 * edge, 0.5 + 0.4 * (0.2 * x).sin(), 0.3 + 0.2 * noise(at as u32), known]
         });

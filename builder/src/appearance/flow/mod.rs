@@ -13,9 +13,9 @@ mod refine;
 
 use rayon::prelude::*;
 
-use super::level::{BAND, Level, PATCH};
 use self::patch::{Densify, Found, Propagate, Search, Sides};
 use super::charts::Charts;
+use super::level::{BAND, Level, PATCH};
 use crate::simd::Level as Instructions;
 
 /// The coarsest level is not smaller than this, in texels.

@@ -281,7 +281,7 @@ impl<'a> LayerCoder<'a> {
         let (full, level) = (self.mask.full(), &self.mask.levels[self.layer.level]);
         let mut field = vec![[0.0; 4]; level.width * level.height];
         for (&at, values) in self.texels.iter().zip(mode.chunks_exact(self.layer.channels)) {
-            let (x, y) = (at % full.width >> self.layer.level, at / full.width >> self.layer.level);
+            let (x, y) = ((at % full.width) >> self.layer.level, (at / full.width) >> self.layer.level);
             let cell = &mut field[y * level.width + x];
             for (sum, value) in cell.iter_mut().zip(values) {
                 *sum += value;

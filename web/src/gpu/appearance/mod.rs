@@ -208,7 +208,7 @@ fn written(format: TextureFormat) -> wgpu::BindingType {
 fn mean_colour(appearance: &Appearance, mean: &Mode) -> [f32; 3] {
     let layer = &appearance.layers[0];
     let mut sums = [0.0; 3];
-    for entry in mean.entries.iter().filter(|entry| (**entry & 0xffff) as usize % AREA == 0) {
+    for entry in mean.entries.iter().filter(|entry| ((**entry & 0xffff) as usize).is_multiple_of(AREA)) {
         sums[((entry & 0xffff) as usize / AREA).min(2)] += (*entry as i32 >> 16) as f32;
     }
     // The constant wave of a block is its mean times the block's side.
