@@ -1,7 +1,7 @@
 //! A small software rasteriser: textured triangles with perspective, four samples a pixel, a soft shadow on the ground. It
 //! runs anywhere and gives the same pictures everywhere.
 
-use glam::{Vec2, Vec3};
+use glam::{FloatExt, Vec2, Vec3};
 use image::{Rgb, RgbImage, RgbaImage};
 use shared::surface::Surface;
 
@@ -208,8 +208,13 @@ impl Shade {
         if cell.x < 0.0 || cell.y < 0.0 {
             return 0.0;
         }
-        let (x, z) = (cell.x as usize, cell.y as usize);
-        if x < self.side && z < self.side { self.cells[z * self.side + x] } else { 0.0 }
+        let cell = (cell - 0.5).max(Vec2::ZERO);
+        let (x, z, share) = (cell.x as usize, cell.y as usize, cell.fract());
+        if x + 1 >= self.side || z + 1 >= self.side {
+            return 0.0;
+        }
+        let row = |z: usize| self.cells[z * self.side + x].lerp(self.cells[z * self.side + x + 1], share.x);
+        row(z).lerp(row(z + 1), share.y)
     }
 }
 

@@ -151,19 +151,20 @@ impl Direction {
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> Result<Progress, RequestError> {
         let mut budget = budget;
         while budget > 0 {
+            let is_search = matches!(self.work, Some(Work::Path(_) | Work::Place(_)));
+            if is_search && self.progress() != Progress::Running {
+                // The last search keeps its answer, and what it has proven.
+                return Ok(self.progress());
+            }
             let Some(work) = &mut self.work else { return Ok(self.progress()) };
             let now = budget.min(self.left.max(1));
             let (ended, used) = work.advance(scene, now);
             budget -= used.clamp(1, budget);
             self.left = self.left.saturating_sub(used);
             self.expanded += u64::from(used);
-            let is_last = self.to_do.is_empty();
             // Key poses and wandering are exact and end by themselves; the others go on for as long as they may.
-            let enough = self.left == 0 && matches!(self.work, Some(Work::Path(_) | Work::Place(_)));
-            if ended || enough {
-                if is_last && !ended {
-                    return Ok(Progress::Ended);
-                }
+            let is_last = self.to_do.is_empty();
+            if (ended || is_search && self.left == 0) && !(is_search && is_last) {
                 self.settle(scene)?;
             }
         }
@@ -175,10 +176,15 @@ impl Direction {
     pub fn progress(&self) -> Progress {
         match &self.work {
             None => Progress::Ended,
-            Some(Work::Path(work)) if self.to_do.is_empty() => work.1.progress(),
-            Some(Work::Place(work)) if self.to_do.is_empty() => work.1.progress(),
+            Some(Work::Path(work)) if self.to_do.is_empty() => self.limited(work.1.progress()),
+            Some(Work::Place(work)) if self.to_do.is_empty() => self.limited(work.1.progress()),
             Some(_) => Progress::Running,
         }
+    }
+
+    /// A search that may not expand more states has ended, though there may be a better answer.
+    fn limited(&self, progress: Progress) -> Progress {
+        if self.left == 0 && progress == Progress::Running { Progress::Ended } else { progress }
     }
 
     /// The best answer so far: all targets that are done and the present one as far as it is known. It is a walk through
@@ -209,11 +215,6 @@ impl Direction {
 
     /// Takes the present target's best answer for good and goes on to the next.
     fn settle(&mut self, scene: &Scene) -> Result<(), RequestError> {
-        let is_proven = self.to_do.is_empty() && self.progress() == Progress::Proven;
-        if is_proven {
-            // Nothing is left to do: the search itself keeps the answer.
-            return Ok(());
-        }
         if let Some(work) = self.work.take() {
             work.apply(scene, &mut self.done, &mut self.start, self.is_free);
             self.is_free = false;
