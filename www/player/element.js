@@ -201,9 +201,9 @@ export class ReprisePlayer extends AttributeElement {
 
   direct(request, { anywhere = false } = {}) {
     const { player } = this.#ready();
-    const checked = JSON.parse(player.check_request(JSON.stringify(request) ?? 'null'));
+    player.check_request(JSON.stringify(request) ?? 'null');
     this.#core.queue.clear();
-    return this.#core.toolbox.search.go(checked, anywhere ? 'anywhere' : 'here');
+    return this.#core.toolbox.search.go(request, anywhere ? 'anywhere' : 'here');
   }
 
   wander({ seed = 1, weights = {} } = {}) {

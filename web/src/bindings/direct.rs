@@ -1,17 +1,13 @@
 //! Directing, as more methods of the class `Player`.
 
 use js_sys::Float32Array;
-use shared::search::{Progress, Request};
+use shared::search::Progress;
 use wasm_bindgen::prelude::*;
 
 use super::error::{Kind, error, json};
 use super::player::Player;
-use crate::player::direct::{DirectError, Origin};
-
-/// The request that `text` is.
-fn request(text: &str) -> Result<Request, JsValue> {
-    Ok(Request::from_json(text).map_err(DirectError::from)?)
-}
+use super::request::parse;
+use crate::player::direct::Origin;
 
 #[wasm_bindgen]
 impl Player {
@@ -23,12 +19,12 @@ impl Player {
         Ok(self.inner.prepare_search(milliseconds)?)
     }
 
-    /// Checks of a request what can be checked without the actor, and writes it with everything in it.
+    /// Checks of a request what can be checked without the actor.
     ///
     /// # Errors
     /// What is wrong with it, in a sentence.
-    pub fn check_request(&self, text: &str) -> Result<String, JsValue> {
-        Ok(request(text)?.to_json())
+    pub fn check_request(&self, text: &str) -> Result<(), JsValue> {
+        parse(text).map(|_| ())
     }
 
     /// Begins a search for what the request asks, `here`, `anywhere` or from the `end` of the last answer.
@@ -42,7 +38,7 @@ impl Player {
             "end" => Origin::End,
             _ => return Err(error(Kind::BadArgument, "a search begins here, anywhere, or at the end")),
         };
-        Ok(self.inner.search(&request(text)?, from)?)
+        Ok(self.inner.search(&parse(text)?, from)?)
     }
 
     /// Searches on for about `milliseconds`: `running`, `ended`, or `proven` to be the best.

@@ -288,7 +288,7 @@ export class PathTool {
     if (answer?.path) {
       const [walked, wanted] = [answer.path.samples.map(([, x, , z]) => [x, z]), wantedPoints(this.curve, answer.path)];
       const some = walked.map((_, at) => at).filter((at) => at % 4 === 0 || at === walked.length - 1);
-      marks.between(some.map((at) => walked[at]), some.map((at) => wanted[at]), colour('ink', 0.1));
+      marks.between(some.map((at) => walked[at]), some.map((at) => wanted[at]), colour('line', 0.75));
     }
     marks.ribbon(this.curve.line, 0.045, colour('accent', 0.9));
     for (const { from, to, behaviour } of this.path.stretches) marks.ribbon(this.curve.stretch(from, to), 0.11, colour(`behaviour-${this.hue(behaviour)}`, 0.75));

@@ -38,12 +38,12 @@ function tidy(value) {
  * @param {import('../timeline.js').Timeline} timeline
  * @returns {{tool: string, part: object}}
  */
-export function partOf({ target, seed }, timeline) {
+export function partOf({ target, seed = 1 }, timeline) {
   const { place, path, keys, wander } = target;
   if (place) return { tool: 'place', part: { place: { x: place.x, z: place.z, heading: place.heading ?? null } } };
   const editable = path && path.points.length <= MOST_POINTS && path.points[0].length === 2 && !path.vertices?.length && !path.free_start;
   if (editable) {
-    const { points, stretches = [], shape } = path;
+    const { points, stretches = [], shape = 'polyline' } = path;
     return { tool: 'path', part: { path: { points, stretches, shape } } };
   }
   if (keys) {

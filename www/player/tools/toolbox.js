@@ -173,7 +173,8 @@ export class Toolbox {
       return;
     }
     const { player, timeline } = this.director;
-    const request = JSON.parse(player.check_request(JSON.stringify(outside?.request ?? outside) ?? 'null'));
+    const request = outside?.request ?? outside;
+    player.check_request(JSON.stringify(request) ?? 'null');
     const { tool, part } = partOf(request, timeline);
     const { frame, placement } = outside?.start ?? {};
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
