@@ -128,7 +128,7 @@ fn version_1_1_can_be_read() {
 }
 
 /// CRC-32 of all decoded modes and coefficients.
-const MODES_CHECKSUM: u32 = 0;
+const MODES_CHECKSUM: u32 = 1_235_211_428;
 
 /// The common graph with costs and placements that are whole numbers over powers of two.
 fn graph_without_transcendentals(capture: &Capture) -> shared::graph::EssentialGraph {
