@@ -44,7 +44,7 @@ fn every_shader_is_valid_and_has_its_entry_points() {
 #[test]
 fn every_compute_shader_is_valid_and_has_its_entry_points() {
     for (name, source, wanted) in [
-        ("appearance_basis", shaders::APPEARANCE_BASIS, &["main"][..]),
+        ("appearance_basis", shaders::APPEARANCE_BASIS, &["add", "along_rows", "along_columns"][..]),
         ("appearance_residual", shaders::APPEARANCE_RESIDUAL, &["main"]),
         ("appearance_cycle", shaders::APPEARANCE_CYCLE, &["down", "up"]),
     ] {

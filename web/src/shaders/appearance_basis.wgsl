@@ -1,5 +1,6 @@
-// Adds up the waves of the mean and the modes of a block, and restores the block from them; a workgroup for each block.
-// Sums are whole numbers, so that their order does not matter. The twin of `Layer::rebuild`.
+// Adds up the waves of the mean and the modes, block by block, and restores the blocks from them: along rows, then along
+// columns. Sums are whole numbers, so that their order does not matter. No invocation waits for another: on a processor that
+// plays the GPU, barriers cost more than all the rest. The twin of `Layer::rebuild`.
 struct Layer {
     // Columns of the matrix from what is stored to colours.
     turn: array<vec4f, 3>,
@@ -25,51 +26,68 @@ struct Layer {
 const ONE = 1048576.0;
 const PADDING = 1.0 / 1024.0;
 
-var<workgroup> sums: array<atomic<i32>, 768>;
-var<workgroup> waves: array<f32, 768>;
-var<workgroup> rows: array<f32, 768>;
+// Of each block 3 channels of 256 waves; zero to begin with.
+@group(0) @binding(8) var<storage, read_write> sums: array<atomic<i32>>;
+// The same, restored along rows.
+@group(0) @binding(9) var<storage, read_write> rows: array<f32>;
 
-@compute @workgroup_size(256)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) at: u32) {
-    let block = group.x + group.y * 32768u;
+// An invocation for each block of each mode.
+@compute @workgroup_size(64)
+fn add(@builtin(global_invocation_id) id: vec3u) {
+    let block = id.x;
     if (block >= layer.blocks) {
         return;
     }
-    // Eight neighbours share a mode.
-    for (var mode = at / 8u; mode < layer.modes; mode += 32u) {
-        let first = mode * (layer.blocks + 1u) + block;
-        let end = offsets[first + 1u];
-        for (var entry = offsets[first] + at % 8u; entry < end; entry += 8u) {
-            let packed = entries[entry];
-            atomicAdd(&sums[packed & 0xffffu], i32(round(f32(i32(packed) >> 16u) * (weights[mode] * ONE))));
-        }
+    let first = id.y * (layer.blocks + 1u) + block;
+    let weight = weights[id.y] * ONE;
+    let end = offsets[first + 1u];
+    for (var entry = offsets[first]; entry < end; entry++) {
+        let packed = entries[entry];
+        atomicAdd(&sums[block * 768u + (packed & 0xffffu)], i32(round(f32(i32(packed) >> 16u) * weight)));
     }
-    workgroupBarrier();
-    for (var channel = at; channel < 768u; channel += 256u) {
-        waves[channel] = f32(atomicLoad(&sums[channel])) / ONE;
+}
+
+// Block, column and row of an invocation of a workgroup for each block; a block that is none where there is nothing to do.
+fn place_of(group: vec3u, at: u32) -> vec3u {
+    let place = vec3u(group.x + group.y * 32768u, at % 16u, at / 16u);
+    return select(place, vec3u(layer.blocks), max(place.y, place.z) >= layer.side);
+}
+
+@compute @workgroup_size(256)
+fn along_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) at: u32) {
+    let place = place_of(group, at);
+    if (place.x >= layer.blocks) {
+        return;
     }
-    workgroupBarrier();
-    let x = at % 16u;
-    let y = at / 16u;
-    for (var channel = 0u; channel < 768u; channel += 256u) {
+    for (var channel = 0u; channel < 3u; channel++) {
+        let first = place.x * 768u + channel * 256u;
         var sum = 0.0;
         for (var u = 0u; u < layer.side; u++) {
-            sum += waves[channel + y * 16u + u] * cosines[u * 16u + x];
+            sum += f32(atomicLoad(&sums[first + place.z * 16u + u])) / ONE * cosines[u * 16u + place.y];
         }
-        rows[channel + at] = sum;
+        rows[first + at] = sum;
     }
-    workgroupBarrier();
+}
+
+@compute @workgroup_size(256)
+fn along_columns(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) at: u32) {
+    let place = place_of(group, at);
+    if (place.x >= layer.blocks) {
+        return;
+    }
     var colour = vec3f(0.0);
     for (var channel = 0u; channel < 3u; channel++) {
+        let first = place.x * 768u + channel * 256u + place.y;
         var sum = 0.0;
         for (var v = 0u; v < layer.side; v++) {
-            sum += rows[channel * 256u + v * 16u + x] * cosines[v * 16u + y];
+            sum += rows[first + v * 16u] * cosines[v * 16u + place.z];
         }
         colour += sum * layer.turn[channel].xyz;
     }
-    let place = vec2u(places[block] & 0xffffu, places[block] >> 16u) * layer.side + vec2u(x, y);
-    if (max(x, y) < layer.side && all(place < textureDimensions(restored))) {
-        let shown = (textureLoad(mask, place, 0).r & 1u) == 1u;
-        textureStore(restored, place, vec4f(colour, select(PADDING, 1.0, shown)));
+    let corner = vec2u(places[place.x] & 0xffffu, places[place.x] >> 16u) * layer.side;
+    let texel = corner + place.yz;
+    if (all(texel < textureDimensions(restored))) {
+        let shown = (textureLoad(mask, texel, 0).r & 1u) == 1u;
+        textureStore(restored, texel, vec4f(colour, select(PADDING, 1.0, shown)));
     }
 }

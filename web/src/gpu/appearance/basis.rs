@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use shared::appearance::basis::{CHROMA, Layer, Mode};
 use shared::appearance::mask::Mask;
-use shared::appearance::transform::{OPPONENT, SIDE, cosines};
+use shared::appearance::transform::{AREA, OPPONENT, SIDE, cosines};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
 use super::{numbers, storage, written};
@@ -12,6 +12,8 @@ use crate::shaders;
 
 /// Workgroups along the first axis; `appearance_basis.wgsl` knows it too.
 const ROW: u32 = 32768;
+/// Bytes of a block's waves.
+const BLOCK_BYTES: u64 = 4 * 3 * AREA as u64;
 
 /// `Layer` of `appearance_basis.wgsl`.
 #[repr(C)]
@@ -42,13 +44,16 @@ struct Output {
 /// A layer's modes on the device.
 pub struct Basis {
     layout: wgpu::BindGroupLayout,
-    pipeline: wgpu::ComputePipeline,
+    /// `add`, `along_rows`, `along_columns`.
+    pipelines: [wgpu::ComputePipeline; 3],
     turn: [[f32; 4]; 3],
     blocks: u32,
     places: wgpu::Buffer,
     offsets: wgpu::Buffer,
     entries: wgpu::Buffer,
     weights: wgpu::Buffer,
+    sums: wgpu::Buffer,
+    rows: wgpu::Buffer,
     /// Entries and modes that are there.
     filled: u64,
     modes: usize,
@@ -71,13 +76,22 @@ pub fn turn(layer: &Layer) -> [[f32; 4]; 3] {
 impl Basis {
     /// Without modes yet; `masks` are the textures of `mask`.
     pub fn new(gpu: &Gpu, layer: &Layer, mask: &Mask, masks: &[wgpu::Texture]) -> Self {
-        let bindings =
-            [UNIFORM, STORAGE, STORAGE, STORAGE, STORAGE, STORAGE, numbers(), written(TextureFormat::Rgba16Float)];
+        let scratch = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: false },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let output = written(TextureFormat::Rgba16Float);
+        let bindings = [UNIFORM, STORAGE, STORAGE, STORAGE, STORAGE, STORAGE, numbers(), output, scratch, scratch];
         let layout = gpu.layout(ShaderStages::COMPUTE, &bindings);
-        let pipeline = gpu.compute(shaders::APPEARANCE_BASIS, "main", &layout);
-        let places: Vec<u32> = layer.blocks.iter().map(|b| u32::from(b.x) | u32::from(b.y) << 16).collect();
+        let pipelines =
+            ["add", "along_rows", "along_columns"].map(|entry| gpu.compute(shaders::APPEARANCE_BASIS, entry, &layout));
+        // What a device has no room for, in textures of more than some 3,000 texels across, stays as it is.
+        let room = gpu.device.limits().max_storage_buffer_binding_size / BLOCK_BYTES;
+        let stored = &layer.blocks[..layer.blocks.len().min(room as usize)];
+        let places: Vec<u32> = stored.iter().map(|b| u32::from(b.x) | u32::from(b.y) << 16).collect();
         let blocks = places.len() as u32;
-        let output = |side: usize| {
+        let restored_at = |side: usize| {
             let level = layer.level + usize::from(side < SIDE);
             let own = &mask.levels[level];
             Output {
@@ -96,13 +110,15 @@ impl Basis {
         };
         let sizes: &[usize] = if layer.channels == 3 { &[SIDE, SIDE / 2] } else { &[SIDE] };
         Self {
-            outputs: sizes.iter().map(|&side| output(side)).collect(),
+            outputs: sizes.iter().map(|&side| restored_at(side)).collect(),
             layout,
-            pipeline,
+            pipelines,
             turn: turn(layer),
             places: gpu.buffer_of(bytemuck::cast_slice(&places), BufferUsages::STORAGE),
             offsets: gpu.buffer(u64::from(blocks + 1) * 4 * layer.steps.len() as u64, BufferUsages::STORAGE),
             entries: gpu.buffer(1 << 20, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
+            sums: gpu.buffer(u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
+            rows: gpu.buffer(u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
             weights: gpu.buffer(4 * layer.steps.len() as u64, BufferUsages::STORAGE),
             blocks,
             filled: 0,
@@ -129,7 +145,8 @@ impl Basis {
             self.entries = larger;
         }
         let first = self.filled as u32;
-        let offsets: Vec<u32> = mode.offsets.iter().map(|&offset| first + if fits { offset } else { 0 }).collect();
+        let offsets = mode.offsets.iter().take(self.blocks as usize + 1);
+        let offsets: Vec<u32> = offsets.map(|&offset| first + if fits { offset } else { 0 }).collect();
         let at = self.modes as u64 * u64::from(self.blocks + 1) * 4;
         gpu.queue.write_buffer(&self.offsets, at, bytemuck::cast_slice(&offsets));
         if fits {
@@ -158,19 +175,27 @@ impl Basis {
                     self.weights.as_entire_binding(),
                     wgpu::BindingResource::TextureView(&output.mask),
                     wgpu::BindingResource::TextureView(&restored),
+                    self.sums.as_entire_binding(),
+                    self.rows.as_entire_binding(),
                 ],
             ));
         }
     }
 
     /// Adds up the modes with `weights`, at full or at half the size.
-    pub fn rebuild(&self, gpu: &Gpu, pass: &mut wgpu::ComputePass<'_>, weights: &[f32], half: bool) {
+    pub fn rebuild(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, weights: &[f32], half: bool) {
         let Some(group) = self.output(half).group.as_ref().filter(|_| self.blocks > 0) else { return };
         let room = self.weights.size() as usize / 4;
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&weights[..weights.len().min(room)]));
-        pass.set_pipeline(&self.pipeline);
+        encoder.clear_buffer(&self.sums, 0, None);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(self.blocks.min(ROW), self.blocks.div_ceil(ROW), 1);
+        let blocks = [self.blocks.min(ROW), self.blocks.div_ceil(ROW)];
+        let groups = [[self.blocks.div_ceil(64), self.modes as u32], blocks, blocks];
+        for (pipeline, [across, down]) in self.pipelines.iter().zip(groups) {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(across, down, 1);
+        }
     }
 
     /// What [`Self::rebuild`] wrote.

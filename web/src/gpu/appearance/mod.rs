@@ -148,11 +148,8 @@ impl Looks {
     fn rebuild(&mut self, gpu: &Gpu, weights: &Weights, opacity: f32, setting: Setting) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let half = setting == Setting::Half;
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            self.layers[0].rebuild(gpu, &mut pass, &weights[0], half);
-            self.layers[1].rebuild(gpu, &mut pass, &weights[1], false);
-        }
+        self.layers[0].rebuild(gpu, &mut encoder, &weights[0], half);
+        self.layers[1].rebuild(gpu, &mut encoder, &weights[1], false);
         let sources = [self.layers[0].restored(half), self.layers[1].restored(false)];
         let [r, g, b] = self.fill;
         let motion = Motion {
