@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use builder::performer::figure::Figure;
-use builder::performer::perform::takes;
-use shared::Vec3;
 use builder::appearance::charts::Charts;
 use builder::appearance::flow::{FlowGrid, FlowOptions};
 use builder::appearance::prepare::prepare;
 use builder::appearance::textures::{TextureFiles, TextureSource};
+use builder::performer::figure::Figure;
+use builder::performer::perform::takes;
+use shared::Vec3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -45,11 +45,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let prepared = [grid.prepare(&values[0], None), grid.prepare(&values[1], None)];
             let flow = grid.flow(&prepared[0], &prepared[1]);
             eprintln!("flow {:?}", start.elapsed());
-            let mut errors: Vec<f32> = (0..truth.len()).filter(|&k| truth[k][0].is_finite()).map(|k| (truth[k][0] - flow.x[k]).hypot(truth[k][1] - flow.y[k])).collect();
+            let mut errors: Vec<f32> = (0..truth.len())
+                .filter(|&k| truth[k][0].is_finite())
+                .map(|k| (truth[k][0] - flow.x[k]).hypot(truth[k][1] - flow.y[k]))
+                .collect();
             errors.sort_by(f32::total_cmp);
             let mean = errors.iter().sum::<f32>() / errors.len() as f32;
-            eprintln!("end-point error {mean:.4}, median {:.4}, 90 % {:.4}", errors[errors.len() / 2], errors[errors.len() * 9 / 10]);
-            let numbers: Vec<u8> = flow.x.iter().zip(&flow.y).flat_map(|(x, y)| [*x, *y]).flat_map(f32::to_le_bytes).collect();
+            eprintln!(
+                "end-point error {mean:.4}, median {:.4}, 90 % {:.4}",
+                errors[errors.len() / 2],
+                errors[errors.len() * 9 / 10]
+            );
+            let numbers: Vec<u8> =
+                flow.x.iter().zip(&flow.y).flat_map(|(x, y)| [*x, *y]).flat_map(f32::to_le_bytes).collect();
             std::fs::write(out.join(format!("pair_{}_{}.flow", pair[0], pair[1])), numbers)?;
         }
     }
@@ -101,32 +109,50 @@ impl Truth {
         let size = self.size;
         let at = |x: f32, y: f32| -> Option<Vec3> {
             let (ix, iy) = (x.floor(), y.floor());
-            if ix < 0.0 || iy < 0.0 || ix >= (size - 1) as f32 || iy >= (size - 1) as f32 { return None; }
+            if ix < 0.0 || iy < 0.0 || ix >= (size - 1) as f32 || iy >= (size - 1) as f32 {
+                return None;
+            }
             let k = iy as usize * size + ix as usize;
             let (fx, fy) = (x - ix, y - iy);
             let v = seen_b[k].lerp(seen_b[k + 1], fx).lerp(seen_b[k + size].lerp(seen_b[k + size + 1], fx), fy);
-            (v.is_finite() && seen_b[k].distance(seen_b[k + size + 1]) < 0.02 && seen_b[k + 1].distance(seen_b[k + size]) < 0.02).then_some(v)
+            (v.is_finite()
+                && seen_b[k].distance(seen_b[k + size + 1]) < 0.02
+                && seen_b[k + 1].distance(seen_b[k + size]) < 0.02)
+                .then_some(v)
         };
-        (0..size * size).map(|k| {
-            let want = seen_a[k];
-            let (mut x, mut y) = ((k % size) as f32, (k / size) as f32);
-            if !want.is_finite() { return [f32::NAN; 2]; }
-            for _ in 0..20 {
-                let (Some(v), Some(vx), Some(vy)) = (at(x, y), at(x + 0.5, y).or(at(x - 0.5, y)), at(x, y + 0.5).or(at(x, y - 0.5))) else { return [f32::NAN; 2] };
-                let (sx, sy) = (if at(x + 0.5, y).is_some() { 0.5 } else { -0.5 }, if at(x, y + 0.5).is_some() { 0.5 } else { -0.5 });
-                let (jx, jy, r) = ((vx - v) / sx, (vy - v) / sy, want - v);
-                let (p, q, s) = (jx.dot(jx), jx.dot(jy), jy.dot(jy));
-                let (bx, by) = (jx.dot(r), jy.dot(r));
-                let det = p * s - q * q;
-                let (dx, dy) = ((s * bx - q * by) / det, (p * by - q * bx) / det);
-                x += dx.clamp(-3.0, 3.0);
-                y += dy.clamp(-3.0, 3.0);
-                if dx.hypot(dy) < 1e-3 { break; }
-            }
-            // A point that has no place in this chart leaves a rest.
-            let left = at(x, y).map_or(1.0, |v| v.distance(want));
-            if left < 0.001 { [x - (k % size) as f32, y - (k / size) as f32] } else { [f32::NAN; 2] }
-        }).collect()
+        (0..size * size)
+            .map(|k| {
+                let want = seen_a[k];
+                let (mut x, mut y) = ((k % size) as f32, (k / size) as f32);
+                if !want.is_finite() {
+                    return [f32::NAN; 2];
+                }
+                for _ in 0..20 {
+                    let (Some(v), Some(vx), Some(vy)) =
+                        (at(x, y), at(x + 0.5, y).or(at(x - 0.5, y)), at(x, y + 0.5).or(at(x, y - 0.5)))
+                    else {
+                        return [f32::NAN; 2];
+                    };
+                    let (sx, sy) = (
+                        if at(x + 0.5, y).is_some() { 0.5 } else { -0.5 },
+                        if at(x, y + 0.5).is_some() { 0.5 } else { -0.5 },
+                    );
+                    let (jx, jy, r) = ((vx - v) / sx, (vy - v) / sy, want - v);
+                    let (p, q, s) = (jx.dot(jx), jx.dot(jy), jy.dot(jy));
+                    let (bx, by) = (jx.dot(r), jy.dot(r));
+                    let det = p * s - q * q;
+                    let (dx, dy) = ((s * bx - q * by) / det, (p * by - q * bx) / det);
+                    x += dx.clamp(-3.0, 3.0);
+                    y += dy.clamp(-3.0, 3.0);
+                    if dx.hypot(dy) < 1e-3 {
+                        break;
+                    }
+                }
+                // A point that has no place in this chart leaves a rest.
+                let left = at(x, y).map_or(1.0, |v| v.distance(want));
+                if left < 0.001 { [x - (k % size) as f32, y - (k / size) as f32] } else { [f32::NAN; 2] }
+            })
+            .collect()
     }
 }
 

@@ -172,29 +172,38 @@ fn eigen_appearance(
     capture: &Capture,
     paths: Vec<PathBuf>,
     options: &AppearanceOptions,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
     report: Report,
 ) -> Result<(AppearanceModel, AppearanceSummary), PackError> {
     let textures = TextureFiles::new(paths, Vec::new())?;
     let (width, height) = textures.size();
     let (charts, findings) = Charts::new(&capture.surface, width, height)?;
     if findings.shared_texels > 0 {
-        warnings.push(format!(
-            "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
-            findings.shared_texels
+        warnings.push(Warning::new(
+            "W_ATLAS_OVERLAP",
+            format!(
+                "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
+                findings.shared_texels
+            ),
         ));
     }
     if findings.wrapped_triangles > 0 {
-        warnings.push(format!(
-            "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
-            findings.wrapped_triangles
+        warnings.push(Warning::new(
+            "W_ATLAS_REPEAT",
+            format!(
+                "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
+                findings.wrapped_triangles
+            ),
         ));
     }
     let (model, summary) = appearance::build(&textures, &charts, options, report)?;
     if !summary.completed_frames.is_empty() {
-        warnings.push(format!(
-            "{} frames have texels that no camera saw: they were left out of the model and completed from it",
-            summary.completed_frames.len()
+        warnings.push(Warning::new(
+            "W_TEXTURE_HOLES",
+            format!(
+                "{} frames have texels that no camera saw: they were left out of the model and completed from it",
+                summary.completed_frames.len()
+            ),
         ));
     }
     Ok((model, summary))

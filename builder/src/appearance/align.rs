@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::AppearanceError;
 use super::charts::Charts;
 use super::flow::{FlowGrid, FlowOptions, Prepared};
 use super::gaps::Gaps;
@@ -10,7 +11,6 @@ use super::reference;
 use super::store::Store;
 use super::textures::{Texture, TextureSource};
 use super::warp::{Warper, Warping};
-use super::AppearanceError;
 use crate::progress::{Progress, Report};
 
 /// Colours of aligned textures may overshoot 0 to 1 a little.
@@ -119,7 +119,8 @@ impl Moved {
         how: Warping,
     ) -> Self {
         let values = prepare(texture, &charts.labels);
-        let seen: Option<Vec<bool>> = texture.hidden.as_ref().map(|hidden| hidden.iter().map(|hidden| !hidden).collect());
+        let seen: Option<Vec<bool>> =
+            texture.hidden.as_ref().map(|hidden| hidden.iter().map(|hidden| !hidden).collect());
         let own = grid.prepare(&values, seen.as_deref());
         let forward = warper.compact(&grid.flow(template, &own));
         let mut colours = colours(texture, charts);

@@ -138,12 +138,7 @@ impl Basis {
     ///
     /// # Errors
     /// A scratch file that cannot be read.
-    pub fn new(
-        aligned: &Aligned,
-        training: &[usize],
-        textures: usize,
-        warps: usize,
-    ) -> Result<Self, AppearanceError> {
+    pub fn new(aligned: &Aligned, training: &[usize], textures: usize, warps: usize) -> Result<Self, AppearanceError> {
         let mut textures = components(&aligned.textures, training, textures)?;
         let mut warps = components(&aligned.warps, training, warps)?;
         for Incomplete { frame, unseen, unseen_aligned } in &aligned.incomplete {

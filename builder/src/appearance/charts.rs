@@ -100,7 +100,8 @@ impl Charts {
                     *slot = if x < self.width && y < self.height { self.labels[y * self.width + x] } else { 0 };
                 }
                 let votes = |label: u32| four.iter().filter(|&&other| other == label).count();
-                let best = four.iter().filter(|&&label| label != 0).max_by_key(|&&label| (votes(label), u32::MAX - label));
+                let best =
+                    four.iter().filter(|&&label| label != 0).max_by_key(|&&label| (votes(label), u32::MAX - label));
                 labels.push(best.copied().unwrap_or(0));
             }
         }
@@ -191,8 +192,8 @@ impl Raster {
                 if !touches {
                     continue;
                 }
-                let index = y.rem_euclid(self.height as i64) as usize * self.width
-                    + x.rem_euclid(self.width as i64) as usize;
+                let index =
+                    y.rem_euclid(self.height as i64) as usize * self.width + x.rem_euclid(self.width as i64) as usize;
                 let owner = self.owner[index];
                 if owner == 0 {
                     self.owner[index] = corner + 1;

@@ -160,11 +160,7 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
     }
 
     /// The mean quality over `frames` of what `rebuild` makes of them.
-    fn over(
-        &self,
-        frames: &[usize],
-        rebuild: impl Fn(usize) -> Vec<f32> + Sync,
-    ) -> Result<Quality, AppearanceError> {
+    fn over(&self, frames: &[usize], rebuild: impl Fn(usize) -> Vec<f32> + Sync) -> Result<Quality, AppearanceError> {
         let found = frames
             .par_iter()
             .map(|&frame| Ok(compared(&self.similarity, &self.original(frame)?, rebuild(frame))))
@@ -291,12 +287,12 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
         let texels = self.aligned.charts.texels();
         let steepness = |values: &[f32]| -> f64 {
             let pairs = texels.windows(2).enumerate().filter(|(_, pair)| pair[1] == pair[0] + 1);
-            pairs.map(|(k, _)| (0..3).map(|c| f64::from((values[3 * k + 3 + c] - values[3 * k + c]).abs())).sum::<f64>()).sum()
+            pairs
+                .map(|(k, _)| (0..3).map(|c| f64::from((values[3 * k + 3 + c] - values[3 * k + c]).abs())).sum::<f64>())
+                .sum()
         };
-        let found = frames
-            .par_iter()
-            .map(|&frame| Ok((steepness(&make(frame)), steepness(&self.original(frame)?))))
-            .collect();
+        let found =
+            frames.par_iter().map(|&frame| Ok((steepness(&make(frame)), steepness(&self.original(frame)?)))).collect();
         means(found).map(|(made, recorded)| made / recorded.max(1e-12))
     }
 }

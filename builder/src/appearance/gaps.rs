@@ -93,7 +93,8 @@ fn patches(black: &[u32], charts: &Charts) -> Option<Vec<bool>> {
     let around = |texel: u32, reach: usize| {
         let (x, y) = (texel as usize % width, texel as usize / width);
         let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
-        (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| columns.clone().map(move |x| y * width + x))
+        (y.saturating_sub(reach)..(y + reach + 1).min(height))
+            .flat_map(move |y| columns.clone().map(move |x| y * width + x))
     };
     // What is not active does not keep a patch at a chart's border from being one.
     let solid = |texel: &&u32| around(**texel, 1).all(|near| is_black[near] || charts.labels[near] == 0);

@@ -171,8 +171,11 @@ impl Level {
                 }
                 let near = (y / 2 + PAD) * coarse.stride + x / 2 + PAD;
                 let beside = if x % 2 == 0 { near - 1 } else { near + 1 };
-                let (over, both) =
-                    if y % 2 == 0 { (near - coarse.stride, beside - coarse.stride) } else { (near + coarse.stride, beside + coarse.stride) };
+                let (over, both) = if y % 2 == 0 {
+                    (near - coarse.stride, beside - coarse.stride)
+                } else {
+                    (near + coarse.stride, beside + coarse.stride)
+                };
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for (from, share) in [(near, 9.0), (beside, 3.0), (over, 3.0), (both, 1.0)] {
                     if coarse.labels[from] == label {

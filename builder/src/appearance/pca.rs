@@ -47,9 +47,8 @@ pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Com
     let first = values.first().copied().unwrap_or(0.0);
     let kept = values.iter().take(count.min(n.saturating_sub(1))).take_while(|&&v| v > RANK * first && v > 0.0).count();
     // Mode k is the sum of the centred rows, each times this.
-    let factors: Vec<Vec<f32>> = (0..kept)
-        .map(|k| vectors[k].iter().map(|entry| (entry / values[k].sqrt()) as f32).collect())
-        .collect();
+    let factors: Vec<Vec<f32>> =
+        (0..kept).map(|k| vectors[k].iter().map(|entry| (entry / values[k].sqrt()) as f32).collect()).collect();
     let (mean, mut modes) = modes(store, training, &factors, instructions)?;
     let mut coefficients = coefficients(store, &mean, &modes, instructions)?;
     for (k, mode) in modes.iter_mut().enumerate() {

@@ -143,8 +143,7 @@ mod tests {
     fn edges_stay_and_noise_goes() {
         let (width, height) = (64, 64);
         let noise = |k: usize| ((k * 7919) % 17) as f32 / 17.0 * 0.04 - 0.02;
-        let values: Vec<f32> =
-            (0..width * height).map(|k| if k % width < 32 { 0.2 } else { 0.8 } + noise(k)).collect();
+        let values: Vec<f32> = (0..width * height).map(|k| if k % width < 32 { 0.2 } else { 0.8 } + noise(k)).collect();
         let filtered = bilateral(&values, width, &|_| true);
         let spread = |values: &[f32]| {
             let row = &values[32 * width..32 * width + 28];

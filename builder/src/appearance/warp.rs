@@ -204,7 +204,8 @@ impl Warper {
         let level = &self.level;
         let dot = |a: &[f32], b: &[f32]| self.instructions.run(Dot { level, a, b });
         // u^T v of complex vectors.
-        let product = |u: &Complex, v: &Complex| (dot(&u.re, &v.re) - dot(&u.im, &v.im), dot(&u.re, &v.im) + dot(&u.im, &v.re));
+        let product =
+            |u: &Complex, v: &Complex| (dot(&u.re, &v.re) - dot(&u.im, &v.im), dot(&u.re, &v.im) + dot(&u.im, &v.re));
         let mut x = Complex::zero(right.len());
         let mut residual = Complex { re: right.to_vec(), im: vec![0.0; right.len()] };
         let mut direction = residual.clone();
@@ -228,7 +229,12 @@ impl Warper {
             }
             let next = product(&residual, &residual);
             let (re, im) = divide(next, squares);
-            self.instructions.run(Turn { re: re as f32, im: im as f32, residual: &residual, direction: &mut direction });
+            self.instructions.run(Turn {
+                re: re as f32,
+                im: im as f32,
+                residual: &residual,
+                direction: &mut direction,
+            });
             squares = next;
         }
         x.re
@@ -483,7 +489,8 @@ mod tests {
             .collect();
         let inverse = warper.inverse(&warp);
         let there = warper.warp(&warp, 2, &inverse, Warping::Direct);
-        for k in (0..size * size).filter(|k| (4..size - 4).contains(&(k % size)) && (4..size - 4).contains(&(k / size))) {
+        for k in (0..size * size).filter(|k| (4..size - 4).contains(&(k % size)) && (4..size - 4).contains(&(k / size)))
+        {
             assert!((there[2 * k] + inverse[2 * k]).abs() < 1e-3);
         }
     }

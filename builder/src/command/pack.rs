@@ -1,9 +1,9 @@
 //! `builder pack`.
 
 use anyhow::anyhow;
+use builder::appearance::AppearanceOptions;
 use builder::distance::{DistanceKind, DistanceOptions};
 use builder::import::ImportOptions;
-use builder::appearance::AppearanceOptions;
 use builder::pack::{AppearanceChoice, PackError, PackOptions, PackReport, pack};
 use builder::transitions::{LengthChoice, TransitionOptions};
 

@@ -10,8 +10,8 @@
 
 use rayon::prelude::*;
 
-use crate::appearance::level::{Level, PAD};
 use super::patch::Sides;
+use crate::appearance::level::{Level, PAD};
 use crate::simd::{Kernel, Level as Instructions};
 
 /// Times that the robust weights are found anew.
@@ -30,9 +30,9 @@ const BRIGHTNESS: f32 = 5.0;
 /// Weight of gradients.
 const GRADIENTS: f32 = 10.0;
 /// Weight of smoothness.
-
+const SMOOTHNESS: f32 = 20.0;
 /// Squared gradient that counts as noise, values being 0 to 255.
-
+const NOISE: f32 = 1.0;
 /// Squared distance below which a robust weight stays the same, in texels.
 const EPSILON: f32 = 1e-6;
 /// Square of the spectral radius that the Chebyshev weights assume.
@@ -78,7 +78,6 @@ pub(super) fn refine(instructions: Instructions, sides: &Sides<'_>, flow: &mut [
         .par_iter()
         .map(|&(x, y)| instructions.run(Relax { sides: *sides, flow: [present_x, present_y], corner: (x, y) }))
         .collect();
-    if super::TUNE[3] == 0.0 { return; }
     for (&(x, y), [tile_x, tile_y]) in corners.iter().zip(&refined) {
         for row in 0..CORE.min(level.rows - PAD - y) {
             let width = CORE.min(level.stride - PAD - x);
@@ -220,7 +219,12 @@ impl Relax<'_> {
                     && level.territory[at + 1] == label
                     && level.territory[below] == label
                     && level.territory[below + 1] == label;
-                if own && other.seen.as_ref().is_none_or(|seen| seen[at] * seen[at + 1] * seen[below] * seen[below + 1] > 0.0) {
+                if own
+                    && other
+                        .seen
+                        .as_ref()
+                        .is_none_or(|seen| seen[at] * seen[at + 1] * seen[below] * seen[below + 1] > 0.0)
+                {
                     let v = &other.value;
                     let (sx, sy) = (px - fx, py - fy);
                     let upper = v[at] + sx * (v[at + 1] - v[at]);
@@ -258,10 +262,8 @@ fn slopes(plane: &[f32], right: &[f32], down: &[f32]) -> (Vec<f32>, Vec<f32>) {
 #[inline(always)]
 fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2]) -> System {
     let zero = || vec![0.0; SIZE];
-    let mut system =
-        System { xx: zero(), xy: zero(), yy: zero(), bx: zero(), by: zero(), right: zero(), down: zero() };
+    let mut system = System { xx: zero(), xy: zero(), yy: zero(), bx: zero(), by: zero(), right: zero(), down: zero() };
     let mut robust = zero();
-    let [_, NOISE, SMOOTHNESS, _] = *super::TUNE;
     for k in 0..SIZE {
         let (dx, dy) = (now[0][k] - start[0][k], now[1][k] - start[1][k]);
         let (x, y, t) = (terms.x[k], terms.y[k], terms.t[k]);
@@ -272,11 +274,8 @@ fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2]) -> System {
         let (scale_x, scale_y) = (1.0 / (xx * xx + xy * xy + NOISE), 1.0 / (xy * xy + yy * yy + NOISE));
         let (off_x, off_y) = (xt + xx * dx + xy * dy, yt + xy * dx + yy * dy);
         let gradients = GRADIENTS / (off_x * off_x * scale_x + off_y * off_y * scale_y + EPSILON).sqrt();
-        let (b, gx, gy) = (
-            terms.valid[k] * brightness,
-            terms.valid[k] * gradients * scale_x,
-            terms.valid[k] * gradients * scale_y,
-        );
+        let (b, gx, gy) =
+            (terms.valid[k] * brightness, terms.valid[k] * gradients * scale_x, terms.valid[k] * gradients * scale_y);
         let (a11, a12, a22) = (
             b * x * x + gx * xx * xx + gy * xy * xy,
             b * x * y + gx * xx * xy + gy * xy * yy,
