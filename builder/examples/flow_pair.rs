@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+#![allow(clippy::unwrap_used)] // A measuring tool: stops at the first thing that is amiss.
+
 use builder::appearance::charts::Charts;
 use builder::appearance::flow::{FlowGrid, FlowOptions};
 use builder::appearance::prepare::prepare;
