@@ -1,9 +1,11 @@
 //! Writes prepared texture pairs with their true flow and ours, for `benches/opencv_dis.py` to compare with OpenCV.
+//!
+//! A measuring tool: it stops at the first thing that is amiss.
+
+#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-#![allow(clippy::unwrap_used)] // A measuring tool: stops at the first thing that is amiss.
 
 use builder::appearance::charts::Charts;
 use builder::appearance::flow::{FlowGrid, FlowOptions};
