@@ -1,4 +1,8 @@
 //! Writes prepared texture pairs with their true flow and ours, for `benches/opencv_dis.py` to compare with OpenCV.
+//!
+//! A measuring tool: it stops at the first thing that is amiss.
+
+#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -189,7 +189,7 @@ fn eigen_appearance(
     }
     if findings.wrapped_triangles > 0 {
         warnings.push(Warning::new(
-            "W_UV_OUTSIDE",
+            "W_ATLAS_REPEAT",
             format!(
                 "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
                 findings.wrapped_triangles
@@ -199,7 +199,7 @@ fn eigen_appearance(
     let (model, summary) = appearance::build(&textures, &charts, options, report)?;
     if !summary.completed_frames.is_empty() {
         warnings.push(Warning::new(
-            "W_TEXTURES_COMPLETED",
+            "W_TEXTURE_HOLES",
             format!(
                 "{} frames have texels that no camera saw: they were left out of the model and completed from it",
                 summary.completed_frames.len()

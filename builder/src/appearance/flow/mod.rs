@@ -186,9 +186,3 @@ impl FlowGrid {
 
 #[cfg(test)]
 mod tests;
-
-pub(super) static TUNE: std::sync::LazyLock<[f32; 4]> = std::sync::LazyLock::new(|| {
-    let text = std::env::var("TUNE").unwrap_or_else(|_| "0.02,1.0,20,2".into());
-    let v: Vec<f32> = text.split(',').map(|x| x.parse().unwrap()).collect();
-    [v[0], v[1], v[2], v[3]]
-});

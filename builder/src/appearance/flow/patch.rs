@@ -19,6 +19,7 @@ const FLAT: f32 = 1e-6;
 /// Differences below this count all the same when patches are weighed.
 const LEAST_DIFFERENCE: f32 = 1.0 / 255.0;
 /// What the initial flow counts, against mean square gradients over differences.
+const PRIOR: f32 = 0.02;
 
 /// A neighbour's way is tried where it leaves less than this part of a patch's error.
 const CLEARLY: f32 = 0.8;
@@ -151,7 +152,6 @@ impl Kernel for Densify<'_> {
             }
         }
         let mut unknown = vec![false; flow_x.len()];
-        let PRIOR = super::TUNE[0];
         for k in 0..flow_x.len() {
             let [xx, xy, yy, x, y] = sums[k];
             unknown[k] = xx + yy == 0.0;

@@ -30,9 +30,9 @@ const BRIGHTNESS: f32 = 5.0;
 /// Weight of gradients.
 const GRADIENTS: f32 = 10.0;
 /// Weight of smoothness.
-
+const SMOOTHNESS: f32 = 20.0;
 /// Squared gradient that counts as noise, values being 0 to 255.
-
+const NOISE: f32 = 1.0;
 /// Squared distance below which a robust weight stays the same, in texels.
 const EPSILON: f32 = 1e-6;
 /// Square of the spectral radius that the Chebyshev weights assume.
@@ -78,9 +78,6 @@ pub(super) fn refine(instructions: Instructions, sides: &Sides<'_>, flow: &mut [
         .par_iter()
         .map(|&(x, y)| instructions.run(Relax { sides: *sides, flow: [present_x, present_y], corner: (x, y) }))
         .collect();
-    if super::TUNE[3] == 0.0 {
-        return;
-    }
     for (&(x, y), [tile_x, tile_y]) in corners.iter().zip(&refined) {
         for row in 0..CORE.min(level.rows - PAD - y) {
             let width = CORE.min(level.stride - PAD - x);
@@ -267,7 +264,6 @@ fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2]) -> System {
     let zero = || vec![0.0; SIZE];
     let mut system = System { xx: zero(), xy: zero(), yy: zero(), bx: zero(), by: zero(), right: zero(), down: zero() };
     let mut robust = zero();
-    let [_, NOISE, SMOOTHNESS, _] = *super::TUNE;
     for k in 0..SIZE {
         let (dx, dy) = (now[0][k] - start[0][k], now[1][k] - start[1][k]);
         let (x, y, t) = (terms.x[k], terms.y[k], terms.t[k]);
