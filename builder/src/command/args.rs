@@ -78,8 +78,8 @@ pub struct PackArguments {
     /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,
-    /// What becomes of textures that change from frame to frame.
-    #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
+    /// What becomes of textures that change from frame to frame. Eigen maps are not as good yet as they must be: try them.
+    #[arg(long, value_enum, default_value_t = AppearanceKind::Static)]
     pub appearance: AppearanceKind,
     /// Eigen textures and Eigen warps together; two in three are textures.
     #[arg(long, default_value_t = 50, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]

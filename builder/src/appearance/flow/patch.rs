@@ -238,8 +238,7 @@ fn search_from(sides: &Sides<'_>, patch: &Patch, start: [f32; 2]) -> Found {
     for _ in 0..STEPS {
         let Some((sample, valid)) = sampled(sides, patch, way) else { break };
         let Some(Compared { residual, brighter, error }) = compare(&mask, &valid, &sample, &template) else { break };
-        // Written so that NaN ends the search.
-        if !(error < best.error) {
+        if error.is_nan() || error >= best.error {
             break;
         }
         best = Found { way, brighter, error, certainty };
@@ -247,7 +246,8 @@ fn search_from(sides: &Sides<'_>, patch: &Patch, start: [f32; 2]) -> Found {
         let step = [(c * bx - b * by) / determinant, (a * by - b * bx) / determinant];
         way = [way[0] - step[0], way[1] - step[1]];
         let (from_x, from_y) = (way[0] - start[0], way[1] - start[1]);
-        if !(from_x * from_x + from_y * from_y <= FAR * FAR) {
+        let away = from_x * from_x + from_y * from_y;
+        if away.is_nan() || away > FAR * FAR {
             break;
         }
         if step[0] * step[0] + step[1] * step[1] < SHORT * SHORT {
