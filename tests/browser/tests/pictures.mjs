@@ -74,6 +74,7 @@ async function takeTools(browser, screen, colorScheme) {
   for (const [tool, target] of Object.entries(ASKED)) {
     await player.run(`(element) => (element.direction = { version: 1, target: (${target})(element) })`);
     await player.until(`an answer for ${tool}`, (element) => element.answer && (!element.testing.search().running || element.answer.path), null, 60_000);
+    await player.until('all thumbnails', (element) => element.testing.thumbnails().complete, null, 120_000);
     await player.page.waitForTimeout(1500);
     await player.picture(`tool-${tool}-${screen}-${colorScheme}`);
   }
