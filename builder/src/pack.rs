@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::distance::{self, DistanceOptions};
 use crate::essential::{self, Findings};
-use crate::import::{self, ImportError, ImportOptions};
+use crate::import::{self, ImportError, ImportOptions, Warning};
 use crate::memory;
 use crate::progress::{Progress, Report};
 use crate::transitions::{self, TransitionOptions};
@@ -64,7 +64,7 @@ pub struct PackReport {
     /// What the bundle weighs and how exact it is.
     pub bundle: EncodeReport,
     /// What the user should know about the input.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// What a capture holds.

@@ -34,6 +34,20 @@ fn write_frames(folder: &Path, count: usize) {
 }
 
 #[test]
+fn slope_limits_that_no_kernel_has_are_refused() {
+    for slope in ["0", "6", "many"] {
+        let refused = builder(&["pack", "nowhere", "-o", "nothing.reprise", "--slope", slope]);
+        assert_eq!(code(&refused), 2, "{}", stderr(&refused));
+        assert!(stderr(&refused).contains("from 1 to 5, or none"), "{}", stderr(&refused));
+    }
+    // These are refused for the missing input only.
+    for slope in ["1", "5", "none"] {
+        let refused = builder(&["pack", "nowhere", "-o", "nothing.reprise", "--slope", slope]);
+        assert_eq!(code(&refused), 1, "{}", stderr(&refused));
+    }
+}
+
+#[test]
 fn packs_inspects_and_validates() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("turn");
@@ -80,6 +94,28 @@ fn bad_input_is_exit_code_1_and_leaves_nothing() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "something was left behind");
     assert_eq!(code(&builder(&["pack", "no-such-folder", "-o", bundle.to_str().unwrap()])), 1);
     assert_eq!(code(&builder(&["validate", "no-such-file"])), 1);
+}
+
+#[test]
+fn inputs_are_validated_with_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 20);
+    let path = frames.to_str().unwrap();
+    let codes = |path: &str| {
+        let validated = builder(&["validate", path, "--json"]);
+        let findings: Value = serde_json::from_slice(&validated.stdout).unwrap();
+        let codes = findings.as_array().unwrap().iter().map(|f| f["code"].as_str().unwrap().to_owned());
+        (code(&validated), codes.collect::<Vec<_>>())
+    };
+    assert_eq!(codes(path), (0, vec!["W_FPS_ASSUMED".to_owned()]));
+    fs::remove_file(frames.join("frame_011.obj")).unwrap();
+    assert_eq!(codes(path), (0, vec!["W_FRAMES_MISSING".to_owned(), "W_FPS_ASSUMED".to_owned()]));
+    fs::write(frames.join("frame_011.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert_eq!(codes(path), (1, vec!["E_VERTEX_COUNT".to_owned()]));
+    let bad = folder.path().join("damaged.reprise");
+    fs::write(&bad, b"anything else").unwrap();
+    assert_eq!(codes(bad.to_str().unwrap()), (1, vec!["not-reprise".to_owned()]));
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn folders_globs_and_patterns_name_sequences() {
     assert_eq!(names(&walk), [("walk", 4)]);
     let heights: Vec<f32> = walk.capture.poses.iter().map(|pose| pose[0].y).collect();
     assert_eq!(heights, [2.0, 2.25, 2.5, 2.75]);
-    assert_eq!(walk.warnings, Vec::<String>::new());
+    assert_eq!(walk.warnings, []);
     assert_eq!(names(&read_plain(f, &["both"])), [("jump", 2), ("kick", 3)]);
     assert_eq!(names(&read_plain(f, &["both/kick_*.obj"])), [("kick", 3)]);
     assert_eq!(names(&read_plain(f, &["both/k*.obj", "walk"])), [("kick", 3), ("walk", 4)]);

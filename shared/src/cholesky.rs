@@ -1,21 +1,25 @@
 //! Sparse Cholesky factors of Laplacians: one elimination order and one symbolic factorisation per topology, a numeric
 //! factorisation per pose.
 //!
-//! faer orders (approximate minimum degree), analyses and factorises (supernodal, in double precision, sequentially).
-//! The factor is kept in single precision in an order of our own, made for three right sides at once: factorising in
-//! single precision would lose digits, solving in it does not.
+//! faer orders (approximate minimum degree). The factorisation is our own, for the page's sake: faer's would be a third
+//! of all that the page loads, and no faster in WebAssembly. It is sequential and in double precision; the factor is kept
+//! in single precision, laid out for three right sides at once: factorising in single precision would lose digits,
+//! solving in it does not.
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+mod numeric;
+mod structure;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
-use faer::sparse::linalg::cholesky::{simplicial, supernodal};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Spec};
 use glam::Vec4;
 use thiserror::Error;
 
 use crate::laplacian::{Laplacian, LaplacianPattern};
+use crate::sort::{key, numbers, sort};
 use crate::topology::Topology;
+use numeric::Scratch;
+use structure::Structure;
 
 /// Vertices whose diagonal is below this fraction of the mean one are held by nothing.
 const LEAST_DIAGONAL: f64 = 1e-9;
@@ -55,17 +59,18 @@ pub fn elimination_order(topology: &Topology) -> Result<Vec<u32>, CholeskyError>
     for &[a, b, c] in topology.triangles() {
         for (k, l) in [(a, b), (b, c), (c, a)] {
             if k != l {
-                pairs.extend([(k, l), (l, k)]);
+                pairs.extend([key([0, 0, k, l]), key([0, 0, l, k])]);
             }
         }
     }
-    pairs.sort_unstable();
+    sort(&mut pairs);
     pairs.dedup();
-    let (column_start, rows) = compressed(n, pairs.into_iter());
+    let (column_start, rows) = compressed(n, &pairs);
     let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &column_start, None, &rows);
     let mut order = vec![0; n];
     let mut inverse = vec![0; n];
-    let mut memory = memory(amd::order_scratch::<u32>(n, rows.len()))?;
+    let mut memory =
+        MemBuffer::try_new(amd::order_scratch::<u32>(n, rows.len())).map_err(|_| CholeskyError::TooLarge)?;
     amd::order(&mut order, &mut inverse, pattern, amd::Control::default(), MemStack::new(&mut memory))
         .map_err(|_| CholeskyError::TooLarge)?;
     Ok(order)
@@ -98,7 +103,7 @@ pub(crate) fn anchors_last(topology: &Topology, order: &[u32]) -> Result<Vec<u32
 /// The structure that the factors of all poses share.
 #[derive(Debug)]
 pub struct SymbolicCholesky {
-    structure: supernodal::SymbolicSupernodalCholesky<u32>,
+    structure: Structure,
     /// Lower triangle, column by column: each column's diagonal first, then its edges.
     column_start: Vec<u32>,
     rows: Vec<u32>,
@@ -134,7 +139,7 @@ pub struct Factor {
 pub struct Workspace {
     lower: Vec<f64>,
     values: Vec<f64>,
-    memory: Option<MemBuffer>,
+    scratch: Scratch,
 }
 
 impl SymbolicCholesky {
@@ -144,26 +149,18 @@ impl SymbolicCholesky {
     /// [`CholeskyError::TooLarge`].
     pub fn new(pattern: &LaplacianPattern) -> Result<Self, CholeskyError> {
         let n = pattern.free_count();
-        let free = |&(_, [_, l]): &(usize, [u32; 2])| (l as usize) < n;
-        let edges = || pattern.edges().iter().copied().enumerate().filter(free).filter(|(_, [k, l])| k != l);
-
-        // Upper triangle for the analysis, lower triangle for the numbers.
-        let mut upper: Vec<(u32, u32)> = edges().map(|(_, [k, l])| (l, k)).chain(diagonal(n)).collect();
-        upper.sort_unstable();
-        let (upper_start, upper_rows) = compressed(n, upper.into_iter());
-        let upper = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &upper_start, None, &upper_rows);
-        let structure = analyse(upper)?;
-
-        let mut lower: Vec<(u32, u32, u32)> = edges()
-            .map(|(edge, [k, l])| (k, l, edge as u32))
-            .chain(diagonal(n).map(|(k, _)| (k, k, DIAGONAL)))
-            .collect();
-        lower.sort_unstable_by_key(|&(column, row, _)| (column, row));
-        let edge_of_entry = lower.iter().map(|&(_, _, edge)| edge).collect();
-        let (column_start, rows) = compressed(n, lower.into_iter().map(|(column, row, _)| (column, row)));
-
+        let (mut column_start, mut rows, mut edge_of_entry) = (vec![0], Vec::new(), Vec::new());
+        for column in 0..n {
+            rows.push(column as u32);
+            edge_of_entry.push(DIAGONAL);
+            let (neighbours, edges) = pattern.row(column);
+            let below = neighbours.partition_point(|&row| (row as usize) < column);
+            rows.extend_from_slice(&neighbours[below..]);
+            edge_of_entry.extend_from_slice(&edges[below..]);
+            column_start.push(rows.len() as u32);
+        }
         let mut symbolic = Self {
-            structure,
+            structure: Structure::new(n, |row| pattern.row(row).0),
             column_start,
             rows,
             edge_of_entry,
@@ -190,7 +187,7 @@ impl SymbolicCholesky {
     /// # Errors
     /// [`CholeskyError::NotFinite`] or [`CholeskyError::TooLarge`].
     pub fn factorise(&self, laplacian: &Laplacian, workspace: &mut Workspace) -> Result<Factor, CholeskyError> {
-        let n = self.structure.nrows();
+        let n = self.structure.columns();
         let diagonal_sum: f64 = laplacian.diagonal.iter().map(|&d| f64::from(d)).sum();
         let mean = (diagonal_sum / n.max(1) as f64).max(f64::from(f32::MIN_POSITIVE));
         if !mean.is_finite() {
@@ -198,8 +195,10 @@ impl SymbolicCholesky {
         }
         let loose = self.set_lower(laplacian, mean, &mut workspace.lower);
         for attempt in 0..MOST_ATTEMPTS {
-            let Some(pivot) = self.try_factorise(workspace)? else {
-                return Ok(Factor { values: self.pack(&workspace.values), regularised: loose + attempt });
+            let Workspace { lower, values, scratch } = &mut *workspace;
+            let matrix = (self.column_start.as_slice(), self.rows.as_slice(), lower.as_slice());
+            let Err(pivot) = numeric::factorise(&self.structure, matrix, values, scratch) else {
+                return Ok(Factor { values: self.pack(values), regularised: loose + attempt });
             };
             if attempt < SINGLE_PIVOTS {
                 workspace.lower[self.column_start[pivot.min(n - 1)] as usize] += mean;
@@ -218,7 +217,7 @@ impl SymbolicCholesky {
     fn set_lower(&self, laplacian: &Laplacian, mean: f64, lower: &mut Vec<f64>) -> usize {
         let mut loose = 0;
         lower.clear();
-        for column in 0..self.structure.nrows() {
+        for column in 0..self.structure.columns() {
             let entries = self.column_start[column] as usize..self.column_start[column + 1] as usize;
             let start = lower.len();
             lower.extend(self.edge_of_entry[entries].iter().map(|&edge| match edge {
@@ -233,40 +232,14 @@ impl SymbolicCholesky {
         loose
     }
 
-    /// Factorises the workspace's lower triangle; the pivot that was not positive, if any.
-    fn try_factorise(&self, workspace: &mut Workspace) -> Result<Option<usize>, CholeskyError> {
-        let n = self.structure.nrows();
-        let memory = match &mut workspace.memory {
-            Some(memory) => memory,
-            none => none.insert(memory(supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(
-                &self.structure,
-                Par::Seq,
-                Spec::default(),
-            ))?),
-        };
-        workspace.values.resize(self.structure.len_val(), 0.0);
-        let pattern = SymbolicSparseColMatRef::<u32>::new_checked(n, n, &self.column_start, None, &self.rows);
-        let outcome = supernodal::factorize_supernodal_numeric_llt(
-            &mut workspace.values,
-            SparseColMatRef::new(pattern, &workspace.lower),
-            // faer's own regularisation leaves a zero on the factor's diagonal.
-            LltRegularization::default(),
-            &self.structure,
-            Par::Seq,
-            MemStack::new(memory),
-            Spec::default(),
-        );
-        Ok(outcome.err().map(|LltError::NonPositivePivot { index }| index))
-    }
-
     /// Replaces `x` by `(L L^T)^-1 x`: three right sides, one per lane, in elimination order.
     pub fn solve(&self, factor: &Factor, x: &mut [Vec4], scratch: &mut Vec<Vec4>) {
         scratch.resize(self.tallest, Vec4::ZERO);
-        for supernode in 0..self.structure.n_supernodes() {
-            let (start, end, pattern) = self.supernode(supernode);
-            let columns = end - start;
-            let below = &mut scratch[..columns + pattern.len()];
-            below[..columns].copy_from_slice(&x[start..end]);
+        for supernode in 0..self.structure.supernodes() {
+            let node = self.structure.supernode(supernode);
+            let columns = node.columns();
+            let below = &mut scratch[..node.height()];
+            below[..columns].copy_from_slice(&x[node.start..node.end]);
             below[columns..].fill(Vec4::ZERO);
             for (panel, values) in self.panels_of(supernode, factor) {
                 let rows = &mut below[panel.column as usize..];
@@ -277,17 +250,17 @@ impl SymbolicCholesky {
                     _ => forward::<1>(values, rows),
                 }
             }
-            x[start..end].copy_from_slice(&below[..columns]);
-            for (&row, &sum) in pattern.iter().zip(&below[columns..]) {
+            x[node.start..node.end].copy_from_slice(&below[..columns]);
+            for (&row, &sum) in node.rows.iter().zip(&below[columns..]) {
                 x[row as usize] += sum;
             }
         }
-        for supernode in (0..self.structure.n_supernodes()).rev() {
-            let (start, end, pattern) = self.supernode(supernode);
-            let columns = end - start;
-            let below = &mut scratch[..columns + pattern.len()];
-            below[..columns].copy_from_slice(&x[start..end]);
-            for (value, &row) in below[columns..].iter_mut().zip(pattern) {
+        for supernode in (0..self.structure.supernodes()).rev() {
+            let node = self.structure.supernode(supernode);
+            let columns = node.columns();
+            let below = &mut scratch[..node.height()];
+            below[..columns].copy_from_slice(&x[node.start..node.end]);
+            for (value, &row) in below[columns..].iter_mut().zip(node.rows) {
                 *value = x[row as usize];
             }
             for (panel, values) in self.panels_of(supernode, factor).rev() {
@@ -299,15 +272,8 @@ impl SymbolicCholesky {
                     _ => backward::<1>(values, rows),
                 }
             }
-            x[start..end].copy_from_slice(&below[..columns]);
+            x[node.start..node.end].copy_from_slice(&below[..columns]);
         }
-    }
-
-    /// First and past-the-last column of a supernode, and the rows below them that it reaches.
-    fn supernode(&self, supernode: usize) -> (usize, usize, &[u32]) {
-        let end = self.structure.supernode_end()[supernode] as usize;
-        let symbolic = self.structure.supernode(supernode);
-        (symbolic.start(), end, symbolic.pattern())
     }
 
     fn panels_of<'a>(
@@ -320,9 +286,9 @@ impl SymbolicCholesky {
     }
 
     fn lay_out_panels(&mut self) {
-        for supernode in 0..self.structure.n_supernodes() {
-            let (start, end, pattern) = self.supernode(supernode);
-            let (columns, height) = (end - start, end - start + pattern.len());
+        for supernode in 0..self.structure.supernodes() {
+            let node = self.structure.supernode(supernode);
+            let (columns, height) = (node.columns(), node.height());
             self.tallest = self.tallest.max(height);
             for column in (0..columns).step_by(PANEL) {
                 let width = PANEL.min(columns - column);
@@ -336,10 +302,9 @@ impl SymbolicCholesky {
     /// The factor's numbers in the order of the panels.
     fn pack(&self, values: &[f64]) -> Vec<f32> {
         let mut packed = Vec::with_capacity(self.panel_values);
-        for supernode in 0..self.structure.n_supernodes() {
-            let (start, end, pattern) = self.supernode(supernode);
-            let height = end - start + pattern.len();
-            let first = self.structure.col_ptr_for_val()[supernode] as usize;
+        for supernode in 0..self.structure.supernodes() {
+            let node = self.structure.supernode(supernode);
+            let (first, height) = (node.value_start, node.height());
             let range = self.first_panel[supernode] as usize..self.first_panel[supernode + 1] as usize;
             for panel in &self.panels[range] {
                 let (column, width) = (panel.column as usize, panel.width as usize);
@@ -405,35 +370,11 @@ fn backward<const W: usize>(values: &[f32], rows: &mut [Vec4]) {
     }
 }
 
-fn analyse(
-    upper: SymbolicSparseColMatRef<'_, u32>,
-) -> Result<supernodal::SymbolicSupernodalCholesky<u32>, CholeskyError> {
-    let n = upper.ncols();
-    let mut memory = memory(StackReq::any_of(&[
-        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, upper.row_idx().len()),
-        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n),
-    ]))?;
-    let stack = MemStack::new(&mut memory);
-    let mut tree = vec![0; n];
-    let mut counts = vec![0; n];
-    let tree = simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, upper, stack);
-    supernodal::factorize_supernodal_symbolic_cholesky(upper, tree, &counts, stack, Default::default())
-        .map_err(|_| CholeskyError::TooLarge)
-}
-
-fn memory(request: StackReq) -> Result<MemBuffer, CholeskyError> {
-    MemBuffer::try_new(request).map_err(|_| CholeskyError::TooLarge)
-}
-
-fn diagonal(n: usize) -> impl Iterator<Item = (u32, u32)> {
-    (0..n as u32).map(|k| (k, k))
-}
-
 /// Compressed columns of (column, row) pairs in order.
-fn compressed(n: usize, pairs: impl Iterator<Item = (u32, u32)>) -> (Vec<u32>, Vec<u32>) {
+fn compressed(n: usize, pairs: &[u128]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0_u32; n + 1];
-    let mut rows = Vec::new();
-    for (column, row) in pairs {
+    let mut rows = Vec::with_capacity(pairs.len());
+    for [_, _, column, row] in pairs.iter().map(|&pair| numbers(pair)) {
         start[column as usize + 1] += 1;
         rows.push(row);
     }

@@ -49,7 +49,7 @@ impl Transition {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GraphError {
     /// Alpha is negative, not finite or absurdly large.
-    #[error("alpha is {0}, but must be between 0 and 1000")]
+    #[error("alpha must be between 0 and 1000")]
     Alpha(f64),
     /// A transition names a frame that does not exist.
     #[error("transition {0} names a frame that does not exist")]

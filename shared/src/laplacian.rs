@@ -11,6 +11,7 @@ use glam::{Vec3, Vec4};
 use crate::cholesky::{CholeskyError, anchors_last};
 use crate::gradients::{TriangleBatches, frame};
 use crate::lanes::{LANES, Lanes};
+use crate::sort::{key, numbers, sort};
 use crate::topology::Topology;
 
 /// Narrowest triangle that is weighted as it is, height over longest edge. Single precision cannot hold the weights of
@@ -86,10 +87,10 @@ impl LaplacianPattern {
         &self.position_of_vertex
     }
 
-    /// Edges, each once, as positions (smaller, larger).
-    #[must_use]
-    pub(crate) fn edges(&self) -> &[[u32; 2]] {
-        &self.edges
+    /// The free neighbours of a free vertex, in order, and the edges to them.
+    pub(crate) fn row(&self, row: usize) -> (&[u32], &[u32]) {
+        let entries = self.row_start[row] as usize..self.row_start[row + 1] as usize;
+        (&self.columns[entries.clone()], &self.edge_of_entry[entries])
     }
 
     /// Sets `laplacian` to that of `pose`, in metres.
@@ -135,40 +136,46 @@ fn number_edges(triangles: &TriangleBatches, position_of_vertex: &[u32]) -> (Vec
         let corners = triangles.batches()[triangle / LANES].corners();
         let [a, b, c] = corners.map(|corner| position_of_vertex[corner[triangle % LANES] as usize]);
         for (corner, (k, l)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
-            sides.push(([k.min(l), k.max(l)], triangle, corner));
+            sides.push(key([k.min(l), k.max(l), triangle as u32, corner as u32]));
         }
     }
-    sides.sort_unstable();
+    sort(&mut sides);
     let mut edges: Vec<[u32; 2]> = Vec::new();
     let mut edge_of_corner = vec![[[0; LANES]; 3]; triangles.batches().len()];
-    for (ends, triangle, corner) in sides {
-        if edges.last() != Some(&ends) {
-            edges.push(ends);
+    for [k, l, triangle, corner] in sides.into_iter().map(numbers) {
+        let (triangle, corner) = (triangle as usize, corner as usize);
+        if edges.last() != Some(&[k, l]) {
+            edges.push([k, l]);
         }
         edge_of_corner[triangle / LANES][corner][triangle % LANES] = edges.len() as u32 - 1;
     }
     (edges, edge_of_corner)
 }
 
+/// Compressed rows: where each begins, its columns in order, and their edges.
 fn rows(edges: &[[u32; 2]], free_count: usize) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-    let mut entries = Vec::with_capacity(2 * edges.len());
-    for (edge, &[k, l]) in edges.iter().enumerate() {
-        // A triangle that names a vertex twice has an edge from it to itself, which says nothing.
-        if k != l && (l as usize) < free_count {
-            entries.push((k, l, edge as u32));
-            entries.push((l, k, edge as u32));
-        }
-    }
-    entries.sort_unstable();
+    // A triangle that names a vertex twice has an edge from it to itself, which says nothing.
+    let says_something = |[k, l]: [u32; 2]| k != l && (l as usize) < free_count;
+    let edges = || (0..).zip(edges).map(|(edge, &ends)| (edge, ends)).filter(|&(_, ends)| says_something(ends));
     let mut row_start = vec![0; free_count + 1];
-    for &(row, ..) in &entries {
-        row_start[row as usize + 1] += 1;
+    for (_, [k, l]) in edges() {
+        row_start[k as usize + 1] += 1;
+        row_start[l as usize + 1] += 1;
     }
     for row in 0..free_count {
         row_start[row + 1] += row_start[row];
     }
-    let columns = entries.iter().map(|&(_, column, _)| column).collect();
-    let edge_of_entry = entries.iter().map(|&(_, _, edge)| edge).collect();
+    let mut next = row_start.clone();
+    let entries = row_start[free_count] as usize;
+    let (mut columns, mut edge_of_entry) = (vec![0; entries], vec![0; entries]);
+    let mut put = |row: u32, column: u32, edge: u32| {
+        let at = next[row as usize] as usize;
+        next[row as usize] += 1;
+        (columns[at], edge_of_entry[at]) = (column, edge);
+    };
+    // Edges are in order, so that each row gets its smaller columns in order, then its larger ones.
+    edges().for_each(|(edge, [k, l])| put(l, k, edge));
+    edges().for_each(|(edge, [k, l])| put(k, l, edge));
     (row_start, columns, edge_of_entry)
 }
 

@@ -24,6 +24,7 @@ pub mod laplacian;
 pub mod poisson;
 pub mod pose_source;
 pub mod search;
+pub mod sort;
 pub mod surface;
 pub mod synthesis;
 pub mod timeline;

@@ -104,8 +104,7 @@ fn a_captured_walk_with_two_transitions_does_not_pop() {
     let start = Placement { heading: 2.0, translation: Vec2::new(3.0, -1.0) };
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
     synthesiser.begin_walk(5, start, &walk);
-    assert!(synthesiser.prepare(&graph, &timeline, &mut poses).unwrap());
-    assert!(synthesiser.prepare(&graph, &timeline, &mut poses).unwrap());
+    assert!(synthesiser.prepare(&graph, &timeline, &mut poses).unwrap(), "one side is left");
     assert!(!synthesiser.prepare(&graph, &timeline, &mut poses).unwrap(), "both sides are ready");
     let played = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX);
     assert_eq!(played.infos.len(), 1 + 5 + 20 + 5 + 15 + 10);

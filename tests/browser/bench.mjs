@@ -1,33 +1,19 @@
 /**
- * The page's own figures, each beside its mark: `node bench.mjs`. Same variables as `run.mjs`.
+ * The page's own figures: `node bench.mjs`. Same variables as `run.mjs`; REPRISE_FIGURES names a file for them as JSON.
+ * `cargo xtask bench` puts each beside its mark.
  *
  * The processor's times are what counts here. Chromium draws in software on a machine without a GPU, so nothing below
- * times the drawing itself.
+ * but the return of a lost device times the drawing itself.
  */
 
-import { readFile } from 'node:fs/promises';
-import { Browser, bundlePath } from './browser.mjs';
+import { writeFile } from 'node:fs/promises';
+import { Browser } from './browser.mjs';
 
 /** Bytes that a download hands over at once. */
 const CHUNK = 64 * 1024;
 
-/** Names of `Player.bench()`, with their marks in milliseconds. */
-const MARKS = { synthetic_frame: '6 ms, stretch 3', plan: '5 ms', recorded_frame: '1 ms' };
-
-function print(name, value, unit, mark = '') {
-  console.log(`${name.padEnd(44)}${value.toFixed(2).padStart(9)} ${unit}${mark && `   (mark: ${mark})`}`);
-}
-
-const browser = await Browser.launch();
-const player = await browser.open();
-await player.loaded();
-await player.run((element) => element.pause());
-
-const figures = await player.run((element) => JSON.parse(element.testing.player.bench()));
-for (const [name, ms] of Object.entries(figures)) if (name in MARKS || name.includes('worst')) print(name.replaceAll('_', ' '), ms, 'ms', MARKS[name]);
-
-// What a click has to wait for on the processor: the plan, the first frame of the walk, and the commands that draw it.
-const clicks = await player.run((element) => {
+/** What a click has to wait for on the processor: the plan, the first frame of the walk, and the commands that draw it. */
+function clicks(element) {
   const times = [];
   const { sequences, fps } = element.info;
   const { player: inner, stage } = element.testing;
@@ -41,29 +27,52 @@ const clicks = await player.run((element) => {
     times.push([planned - start, performance.now() - start]);
   }
   const sorted = (column) => times.map((row) => row[column]).sort((a, b) => a - b);
-  return { plan: sorted(0)[times.length >> 1], changed: sorted(1)[times.length >> 1], worst: sorted(1).at(-1) };
-});
-print('click to plan, through the element', clicks.plan, 'ms', '5 ms');
-print('click to the commands of the first frame', clicks.changed, 'ms', '50 ms');
-print('the same, worst of 24', clicks.worst, 'ms', '50 ms');
+  return { click_to_plan: sorted(0)[times.length >> 1], click_to_changed: sorted(1)[times.length >> 1], click_to_changed_worst: sorted(1).at(-1) };
+}
 
-const bytes = await readFile(bundlePath);
-const firstPose = await player.page.evaluate(
-  async ({ address, chunk }) => {
-    const element = document.querySelector('reprise-player');
-    const all = new Uint8Array(await (await fetch(address)).arrayBuffer());
-    const fresh = new element.testing.player.constructor();
-    let at = 0;
-    while (at < all.length && (fresh.phase() === 'empty' || fresh.phase() === 'header')) {
-      fresh.push(all.subarray(at, at + chunk));
-      at += chunk;
-    }
-    fresh.free();
-    return Math.min(at, all.length);
-  },
-  { address: 'demo.reprise', chunk: CHUNK },
-);
-print('bytes until the first pose', firstPose / 1e6, 'MB', '2 MB');
-print('bytes of the bundle', bytes.length / 1e6, 'MB', '20 MB, stretch 12');
+/** Megabytes after which a fresh player has its first pose, which is when the page draws. */
+async function bytesToFirstPicture({ address, chunk }) {
+  const element = document.querySelector('reprise-player');
+  const all = new Uint8Array(await (await fetch(address)).arrayBuffer());
+  const fresh = new element.testing.player.constructor();
+  let at = 0;
+  while (at < all.length && (fresh.phase() === 'empty' || fresh.phase() === 'header')) {
+    fresh.push(all.subarray(at, at + chunk));
+    at += chunk;
+  }
+  fresh.free();
+  return Math.min(at, all.length) / 1e6;
+}
+
+/** Milliseconds from the loss of the device until the same pose is on a new one's canvas. */
+async function deviceLoss(element) {
+  element.pause();
+  const pose = element.testing.pose();
+  const restored = new Promise((resolve) => element.addEventListener('devicerestored', resolve, { once: true }));
+  const start = performance.now();
+  element.testing.loseDevice();
+  await restored;
+  await element.testing.picture();
+  const taken = performance.now() - start;
+  const after = element.testing.pose();
+  if (pose.some((value, at) => value !== after[at])) throw new Error('another pose came back');
+  return taken;
+}
+
+const browser = await Browser.launch();
+const player = await browser.open({ forgive: [/Device was destroyed/] });
+await player.loaded();
+await player.run((element) => element.pause());
+await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
+// The first run warms the code up.
+await player.run((element) => element.testing.player.bench());
+const figures = {
+  ...(await player.run((element) => JSON.parse(element.testing.player.bench()))),
+  ...(await player.run(clicks)),
+  bytes_to_first_picture: await player.page.evaluate(bytesToFirstPicture, { address: 'demo.reprise', chunk: CHUNK }),
+  device_loss: await player.run(deviceLoss),
+};
 await player.close();
 await browser.close();
+for (const [name, value] of Object.entries(figures)) console.log(`${name.replaceAll('_', ' ').padEnd(32)}${value.toFixed(3).padStart(10)}`);
+if (process.env.REPRISE_FIGURES) await writeFile(process.env.REPRISE_FIGURES, JSON.stringify(figures));

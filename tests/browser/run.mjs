@@ -1,12 +1,14 @@
 /**
  * Runs the browser tests: `node run.mjs [part of a name]`.
  *
- * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise), CHROMIUM
- * the browser (default: /usr/bin/chromium). Pictures go to out/.
+ * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise),
+ * REPRISE_NATIVE the folder that `native_walk` wrote from it, CHROMIUM the browser (default: /usr/bin/chromium).
+ * Pictures go to out/.
  */
 
 import { Browser } from './browser.mjs';
 import { tests as modules } from './tests/modules.mjs';
+import { tests as native } from './tests/native.mjs';
 import { tests as loading } from './tests/loading.mjs';
 import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
@@ -14,14 +16,15 @@ import { tests as page } from './tests/page.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, loading, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, native, loading, walking, errors, page, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 let failed = 0;
 for (const [name, test] of chosen) {
+  const start = Date.now();
   try {
     await test(browser);
-    console.log(`ok      ${name}`);
+    console.log(`ok      ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
   } catch (error) {
     failed += 1;
     console.log(`FAILED  ${name}\n        ${String(error?.stack ?? error).replaceAll('\n', '\n        ')}`);

@@ -61,8 +61,10 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/slow.reprise') return trickle(response, bundle, false);
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
-  const file = join(root, normalize(pathname === '/' ? '/index.html' : decodeURIComponent(pathname)));
-  const found = file.startsWith(root) && (await stat(file).catch(() => null))?.isFile();
+  const native = process.env.REPRISE_NATIVE && pathname.startsWith('/native/');
+  const [folder, path] = native ? [process.env.REPRISE_NATIVE, pathname.slice('/native'.length)] : [root, pathname];
+  const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));
+  const found = file.startsWith(folder) && (await stat(file).catch(() => null))?.isFile();
   if (found) return send(response, await readFile(file), extname(file));
   response.writeHead(404, { 'content-type': 'text/plain' });
   response.end('Not found');
@@ -73,13 +75,16 @@ function send(response, bytes, extension) {
   response.end(bytes);
 }
 
+/** Milliseconds between the pieces of a slow download. */
+const PAUSE = 100;
+
 /** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
 async function trickle(response, bundle, breaks) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
   const piece = Math.ceil(bundle.length / 20);
   for (let at = 0; at < bundle.length; at += piece) {
     response.write(bundle.subarray(at, at + piece));
-    await new Promise((resolve) => setTimeout(resolve, 250));
+    await new Promise((resolve) => setTimeout(resolve, PAUSE));
     if (breaks && at > 0) {
       response.destroy();
       return;

@@ -2,9 +2,9 @@
 
 /** Seconds within which a pose must be reached. */
 const SOON = { least: 0.4, most: 6 };
-const MOST_POSES = 5;
+const MOST_POSES = 6;
 /** Metres between two poses, and between a pose and the actor. */
-const APART = 0.8;
+const APART = 1;
 
 const rest = () => new Promise((resolve) => setTimeout(resolve, 0));
 
@@ -26,9 +26,11 @@ export async function suggestPoses(director, wanted) {
   return spreadOut(reachable, actor).map(({ frame }) => frame);
 }
 
-/** A third and two thirds of the way through every sequence: no pose at a sequence's end, where the actor would be stuck. */
+/** Parts of the way through every sequence: no pose at a sequence's end, where the actor would be stuck. */
+const SHARES = [0.25, 0.4, 0.55, 0.7, 0.85];
+
 function candidates(timeline) {
-  return timeline.sequences.flatMap(({ first, count }) => [1 / 3, 2 / 3].map((share) => first + Math.floor(count * share)));
+  return timeline.sequences.flatMap(({ first, count }) => SHARES.map((share) => first + Math.floor(count * share)));
 }
 
 function approach(director, frame) {

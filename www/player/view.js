@@ -163,8 +163,15 @@ class View {
     if (this.stage.root.getAttribute('aria-label') !== text) this.stage.root.setAttribute('aria-label', text);
   }
 
+  /** The graphics device; the engine may not know its name, the browser tells it a moment later. */
   adapter() {
-    if (this.stage.stage && !this.known) this.known = JSON.parse(this.stage.stage.adapter());
+    if (this.stage.stage && !this.known) {
+      this.known = JSON.parse(this.stage.stage.adapter());
+      if (!this.known.name) {
+        const name = (info) => info?.description || [info?.vendor, info?.architecture].filter(Boolean).join(' ');
+        navigator.gpu.requestAdapter().then((adapter) => (this.known.name = name(adapter?.info) || 'a device without a name'), () => {});
+      }
+    }
     return this.known ?? null;
   }
 

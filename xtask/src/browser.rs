@@ -1,22 +1,30 @@
 //! What the browser tests need: node with playwright-core, and a Chromium with WebGPU.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::command::{root, run, succeeds};
+use crate::command::{cargo, root, run, succeeds, target};
 
 /// Chromium, and the OpenGL vendor without which it loses its WebGPU device.
 const PACKAGES: [&str; 6] = ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
 
-/// Runs the browser tests on the page in `dist`; fetches what they need first.
-pub fn test(dist: &std::path::Path) -> Result<()> {
+/// Runs the browser tests on the page in `dist`, which holds the demo; fetches what they need first.
+pub fn test(dist: &Path) -> Result<()> {
+    let walks = target().join("walks");
+    let mut native = cargo();
+    native.args(["run", "-q", "-p", "reprise-tests", "--bin", "native_walk", "--"]).arg(dist.join("demo.reprise"));
+    run("walks, natively", native.arg(&walks))?;
+    run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks))
+}
+
+/// A script of the browser tests' folder, for the page in `dist`.
+pub fn node(script: &str, dist: &Path) -> Result<Command> {
     let chromium = chromium()?;
-    let folder = node_packages()?;
     let mut command = Command::new("node");
-    command.arg("run.mjs").current_dir(folder).env("REPRISE_DIST", dist).env("CHROMIUM", chromium);
-    run("browser tests", &mut command)
+    command.arg(script).current_dir(node_packages()?).env("REPRISE_DIST", dist).env("CHROMIUM", chromium);
+    Ok(command)
 }
 
 /// Installs the tests' own node packages and returns their folder.

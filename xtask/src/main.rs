@@ -13,8 +13,10 @@ mod bench;
 mod browser;
 mod command;
 mod demo;
+mod figures;
 mod serve;
 mod size;
+mod strip;
 mod test;
 mod web;
 

@@ -8,6 +8,7 @@ use anyhow::{Context, Result, bail};
 use wasm_bindgen_cli_support::Bindgen;
 
 use crate::command::{cargo, root, run, succeeds, target};
+use crate::strip::strip;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -32,6 +33,8 @@ pub fn build() -> Result<PathBuf> {
         .remove_producers_section(true)
         .generate(&package)
         .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
+    let bindings = package.join("web.js");
+    strip_file(&bindings, &bindings)?;
     copy_folder(&root().join("www"), &dist)?;
     Ok(dist)
 }
@@ -57,9 +60,17 @@ fn copy_folder(from: &Path, to: &Path) -> Result<()> {
         let (source, destination) = (entry.path(), to.join(entry.file_name()));
         if source.is_dir() {
             copy_folder(&source, &destination)?;
+        } else if source.extension().is_some_and(|extension| extension == "js") {
+            strip_file(&source, &destination)?;
         } else {
             fs::copy(&source, &destination).with_context(|| format!("cannot copy {}", source.display()))?;
         }
     }
     Ok(())
+}
+
+/// Writes a script without its comments.
+fn strip_file(from: &Path, to: &Path) -> Result<()> {
+    let source = fs::read_to_string(from).with_context(|| format!("cannot read {}", from.display()))?;
+    fs::write(to, strip(&source)).with_context(|| format!("cannot write {}", to.display()))
 }

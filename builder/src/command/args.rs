@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use builder::transitions::TransitionOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::direct::{TypedPose, parse_pose, parse_seconds, parse_size};
@@ -58,9 +59,9 @@ pub struct PackArguments {
     /// Weigh triangles by their area in the pose distance, instead of all alike.
     #[arg(long)]
     pub area_weighted: bool,
-    /// Slope limit p of the temporal warps: at most p - 1 frames repeat in a row.
-    #[arg(long, default_value_t = 3, value_name = "P", value_parser = clap::value_parser!(u8).range(1..=16))]
-    pub slope: u8,
+    /// Slope limit p of the temporal warps, 1 to 5, or none: at most p - 1 frames repeat in a row.
+    #[arg(long, default_value = "3", value_name = "P", value_parser = slope)]
+    pub slope: Slope,
     /// Shortest blended segment, in seconds.
     #[arg(long, default_value_t = 0.3, value_name = "SECONDS")]
     pub shortest: f32,
@@ -227,10 +228,26 @@ pub struct InspectArguments {
 /// Arguments of `builder validate`.
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
-    /// The bundle to check.
-    #[arg(value_name = "FILE")]
-    pub bundle: PathBuf,
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
     /// Print an object on stdout instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+/// A slope limit, or none.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope(pub Option<u8>);
+
+fn slope(text: &str) -> Result<Slope, String> {
+    let most = TransitionOptions::MAX_SLOPE;
+    match text.parse() {
+        _ if text == "none" => Ok(Slope(None)),
+        Ok(slope) if (1..=most).contains(&slope) => Ok(Slope(Some(slope))),
+        _ => Err(format!("a slope limit is a number from 1 to {most}, or none")),
+    }
 }

@@ -43,7 +43,7 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
 }
 
 /// Whether a file begins as a bundle does.
-fn is_bundle(path: &Path) -> bool {
+pub fn is_bundle(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
     let is_file = path.is_file();
     is_file && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok_and(|()| start == MAGIC)

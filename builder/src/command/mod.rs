@@ -51,6 +51,6 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
-        Command::Validate(arguments) => validate::run(arguments),
+        Command::Validate(arguments) => validate::run(arguments, &terminal),
     }
 }

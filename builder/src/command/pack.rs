@@ -67,7 +67,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         transition: TransitionOptions {
             shortest_seconds: arguments.shortest,
             longest_seconds: arguments.longest,
-            slope: Some(arguments.slope),
+            slope: arguments.slope.0,
             choice: match arguments.transition_length {
                 TransitionLength::Total => LengthChoice::Total,
                 TransitionLength::Mean => LengthChoice::Mean,

@@ -15,6 +15,7 @@ use super::mesh::{FileMesh, FileTriangle};
 use super::plan::Plan;
 use super::read::Recording;
 use super::text::{for_each_line, number};
+use super::warning::Warning;
 use super::weld::weld;
 
 /// Default welding tolerance as a part of the body's size (the diagonal of the first frame's box).
@@ -27,7 +28,7 @@ pub(super) fn assemble(
     plan: &Plan,
     recording: Recording,
     weld_tolerance: Option<f32>,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<(Capture, Vec<bool>), ImportError> {
     let Recording { mesh, mut positions, frame_counts, .. } = recording;
     let file_vertices = mesh.vertex_count;
@@ -48,7 +49,10 @@ pub(super) fn assemble(
     });
     if before > triangles.len() {
         let dropped = before - triangles.len();
-        warnings.push(format!("{dropped} of {before} triangles have two corners at one place and are left out"));
+        warnings.push(Warning::new(
+            "W_TRIANGLES_DROPPED",
+            format!("{dropped} of {before} triangles have two corners at one place and are left out"),
+        ));
     }
     if triangles.is_empty() {
         return Err(ImportError::NoTriangles { path });
@@ -81,11 +85,14 @@ fn body_size(pose: &[Vec3]) -> f32 {
     low.distance(high)
 }
 
-fn warn_about_size(size: f32, warnings: &mut Vec<String>) {
+fn warn_about_size(size: f32, warnings: &mut Vec<Warning>) {
     if !(0.05..=20.0).contains(&size) {
-        warnings.push(format!(
-            "the subject measures {size:.3} m: if that is not so, give the unit (0.01 for centimetres, 0.001 for \
+        warnings.push(Warning::new(
+            "W_SIZE",
+            format!(
+                "the subject measures {size:.3} m: if that is not so, give the unit (0.01 for centimetres, 0.001 for \
              millimetres)"
+            ),
         ));
     }
 }
@@ -178,14 +185,17 @@ fn read_weights(path: &std::path::Path, file_vertices: usize, kept: &[u32]) -> R
     Ok(kept.iter().map(|&v| weights[v as usize]).collect())
 }
 
-fn warn_about_loose_vertices(topology: &Topology, warnings: &mut Vec<String>) {
+fn warn_about_loose_vertices(topology: &Topology, warnings: &mut Vec<Warning>) {
     let mut used = vec![false; topology.vertex_count()];
     for &vertex in topology.triangles().iter().flatten() {
         used[vertex as usize] = true;
     }
     let loose = used.iter().filter(|&&used| !used).count();
     if loose > 0 {
-        warnings.push(format!("{loose} of {} vertices belong to no triangle; they are kept", used.len()));
+        warnings.push(Warning::new(
+            "W_LOOSE_VERTICES",
+            format!("{loose} of {} vertices belong to no triangle; they are kept", used.len()),
+        ));
     }
 }
 
@@ -196,7 +206,7 @@ fn poses(
     mut positions: Vec<Vec3>,
     mut frame_counts: Vec<usize>,
     size: f32,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> (Poses, Vec<usize>, Vec<bool>) {
     let n = topology.vertex_count();
     let mut dropped = Vec::new();
@@ -209,7 +219,10 @@ fn poses(
         read += *count;
         write += kept;
         if repeats {
-            warnings.push(format!("\"{}\": the last frame repeats the first and is left out", sequence.name));
+            warnings.push(Warning::new(
+                "W_FRAME_REPEATED",
+                format!("\"{}\": the last frame repeats the first and is left out", sequence.name),
+            ));
         }
         *count = kept;
         dropped.push(repeats);

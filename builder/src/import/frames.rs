@@ -10,6 +10,7 @@ use super::images::{ImageStore, read_file};
 use super::inputs::ending;
 use super::manifest::UpAxis;
 use super::mesh::{FaceList, FileMesh, Frame, plain_material};
+use super::warning::Warning;
 use super::{mtl, obj, ply};
 
 /// Turns positions of the input into metres, +Y up.
@@ -59,7 +60,7 @@ pub(super) fn read_frame(path: &Path) -> Result<Frame, ImportError> {
 }
 
 /// The mesh that `frame`, read from `path`, shares with the frames after it; warnings about missing libraries.
-pub(super) fn shared_mesh(frame: &Frame, path: &Path, warnings: &mut Vec<String>) -> Result<FileMesh, ImportError> {
+pub(super) fn shared_mesh(frame: &Frame, path: &Path, warnings: &mut Vec<Warning>) -> Result<FileMesh, ImportError> {
     if frame.faces.sizes.is_empty() {
         return Err(ImportError::NoTriangles { path: path.to_owned() });
     }
@@ -75,7 +76,10 @@ pub(super) fn shared_mesh(frame: &Frame, path: &Path, warnings: &mut Vec<String>
         materials.push(material);
     }
     if untextured > 0 {
-        warnings.push(format!("{}: has a texture but no texture coordinates: it is drawn without", path.display()));
+        warnings.push(Warning::new(
+            "W_NO_UV",
+            format!("{}: has a texture but no texture coordinates: it is drawn without", path.display()),
+        ));
     }
     Ok(FileMesh {
         vertex_count: frame.positions.len(),
@@ -97,7 +101,7 @@ pub(super) fn own_texture(frame: &Frame, path: &Path) -> Result<Option<PathBuf>,
 fn looks(
     frame: &Frame,
     path: &Path,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Vec<(shared::surface::Material, Option<PathBuf>)>, ImportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut library = Vec::new();
@@ -106,7 +110,10 @@ fn looks(
             if file.is_file() {
                 library.extend(mtl::parse(&read_file(&file)?, &file)?);
             } else {
-                warnings.push(format!("{}: the material library {} is missing", path.display(), file.display()));
+                warnings.push(Warning::new(
+                    "W_MATERIAL_MISSING",
+                    format!("{}: the material library {} is missing", path.display(), file.display()),
+                ));
             }
         }
     }

@@ -9,6 +9,7 @@ use super::error::ImportError;
 use super::gltf::GltfFile;
 use super::numbered::{Run, gap_warning, natural, runs};
 use super::pattern::Pattern;
+use super::warning::Warning;
 
 /// Name of the manifest within a folder.
 pub(super) const MANIFEST_NAME: &str = "capture.toml";
@@ -58,7 +59,7 @@ pub(super) struct Found {
 #[derive(Default)]
 pub(super) struct Finder {
     /// Sentences for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     gltf_files: HashMap<PathBuf, Rc<GltfFile>>,
 }
 

@@ -44,6 +44,7 @@ mod polygon;
 mod read;
 mod text;
 mod textures;
+mod warning;
 mod weld;
 
 use std::path::PathBuf;
@@ -52,6 +53,7 @@ use shared::capture::Capture;
 
 pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
+pub use self::warning::Warning;
 use crate::progress::Progress;
 
 /// Frames per second where nothing else is said.
@@ -84,7 +86,7 @@ pub struct Imported {
     /// The capture.
     pub capture: Capture,
     /// Sentences about what the user should know.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// The texture file of each frame of the capture, where frames have their own; the first is also the static one.
     pub frame_textures: Option<Vec<PathBuf>>,
 }

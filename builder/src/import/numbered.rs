@@ -1,5 +1,6 @@
 //! Numbered files: which belong to one run of frames, in which order, and which numbers are missing.
 
+use super::warning::Warning;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
@@ -37,18 +38,19 @@ pub(super) fn runs(files: Vec<PathBuf>) -> Vec<Run> {
 }
 
 /// A sentence about the numbers that a run skips; `None` where the numbers rise by equal steps.
-pub(super) fn gap_warning(files: &[PathBuf]) -> Option<String> {
+pub(super) fn gap_warning(files: &[PathBuf]) -> Option<Warning> {
     let numbers: Vec<u64> = files.iter().filter_map(|path| prefix_and_number(path).1).collect();
     let step = numbers.windows(2).map(|w| w[1].saturating_sub(w[0])).filter(|&d| d > 0).min()?;
     let gaps: Vec<[u64; 2]> =
         numbers.windows(2).filter(|w| w[1].saturating_sub(w[0]) > step).map(|w| [w[0], w[1]]).collect();
     let [from, to] = *gaps.first()?;
     let first = files.first()?.display();
-    Some(format!(
+    let message = format!(
         "{first}: {} gap(s) in the numbers of this run, the first between {from} and {to}: the frames play on without a \
          pause; if the motion jumps there, make two sequences with patterns (START:END)",
         gaps.len()
-    ))
+    );
+    Some(Warning::new("W_FRAMES_MISSING", message))
 }
 
 /// Splits the file name without its ending into what comes before a trailing number, and the number.

@@ -7,6 +7,7 @@ use super::images::is_image;
 use super::inputs::{Finder, Found, MANIFEST_NAME, Source, ending, glob_files, list, stem};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
 use super::pattern::Pattern;
+use super::warning::Warning;
 use super::{DEFAULT_FPS, ImportOptions};
 
 /// What is to be read, and how.
@@ -18,7 +19,7 @@ pub(super) struct Plan {
     pub unit: f32,
     pub weights: Option<PathBuf>,
     pub sequences: Vec<PlannedSequence>,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// One sequence to read.
@@ -62,8 +63,10 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
     mark_cyclic(&mut sequences, &options.cyclic)?;
     let given = options.fps.or(settings.fps);
     if given.is_none() && sequences.iter().any(|s| matches!(s.source, Source::Files(_))) {
-        warnings
-            .push(format!("no frame rate was given for the mesh files: {DEFAULT_FPS} frames per second are assumed"));
+        warnings.push(Warning::new(
+            "W_FPS_ASSUMED",
+            format!("no frame rate was given for the mesh files: {DEFAULT_FPS} frames per second are assumed"),
+        ));
     }
     let fps = positive(given.unwrap_or(DEFAULT_FPS), "the frame rate (fps)")?;
     let unit = positive(options.unit.or(settings.unit).unwrap_or(1.0), "the unit (metres per unit)")?;
@@ -182,7 +185,7 @@ fn textures_of(input: &str, base: &Path) -> Result<Vec<PathBuf>, ImportError> {
     Ok(files)
 }
 
-fn make_names_unique(sequences: &mut [PlannedSequence], warnings: &mut Vec<String>) {
+fn make_names_unique(sequences: &mut [PlannedSequence], warnings: &mut Vec<Warning>) {
     let mut seen = std::collections::HashSet::new();
     for sequence in sequences {
         if seen.insert(sequence.name.clone()) {
@@ -190,7 +193,10 @@ fn make_names_unique(sequences: &mut [PlannedSequence], warnings: &mut Vec<Strin
         }
         let unique = (2_u32..).map(|k| format!("{} {k}", sequence.name)).find(|name| seen.insert(name.clone()));
         if let Some(unique) = unique {
-            warnings.push(format!("two sequences are named \"{}\": the later one becomes \"{unique}\"", sequence.name));
+            warnings.push(Warning::new(
+                "W_NAME_TAKEN",
+                format!("two sequences are named \"{}\": the later one becomes \"{unique}\"", sequence.name),
+            ));
             sequence.name = unique;
         }
     }

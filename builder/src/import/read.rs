@@ -12,6 +12,7 @@ use super::gltf::GltfFile;
 use super::inputs::Source;
 use super::mesh::{FileMesh, Frame};
 use super::plan::{Plan, PlannedSequence};
+use super::warning::Warning;
 use super::{Progress, frames};
 
 /// No capture has more file vertices.
@@ -37,7 +38,7 @@ pub(super) struct Recording {
 pub(super) fn read(
     plan: &Plan,
     progress: &dyn Fn(Progress),
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Recording, ImportError> {
     let axes = Axes { up: plan.up, unit: plan.unit };
     let Some(first) = plan.sequences.first() else { return Err(ImportError::NoInput) };
@@ -74,7 +75,7 @@ pub(super) fn read(
     Ok(Recording { mesh, positions, frame_counts, textures })
 }
 
-fn mesh_of(source: &Source, warnings: &mut Vec<String>) -> Result<FileMesh, ImportError> {
+fn mesh_of(source: &Source, warnings: &mut Vec<Warning>) -> Result<FileMesh, ImportError> {
     let mesh = match source {
         Source::Files(paths) => {
             let path = paths.first().ok_or(ImportError::NoInput)?;
@@ -120,7 +121,7 @@ fn read_files(
     axes: Axes,
     out: &mut [Vec3],
     report: &dyn Fn(usize),
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Vec<PathBuf>, ImportError> {
     let Some(first_path) = paths.first() else { return Ok(Vec::new()) };
     let first: Frame = read_frame(first_path)?;
@@ -132,9 +133,12 @@ fn read_files(
         report(differences.len());
     }
     if let Some(frame) = differences.iter().position(|d| d.attributes) {
-        warnings.push(format!(
-            "{}: texture coordinates or colours differ from those of the first frame: the first frame's are used",
-            paths.get(frame).unwrap_or(first_path).display()
+        warnings.push(Warning::new(
+            "W_ATTRIBUTES_DIFFER",
+            format!(
+                "{}: texture coordinates or colours differ from those of the first frame: the first frame's are used",
+                paths.get(frame).unwrap_or(first_path).display()
+            ),
         ));
     }
     let Some(own) = frames::own_texture(&first, first_path)? else { return Ok(Vec::new()) };

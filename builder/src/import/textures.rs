@@ -10,6 +10,7 @@ use super::images::{ImageStore, is_image, size_of};
 use super::inputs::{Source, list};
 use super::mesh::FileMesh;
 use super::plan::{Plan, PlannedSequence};
+use super::warning::Warning;
 
 /// Settles the textures of a capture: sets the static ones of `mesh`, and returns one file per frame of the whole
 /// capture where frames have their own.
@@ -20,7 +21,7 @@ pub(super) fn settle(
     mesh: &mut FileMesh,
     own: &[Vec<PathBuf>],
     frame_counts: &[usize],
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Option<Vec<PathBuf>>, ImportError> {
     let mut of_sequence = Vec::new();
     let mut replace = false;
@@ -39,7 +40,10 @@ pub(super) fn settle(
     }
     let Some(first) = of_sequence.iter().flatten().next() else { return Ok(None) };
     if mesh.uvs.is_empty() {
-        warnings.push(format!("{}: the mesh has no texture coordinates: it is drawn without texture", first.display()));
+        warnings.push(Warning::new(
+            "W_NO_UV",
+            format!("{}: the mesh has no texture coordinates: it is drawn without texture", first.display()),
+        ));
         return Ok(None);
     }
     if replace || mesh.images.is_empty() {
@@ -94,7 +98,7 @@ fn per_frame(
     plan: &Plan,
     of_sequence: &[Vec<PathBuf>],
     frame_counts: &[usize],
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Option<Vec<PathBuf>>, ImportError> {
     let first = of_sequence.iter().flatten().next();
     if of_sequence.iter().flatten().all(|texture| Some(texture) == first) {
@@ -102,8 +106,10 @@ fn per_frame(
     }
     if let Some(bare) = of_sequence.iter().position(Vec::is_empty) {
         let name = plan.sequences.get(bare).map(|s| s.name.as_str()).unwrap_or_default();
-        warnings
-            .push(format!("the textures change, but sequence \"{name}\" has none: one texture is used for all frames"));
+        warnings.push(Warning::new(
+            "W_TEXTURES_INCOMPLETE",
+            format!("the textures change, but sequence \"{name}\" has none: one texture is used for all frames"),
+        ));
         return Ok(None);
     }
     let mut all = Vec::new();
@@ -111,7 +117,10 @@ fn per_frame(
         all.extend((0..count).filter_map(|k| textures.get(k.min(textures.len() - 1)).cloned()));
     }
     check_sizes(&all)?;
-    warnings.push(format!("{} frames have textures of their own; the first one's is the static texture", all.len()));
+    warnings.push(Warning::new(
+        "W_TEXTURES_STATIC",
+        format!("{} frames have textures of their own; the first one's is the static texture", all.len()),
+    ));
     Ok(Some(all))
 }
 

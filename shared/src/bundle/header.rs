@@ -1,5 +1,6 @@
 //! The header: what the file is, whether it is whole, and where its sections lie.
 
+use super::checksum::checksum;
 use super::error::BundleError;
 use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
 
@@ -214,7 +215,7 @@ impl Header {
             bytes.extend(section.checksum.to_le_bytes());
             bytes.extend([0; 4]);
         }
-        let checksum = crc32fast::hash(&bytes);
+        let checksum = checksum(&[&bytes]);
         bytes[CHECKSUM_AT..CHECKSUM_AT + 4].copy_from_slice(&checksum.to_le_bytes());
         bytes
     }
@@ -240,12 +241,7 @@ impl Header {
 
 fn check_checksum(fixed: &[u8], table: &[u8]) -> Result<(), BundleError> {
     let expected = u32_at(fixed, CHECKSUM_AT);
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&fixed[..CHECKSUM_AT]);
-    hasher.update(&[0; 4]);
-    hasher.update(&fixed[CHECKSUM_AT + 4..]);
-    hasher.update(table);
-    let found = hasher.finalize();
+    let found = checksum(&[&fixed[..CHECKSUM_AT], &[0; 4], &fixed[CHECKSUM_AT + 4..], table]);
     if found == expected { Ok(()) } else { Err(BundleError::Damaged { kind: None, ordinal: 0, expected, found }) }
 }
 

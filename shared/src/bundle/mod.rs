@@ -7,6 +7,7 @@
 pub mod entropy;
 pub mod geometry;
 
+mod checksum;
 mod encode;
 mod error;
 mod graph;

@@ -3,6 +3,7 @@
 use miniz_oxide::deflate::compress_to_vec;
 use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
+use super::checksum::checksum;
 use super::error::BundleError;
 use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
 
@@ -59,7 +60,7 @@ pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
             offset: 0,
             stored: stored.len() as u64,
             raw,
-            checksum: crc32fast::hash(&stored),
+            checksum: checksum(&[&stored]),
         });
         contents.push(stored);
     }
@@ -87,7 +88,7 @@ fn compress(kind: Kind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
 
 /// The raw bytes of a section whose stored bytes have all arrived.
 pub(super) fn open(entry: &SectionEntry, stored: Vec<u8>) -> Result<Vec<u8>, BundleError> {
-    let found = crc32fast::hash(&stored);
+    let found = checksum(&[&stored]);
     if found != entry.checksum {
         let (kind, ordinal, expected) = (entry.kind, entry.ordinal, entry.checksum);
         return Err(BundleError::Damaged { kind, ordinal, expected, found });

@@ -127,18 +127,23 @@ impl PoissonInterpolator {
         self.offset.fill(Vec4::ZERO);
     }
 
-    /// Factorises a pose's Laplacian ahead of time, unless that was done: interpolations of this frame and its neighbours
-    /// are then fast. Whether there was anything to do.
+    /// Whether a frame's Laplacian is factorised: interpolations of it and its neighbours are then fast. Asking keeps
+    /// its factor a while longer.
+    #[must_use]
+    pub fn is_prepared(&mut self, frame: u32) -> bool {
+        self.factors.find(frame).is_some()
+    }
+
+    /// Factorises a pose's Laplacian ahead of time, unless that was done.
     ///
     /// # Errors
     /// A pose that is not finite.
-    pub fn prepare(&mut self, pose: KeyedPose<'_>) -> Result<bool, CholeskyError> {
-        if self.factors.find(pose.frame).is_some() {
-            return Ok(false);
+    pub fn prepare(&mut self, pose: KeyedPose<'_>) -> Result<(), CholeskyError> {
+        if !self.is_prepared(pose.frame) {
+            let laplacian = self.laplacian(pose);
+            self.factorise(pose.frame, laplacian, &mut Effort::default())?;
         }
-        let laplacian = self.laplacian(pose);
-        self.factorise(pose.frame, laplacian, &mut Effort::default())?;
-        Ok(true)
+        Ok(())
     }
 
     /// Writes the pose at `lambda` between `source` (0) and `destination` (1) into `out`, all of one element per vertex

@@ -104,8 +104,8 @@ impl Synthesiser {
         })
     }
 
-    /// Does a piece of the next transition's work ahead of time, at most one factorisation; whether there was any. For
-    /// idle moments while recorded frames are shown.
+    /// Does a piece of the next transition's work ahead of time, at most one factorisation; whether more of it is left.
+    /// For idle moments while recorded frames are shown.
     ///
     /// # Errors
     /// A frame that cannot be read (yet), or a walk that does not belong to `graph`.
@@ -124,15 +124,15 @@ impl Synthesiser {
         let to = transition(graph, index)?;
         let (_, lj) = to.warp.lengths();
         let first = timeline.offset(to.to, 1 - lj as i64).ok_or(PoseError::OutOfRange(to.to))?;
-        for frame in [to.from, first] {
+        let mut unprepared = [to.from, first].into_iter().filter(|&frame| !self.interpolator.is_prepared(frame));
+        let (next, more) = (unprepared.next(), unprepared.next().is_some());
+        if let Some(frame) = next {
             let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
             ground.place(frame, Placement::IDENTITY, &mut self.placed[0])?;
             let pose = KeyedPose { frame, pose: &self.placed[0] };
-            if self.interpolator.prepare(pose).map_err(|_| PoseError::Damaged(frame))? {
-                return Ok(true);
-            }
+            self.interpolator.prepare(pose).map_err(|_| PoseError::Damaged(frame))?;
         }
-        Ok(false)
+        Ok(more)
     }
 
     /// Begins `walk`, which starts at `frame`, the actor standing at `placement`. That frame is the first to come.

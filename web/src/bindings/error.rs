@@ -1,8 +1,10 @@
 //! Errors as the page gets them: `Error` objects with a sentence and a `kind` from a closed set.
 
+use serde_json::Serializer;
 use shared::bundle::BundleError;
 use wasm_bindgen::JsValue;
 
+use super::numbers::BrowserNumbers;
 use crate::player::PlayerError;
 
 /// What went wrong, in the page's words for it.
@@ -85,5 +87,8 @@ pub fn bundle_error(failure: BundleError) -> JsValue {
 /// # Errors
 /// None in practice: numbers that are not finite become `null`.
 pub fn json(value: &impl serde::Serialize) -> Result<String, JsValue> {
-    serde_json::to_string(value).map_err(|_| error(Kind::BadArgument, "this cannot be written as JSON"))
+    let mut text = Vec::new();
+    let written = value.serialize(&mut Serializer::with_formatter(&mut text, BrowserNumbers));
+    let text = written.ok().and_then(|()| String::from_utf8(text).ok());
+    text.ok_or_else(|| error(Kind::BadArgument, "this cannot be written as JSON"))
 }

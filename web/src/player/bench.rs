@@ -15,6 +15,8 @@ use super::{Player, PlayerError};
 pub struct Bench {
     /// A frame of a transition.
     pub synthetic_frame: f64,
+    /// The first one of a transition, with nothing prepared.
+    pub synthetic_frame_first: f64,
     /// The slowest one.
     pub synthetic_frame_worst: f64,
     /// Any recorded frame, in no order.
@@ -58,16 +60,17 @@ impl Player {
                 std::hint::black_box(cheapest_walk(&graph, &actor.timeline, some(run), some(run + RUNS)));
             })
         });
-        let plans = plans.collect();
+        let plans = plans.collect::<Vec<_>>();
         let mut synthesiser =
             Synthesiser::new(&actor.topology, self.loading.order()).map_err(|_| PlayerError::Damaged(0))?;
         let stride = (graph.transitions().len() / TRANSITIONS).max(1);
-        let mut synthetic = Vec::new();
+        let (mut synthetic, mut first) = (Vec::new(), Vec::new());
         let mut transitions = 0;
         for edge in (0..graph.transitions().len()).step_by(stride).take(TRANSITIONS) {
             let walk = Walk { legs: vec![Leg::Synthetic(edge as u32)], ..Walk::default() };
             synthesiser.begin_walk(graph.transitions()[edge].from, Placement::IDENTITY, &walk);
             transitions += 1;
+            let before = synthetic.len();
             loop {
                 let mut made = Ok(None);
                 let source = &mut self.loading.source;
@@ -77,12 +80,14 @@ impl Player {
                     synthetic.push(taken);
                 }
             }
+            first.extend(synthetic.get(before));
         }
         Ok(Bench {
             synthetic_frame_worst: synthetic.iter().copied().fold(0.0, f64::max),
-            synthetic_frame: median(synthetic),
-            recorded_frame: median(recorded),
-            plan: median(plans),
+            synthetic_frame: median(&synthetic),
+            synthetic_frame_first: median(&first),
+            recorded_frame: median(&recorded),
+            plan: median(&plans),
             transitions,
         })
     }

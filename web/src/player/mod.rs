@@ -21,7 +21,7 @@ use shared::bundle::BundleError;
 use shared::capture::Capture;
 use shared::graph::EssentialGraph;
 use shared::pose_source::{PoseError, PoseSource};
-use shared::search::cheapest_walk;
+use shared::search::{Leg, Walk, cheapest_walk};
 use shared::synthesis::Synthesiser;
 use thiserror::Error;
 
@@ -81,6 +81,8 @@ pub struct Player {
     playing: bool,
     looping: bool,
     stalled: Option<u32>,
+    /// Whether this tick has done a piece of a transition's beginning, and leaves the rest to the next.
+    waited: bool,
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
@@ -104,6 +106,7 @@ impl Player {
             playing: false,
             looping: true,
             stalled: None,
+            waited: false,
             reference: Vec::new(),
             main: None,
             changed: false,
@@ -159,6 +162,7 @@ impl Player {
     /// Goes on by `seconds` of real time. True where the picture changed.
     pub fn tick(&mut self, seconds: f64) -> bool {
         let mut changed = std::mem::take(&mut self.changed);
+        self.waited = false;
         if !self.playing {
             return changed;
         }
@@ -383,7 +387,19 @@ impl Player {
             self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
         };
         let start = end.unwrap_or(Placement::IDENTITY);
+        self.think_ahead(&actor, &graph, &walk, inside);
         Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
+    }
+
+    /// Whoever asks where `walk` arrives may soon click: a standing actor begins with the work for its first transition.
+    fn think_ahead(&mut self, actor: &Actor, graph: &EssentialGraph, walk: &Walk, inside: bool) {
+        let transition = walk.legs.iter().find_map(|leg| match leg {
+            Leg::Synthetic(edge) => Some(*edge),
+            Leg::Recorded { .. } => None,
+        });
+        if let (Some(edge), false, false) = (transition, inside, self.playing) {
+            self.producer.prepare(&mut self.loading, actor, graph, edge);
+        }
     }
 
     /// All frames of the cheapest walk from `from`, as it was recorded, to `to`, made as the player makes them.

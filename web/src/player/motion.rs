@@ -30,7 +30,9 @@ impl Player {
         }
         let Some(step) = self.route.as_ref().and_then(|route| route.next(&actor.timeline)) else { return false };
         match self.make(&actor, step) {
-            Ok(frame) => {
+            // The rest of the work comes with the next tick.
+            Ok(None) => false,
+            Ok(Some(frame)) => {
                 if let (Some(graph), Some(route)) = (self.graph(&actor), &mut self.route) {
                     route.take(&graph, &actor.timeline);
                 }
@@ -58,7 +60,9 @@ impl Player {
         self.loading.graph.clone().or_else(recorded)
     }
 
-    fn make(&mut self, actor: &Actor, step: Step) -> Result<Frame, PoseError> {
+    /// The frame of `step`. `None` where the first frame of a transition needs more work than one tick should do: it is
+    /// begun, and asking again goes on with it.
+    fn make(&mut self, actor: &Actor, step: Step) -> Result<Option<Frame>, PoseError> {
         let Some((at, placement)) = self.last.as_ref().map(|last| (last.at, last.placement)) else {
             return Err(PoseError::NotLoaded(0));
         };
@@ -68,13 +72,17 @@ impl Player {
                 if let (Some(graph), Some(edge)) = (graph.clone(), self.route.as_ref().and_then(Route::coming)) {
                     self.producer.prepare(&mut self.loading, actor, &graph, edge);
                 }
-                self.producer.next_recorded(&mut self.loading, actor, at.frame(), placement)
+                self.producer.next_recorded(&mut self.loading, actor, at.frame(), placement).map(Some)
             }
-            (Step::Back(frame), _) => self.recorded(frame, placement),
+            (Step::Back(frame), _) => self.recorded(frame, placement).map(Some),
             (Step::Synthetic { edge, node }, Some(graph)) => {
                 let graph = Rc::clone(graph);
                 let begin = (node == 1).then_some(placement);
-                self.producer.synthetic(&mut self.loading, actor, &graph, edge, begin)
+                if begin.is_some() && (self.waited || self.producer.prepare(&mut self.loading, actor, &graph, edge)) {
+                    self.waited = true;
+                    return Ok(None);
+                }
+                self.producer.synthetic(&mut self.loading, actor, &graph, edge, begin).map(Some)
             }
             (Step::Synthetic { edge, .. }, None) => Err(PoseError::NotLoaded(edge)),
         }

@@ -5,7 +5,7 @@ use shared::graph::{EssentialGraph, Transition};
 use shared::search::{Leg, Walk, cheapest_walk};
 use shared::timeline::Timeline;
 
-use super::reach::reaching;
+use super::reach::{reached, reaching};
 
 /// A stretch of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +61,17 @@ impl Plan {
         Self { start, stretches, cost: walk.cost, deformation: walk.deformation, duration }
     }
 
+    /// It, and then `steps` recorded frames back from frame `first`, with which it ends (or begins, where it is empty).
+    fn and_back(mut self, first: u32, steps: u32, graph: &EssentialGraph) -> Self {
+        if self.stretches.is_empty() {
+            self.start = first;
+        }
+        self.stretches.push(Stretch::Back { first, steps });
+        self.cost += f64::from(steps) * graph.alpha();
+        self.duration += steps;
+        self
+    }
+
     /// The part of it that is a walk through the graph: all but steps back.
     #[must_use]
     pub fn walk(&self) -> Walk {
@@ -76,10 +87,29 @@ impl Plan {
 /// The cheapest walk from `from` to `to`.
 ///
 /// From a dead end (a sequence's last frames have no transition) the plan first steps back along the recording, as few
-/// frames as it takes: the body moves on without a pop, and every target stays within reach. `None` where even that
-/// does not help.
+/// frames as it takes; likewise it ends with steps back where no transition can arrive (a sequence's first frames). The
+/// body moves on without a pop, and every pose stays within reach. `None` where even that does not help.
 #[must_use]
 pub fn plan(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> Option<Plan> {
+    if let Some(plan) = plan_out(graph, timeline, from, to) {
+        return Some(plan);
+    }
+    let sequence = timeline.sequence_of(to)?;
+    if sequence.contains(from) && to < from {
+        return Some(Plan::default().and_back(from, from - to, graph));
+    }
+    let beyond = |start| {
+        let reached = reached(graph, timeline, start);
+        (to + 1..sequence.end_frame()).find(|&frame| reached[frame as usize])
+    };
+    // Out of a dead end, whatever its sequence's first frame reaches can be reached too.
+    let turn = beyond(from).or_else(|| beyond(timeline.sequence_of(from)?.first_frame))?;
+    let plan = plan_out(graph, timeline, from, turn)?;
+    Some(plan.and_back(turn, turn - to, graph))
+}
+
+/// The cheapest walk from `from` to `to`, after as few steps back as it takes.
+fn plan_out(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> Option<Plan> {
     if let Some(walk) = cheapest_walk(graph, timeline, from, to) {
         return Some(Plan::of_walk(from, &walk, graph));
     }
@@ -87,11 +117,12 @@ pub fn plan(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> 
     let reaching = reaching(graph, timeline, to);
     let is_way = |frame: &u32| reaching.get(*frame as usize).copied().unwrap_or(false);
     let leave = (sequence.first_frame..from).rev().find(is_way)?;
-    let mut plan = Plan::of_walk(from, &cheapest_walk(graph, timeline, leave, to)?, graph);
-    let steps = from - leave;
-    plan.stretches.insert(0, Stretch::Back { first: from, steps });
-    plan.cost += f64::from(steps) * graph.alpha();
-    plan.duration += steps;
+    let mut plan = Plan::default().and_back(from, from - leave, graph);
+    let rest = Plan::of_walk(from, &cheapest_walk(graph, timeline, leave, to)?, graph);
+    plan.stretches.extend(rest.stretches);
+    plan.cost += rest.cost;
+    plan.deformation = rest.deformation;
+    plan.duration += rest.duration;
     Some(plan)
 }
 
@@ -369,6 +400,21 @@ mod tests {
         assert_eq!(all.last(), Some(&Step::Recorded(12)));
         assert_eq!(plan(&graph, &timeline, 12, 0), None);
         assert_eq!(plan(&graph, &timeline, 99, 0), None);
+    }
+
+    #[test]
+    fn a_first_frame_is_reached_backwards() {
+        let timeline = timeline(&[(8, false), (8, false)]);
+        let graph = graph(&timeline, &[(5, 11)]);
+        let to_start = plan(&graph, &timeline, 4, 9).unwrap();
+        let all = steps(Route::new(&to_start, Goal::Target(9)), &graph, &timeline);
+        let wanted = [Step::Recorded(5), node(1), node(2), Step::Back(10), Step::Back(9)];
+        assert_eq!(all, wanted);
+        let both_ends =
+            steps(Route::new(&plan(&graph, &timeline, 7, 10).unwrap(), Goal::Target(10)), &graph, &timeline);
+        assert_eq!(both_ends, [Step::Back(6), Step::Back(5), node(1), node(2), Step::Back(10)]);
+        let within = steps(Route::new(&plan(&graph, &timeline, 13, 11).unwrap(), Goal::Target(11)), &graph, &timeline);
+        assert_eq!(within, [Step::Back(12), Step::Back(11)]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use shared::align::{Placement, align_heading, centre_of_mass};
 use shared::graph::EssentialGraph;
 use shared::pose_source::{PoseError, PoseSource};
 use shared::search::{Leg, Walk};
+use shared::sort::sort;
 use shared::synthesis::{FrameInfo, FrameKind, PoseMemory, PosesOnGround, Synthesiser, arrival, recorded_step};
 use shared::timeline::Timeline;
 use shared::topology::Topology;
@@ -200,7 +201,7 @@ impl Producer {
     /// Median milliseconds of the last synthetic frames; 0 before the first.
     #[must_use]
     pub fn synthesis_ms(&self) -> f64 {
-        median(self.times.clone())
+        median(&self.times)
     }
 
     /// Makes the synthesiser where there is none yet: the slow part of the first transition.
@@ -215,12 +216,13 @@ impl Producer {
         Ok(())
     }
 
-    /// Does a piece of the work that the beginning of transition `edge` would have to wait for. Not within a transition.
-    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) {
+    /// Does a piece of the work that the beginning of transition `edge` would have to wait for; whether more of it is
+    /// left. Not within a transition.
+    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) -> bool {
         if self.prepared == Some((edge, true)) || self.warm(loading, actor).is_err() {
-            return;
+            return false;
         }
-        let Some(synthesiser) = &mut self.synthesiser else { return };
+        let Some(synthesiser) = &mut self.synthesiser else { return false };
         if self.prepared.is_none_or(|(before, _)| before != edge) {
             let from = graph.transitions().get(edge as usize).map_or(0, |transition| transition.from);
             synthesiser.begin_walk(from, Placement::IDENTITY, &transition_alone(edge));
@@ -228,6 +230,7 @@ impl Producer {
         // What fails here fails again, and is told, when the transition begins.
         let more = synthesiser.prepare(graph, &actor.timeline, &mut loading.source).unwrap_or(false);
         self.prepared = Some((edge, !more));
+        more
     }
 
     fn note(&mut self, milliseconds: f64) {
@@ -259,9 +262,11 @@ fn at(info: &FrameInfo) -> At {
 
 /// The middle of `times`; 0 where there is none.
 #[must_use]
-pub fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied().unwrap_or(0.0)
+pub fn median(times: &[f64]) -> f64 {
+    // Times are not negative: their bits order them.
+    let mut bits: Vec<_> = times.iter().map(|time| u128::from(time.max(0.0).to_bits())).collect();
+    sort(&mut bits);
+    bits.get(bits.len() / 2).map_or(0.0, |&bits| f64::from_bits(bits as u64))
 }
 
 /// The placement that puts `recorded` where `shown` stands, and turns it like that unless `heading` says how.

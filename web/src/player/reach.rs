@@ -17,8 +17,7 @@ impl Edges {
         let recorded = (0..frames).filter_map(|frame| Some((frame, timeline.next(frame)?)));
         let synthetic = graph.transitions().iter().map(|transition| (transition.from, transition.to));
         let turned = recorded.chain(synthetic).map(|(a, b)| if backwards { (b, a) } else { (a, b) });
-        let mut edges: Vec<_> = turned.filter(|&(a, b)| a < frames && b < frames).collect();
-        edges.sort_unstable();
+        let edges: Vec<_> = turned.filter(|&(a, b)| a < frames && b < frames).collect();
         let mut first = vec![0; frames as usize + 1];
         for &(from, _) in &edges {
             first[from as usize + 1] += 1;
@@ -26,7 +25,13 @@ impl Edges {
         for frame in 0..frames as usize {
             first[frame + 1] += first[frame];
         }
-        Self { first, ends: edges.into_iter().map(|(_, to)| to).collect() }
+        let (mut next, mut ends) = (first.clone(), vec![0; edges.len()]);
+        for (from, to) in edges {
+            let at = &mut next[from as usize];
+            ends[*at as usize] = to;
+            *at += 1;
+        }
+        Self { first, ends }
     }
 
     fn of(&self, frame: u32) -> &[u32] {
@@ -64,6 +69,16 @@ pub fn reaching(graph: &EssentialGraph, timeline: &Timeline, to: u32) -> Vec<boo
     let mut reached = vec![false; timeline.frame_count() as usize];
     if (to as usize) < reached.len() {
         Edges::new(graph, timeline, true).search(to, &mut reached);
+    }
+    reached
+}
+
+/// For every frame, whether a walk leads to it from `from`.
+#[must_use]
+pub fn reached(graph: &EssentialGraph, timeline: &Timeline, from: u32) -> Vec<bool> {
+    let mut reached = vec![false; timeline.frame_count() as usize];
+    if (from as usize) < reached.len() {
+        Edges::new(graph, timeline, false).search(from, &mut reached);
     }
     reached
 }

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use serde::Serialize;
+use shared::sort::{key, numbers, sort};
 
 use super::plan::{Goal, LegReport, report_legs};
 use super::produce::{At, Frame};
@@ -239,14 +240,18 @@ impl Player {
     #[must_use]
     pub fn arcs(&self, most: usize) -> Vec<f32> {
         let Some(graph) = &self.loading.graph else { return Vec::new() };
-        let mut transitions: Vec<_> = graph.transitions().iter().collect();
-        let key = |cost: f32| cost.to_bits();
-        transitions.sort_by_key(|transition| (key(transition.deformation), transition.from, transition.to));
-        let arc = |transition: &&shared::graph::Transition| {
+        // Costs are not negative: their bits order them. Transitions are in order already.
+        let cost = |transition: &shared::graph::Transition| transition.deformation.to_bits();
+        let transitions = graph.transitions();
+        let mut order: Vec<_> =
+            (0..).zip(transitions).map(|(edge, transition)| key([0, 0, cost(transition), edge])).collect();
+        sort(&mut order);
+        let arc = |&place: &u128| {
+            let transition = &transitions[numbers(place)[3] as usize];
             let frames = transition.warp.duration() as f32;
             [transition.from as f32, transition.to as f32, transition.deformation, frames]
         };
-        transitions.iter().take(most).flat_map(arc).collect()
+        order.iter().take(most).flat_map(arc).collect()
     }
 }
 

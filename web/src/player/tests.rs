@@ -262,6 +262,8 @@ fn a_transition_under_way_is_finished_when_the_mind_changes() {
     player.seek(4.0).unwrap();
     player.go_to(22).unwrap();
     player.tick(0.02);
+    assert!(player.state().unwrap().transition.is_none(), "one factorisation a tick");
+    player.tick(0.02);
     assert!(player.state().unwrap().transition.is_some());
     assert_eq!(player.state().unwrap().mode, "synthetic");
     let foreseen = player.arrival(19).unwrap();

@@ -1,4 +1,8 @@
 // A pose that the actor could go to: a translucent shell, clearer at its rim.
+
+// Metres that it gives way to the actor: where both stand at one place, the actor is seen and the ghost around it.
+const BEHIND = 0.6;
+
 struct Varying {
     @invariant @builtin(position) clip: vec4f,
     @location(0) world: vec3f,
@@ -9,7 +13,7 @@ struct Varying {
 fn vertex(@location(0) vertex: u32) -> Varying {
     let world = position_of(vertex);
     var out: Varying;
-    out.clip = frame.clip_from_world * vec4f(world, 1.0);
+    out.clip = frame.clip_from_world * vec4f(world + BEHIND * normalize(world - frame.eye), 1.0);
     out.world = world;
     out.normal = normal_of(vertex);
     return out;

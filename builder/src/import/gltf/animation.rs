@@ -6,6 +6,7 @@ use glam::{Quat, Vec3, Vec4};
 use gltf::json::animation::{Animation, Interpolation, Property};
 use gltf::json::validation::Checked;
 
+use super::super::warning::Warning;
 use super::document::Document;
 use super::nodes::Transform;
 use crate::import::error::ImportError;
@@ -41,16 +42,19 @@ pub(super) struct AnimatedNodes {
 }
 
 /// All clips of `document`; `stem` names what has no name. Sentences for the user go to `warnings`.
-pub(super) fn clips(document: &Document, stem: &str, warnings: &mut Vec<String>) -> Result<Vec<Clip>, ImportError> {
+pub(super) fn clips(document: &Document, stem: &str, warnings: &mut Vec<Warning>) -> Result<Vec<Clip>, ImportError> {
     let animations = &document.root().animations;
     if animations.is_empty() {
         return Ok(vec![Clip { name: stem.to_owned(), start: 0.0, end: 0.0, channels: Vec::new() }]);
     }
     if belong_together(animations) {
-        warnings.push(format!(
-            "{}: {} unnamed animations move a node each: they are read as one clip, \"{stem}\"",
-            document.path().display(),
-            animations.len()
+        warnings.push(Warning::new(
+            "W_GLTF_CLIPS_JOINED",
+            format!(
+                "{}: {} unnamed animations move a node each: they are read as one clip, \"{stem}\"",
+                document.path().display(),
+                animations.len()
+            ),
         ));
         let mut channels = Vec::new();
         for index in 0..animations.len() {
@@ -79,13 +83,16 @@ fn belong_together(animations: &[Animation]) -> bool {
     animations.len() > 1 && unnamed && targets.into_iter().all(|target| moved.insert(target))
 }
 
-fn read_channels(document: &Document, index: usize, warnings: &mut Vec<String>) -> Result<Vec<Channel>, ImportError> {
+fn read_channels(document: &Document, index: usize, warnings: &mut Vec<Warning>) -> Result<Vec<Channel>, ImportError> {
     let Some(animation) = document.root().animations.get(index) else { return Ok(Vec::new()) };
     let mut channels = Vec::new();
     for (k, channel) in animation.channels.iter().enumerate() {
         let user = format!("animation {index}, channel {k}");
         let Checked::Valid(property) = channel.target.path else {
-            warnings.push(format!("{}: {user} moves something unknown and is left out", document.path().display()));
+            warnings.push(Warning::new(
+                "W_GLTF_CHANNEL",
+                format!("{}: {user} moves something unknown and is left out", document.path().display()),
+            ));
             continue;
         };
         document.get(channel.target.node, "node", &user)?;

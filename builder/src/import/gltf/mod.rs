@@ -24,6 +24,7 @@ use self::shape::{Joints, Shape, attribute};
 use super::error::ImportError;
 use super::inputs::stem;
 use super::mesh::{FileMesh, byte, srgb_from_linear};
+use super::warning::Warning;
 
 /// No file draws more vertices.
 const MAX_VERTICES: usize = 1 << 24;
@@ -36,7 +37,7 @@ pub(super) struct GltfFile {
     instances: Vec<Instance>,
     clips: Vec<Clip>,
     mesh: FileMesh,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
 /// A primitive as a node draws it.
@@ -72,7 +73,7 @@ impl GltfFile {
     }
 
     /// Sentences for the user.
-    pub fn warnings(&self) -> &[String] {
+    pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
@@ -136,7 +137,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add_node(&mut self, index: usize, warnings: &mut Vec<String>) -> Result<(), ImportError> {
+    fn add_node(&mut self, index: usize, warnings: &mut Vec<Warning>) -> Result<(), ImportError> {
         let Some(node) = self.document.root().nodes.get(index) else { return Ok(()) };
         let Some(mesh_index) = node.mesh else { return Ok(()) };
         let mesh = self.document.get(mesh_index, "mesh", &format!("node {index}"))?;
@@ -151,7 +152,10 @@ impl<'a> Builder<'a> {
                 return Err(ImportError::Compressed { path: self.document.path().to_owned(), extension });
             }
             if !matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) {
-                warnings.push(format!("{}: {user} is no triangles and is left out", self.document.path().display()));
+                warnings.push(Warning::new(
+                    "W_GLTF_PRIMITIVE",
+                    format!("{}: {user} is no triangles and is left out", self.document.path().display()),
+                ));
                 continue;
             }
             let joints = skin.and_then(|skin| self.skins.get(skin));

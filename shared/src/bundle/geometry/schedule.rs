@@ -1,5 +1,7 @@
 //! Which frames of a chunk are coded by themselves and which from others.
 
+use crate::sort::{key, numbers, sort};
+
 /// Distances in frames that independent frames may have.
 pub const GROUPS: [u32; 5] = [1, 2, 4, 8, 16];
 /// Levels that residuals are counted apart for: independent frames, then ever finer differences.
@@ -45,9 +47,11 @@ pub fn coding(local: u32, count: u32, group: u32) -> Coding {
 /// The frames of a chunk in an order in which references come first.
 #[must_use]
 pub fn coding_order(count: u32, group: u32) -> Vec<(u32, Coding)> {
-    let mut order: Vec<_> = (0..count).map(|local| (local, coding(local, count, group))).collect();
-    order.sort_by_key(|(local, coding)| (coding.level, *local));
-    order
+    let mut order: Vec<_> =
+        (0..count).map(|local| key([0, 0, coding(local, count, group).level as u32, local])).collect();
+    sort(&mut order);
+    let locals = order.into_iter().map(|place| numbers(place)[3]);
+    locals.map(|local| (local, coding(local, count, group))).collect()
 }
 
 /// Divides the `frame_count` frames of a sequence into chunks of at most `longest` frames.
