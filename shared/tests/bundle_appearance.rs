@@ -175,7 +175,7 @@ fn readers_that_do_not_know_appearance_skip_it() {
     let header = shared::bundle::Header::parse(&bytes).unwrap().unwrap();
     for (index, section) in header.sections.iter().enumerate() {
         let flags = bytes[48 + 40 * index + 2];
-        assert_eq!(flags, u8::from((32..64).contains(&section.number)), "section {}", section.number);
+        assert_eq!(flags, u8::from(section.number >= 32), "section {}", section.number);
     }
 }
 
