@@ -230,10 +230,10 @@ fn sizes(bundle: &Option<bundle::EncodeReport>) -> Table {
     let mut table = Table::new("size", "The bundle, without appearance.", &["what", "value"]);
     let Some(bundle) = bundle else { return table };
     table.rows = vec![
-        vec!["bundle, bytes".into(), Cell::Count(bundle.bytes as u64)],
+        vec!["bundle, bytes".into(), Cell::Count(bundle.bytes)],
         vec!["positions, bytes a frame".into(), Cell::Number(bundle.bytes_per_frame, 0)],
-        vec!["error of positions, RMS, mm".into(), Cell::Number(f64::from(bundle.rms_error) * 1e3, 3)],
-        vec!["error of positions, most, mm".into(), Cell::Number(f64::from(bundle.max_error) * 1e3, 3)],
+        vec!["error of positions, RMS, mm".into(), Cell::Number(bundle.rms_error * 1e3, 3)],
+        vec!["error of positions, most, mm".into(), Cell::Number(bundle.max_error * 1e3, 3)],
     ];
     table
 }
