@@ -77,6 +77,7 @@ export class Core {
       },
       more: () => {
         view.score.wantThumbnails();
+        this.toolbox.tool.wantThumbnails?.();
         this.loop?.request();
       },
       dressed: () => this.redraw(),

@@ -16,6 +16,14 @@ const PATIENCE = 500;
 /** Seconds left of an endless walk when the next part of it is searched for. */
 const AHEAD = 20;
 
+/**
+ * Whether the actor may leave. Paths and places have a whole walk from the first answer on; the answers of key poses, queues
+ * and the like are whole only in the end.
+ */
+function isReady({ answer, done, begun, request: { target } }, now) {
+  return answer !== null && (done || Boolean(target.path ?? target.place) && now - begun > PATIENCE);
+}
+
 export class SearchDriver {
   /**
    * @param {import('../core.js').Core} core
@@ -89,8 +97,7 @@ export class SearchDriver {
     const looks = task.answer ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
     if (!running || looks) this.look(task, player, now);
     task.done = !running;
-    const enough = task.done || now - task.begun > PATIENCE;
-    if (task.answer && enough && this.waiting) this.leave();
+    if (this.waiting && isReady(task, now)) this.leave();
     else if (task.done && task.origin === 'end') this.goOn();
     return !task.done;
   }
@@ -124,7 +131,7 @@ export class SearchDriver {
     // Who waits may not want to hear of trouble: it is said on the page.
     promise.catch(() => {});
     this.endless = null;
-    if (same && this.task.answer) this.leave();
+    if (same && isReady(this.task, performance.now())) this.leave();
     else if (!same) this.restart(request, origin);
     return promise;
   }

@@ -88,10 +88,15 @@ export class TimingTool {
   enter() {
     const { view } = this.box.core;
     view.score.onThumbnail = (frame) => this.paint(frame);
+    this.wantThumbnails();
+  }
+
+  /** Asks for all poses that are loaded; called again as more can be drawn. */
+  wantThumbnails() {
     if (!this.timeline) return;
     const frames = [...this.thumbs.keys()].filter((frame) => this.box.director?.player.loaded(frame));
     frames.forEach((frame) => this.paint(frame));
-    view.score.shelf.want(coarseFirst(frames));
+    this.box.core.view.score.shelf.want(coarseFirst(frames));
   }
 
   leave() {
