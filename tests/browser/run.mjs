@@ -26,7 +26,14 @@ let failed = 0;
 for (const [name, test] of chosen) {
   const start = Date.now();
   try {
-    await test(browser);
+    await test(browser).catch(async (error) => {
+      // A browser that has crashed (drawing in software, it may) says nothing about the page: once more, in a new one.
+      if (!/has been closed/.test(String(error))) throw error;
+      console.log(`        ${name}: the browser is gone, once more in a new one`);
+      await browser.chromium.close().catch(() => {});
+      await browser.start();
+      await test(browser);
+    });
     console.log(`ok      ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
   } catch (error) {
     failed += 1;
