@@ -25,8 +25,7 @@ pub fn components(graph: &EssentialGraph, timeline: &Timeline) -> Components {
 #[must_use]
 pub fn components_of(timeline: &Timeline, transitions: Vec<(u32, u32)>) -> Components {
     let frames = timeline.frame_count();
-    let recorded = (0..frames).filter_map(|frame| Some((frame, timeline.next(frame)?)));
-    let mut edges: Vec<_> = recorded.chain(transitions).filter(|&(a, b)| a < frames && b < frames).collect();
+    let mut edges = with_recorded(timeline, transitions);
     let forwards = Edges::new(frames, &mut edges);
     edges.iter_mut().for_each(|edge| *edge = (edge.1, edge.0));
     let backwards = Edges::new(frames, &mut edges);
@@ -49,6 +48,40 @@ pub fn components_of(timeline: &Timeline, transitions: Vec<(u32, u32)>) -> Compo
         backwards.search(largest[0], &mut live);
     }
     Components { main, live }
+}
+
+/// For every frame, whether a walk leads from it to `to`.
+#[must_use]
+pub fn reaching(graph: &EssentialGraph, timeline: &Timeline, to: u32) -> Vec<bool> {
+    search_from(timeline, to, graph.transitions().iter().map(|edge| (edge.from, edge.to)), |(a, b)| (b, a))
+}
+
+/// For every frame, whether a walk leads to it from `from`.
+#[must_use]
+pub fn reached(graph: &EssentialGraph, timeline: &Timeline, from: u32) -> Vec<bool> {
+    search_from(timeline, from, graph.transitions().iter().map(|edge| (edge.from, edge.to)), |edge| edge)
+}
+
+fn search_from(
+    timeline: &Timeline,
+    start: u32,
+    transitions: impl Iterator<Item = (u32, u32)>,
+    turn: fn((u32, u32)) -> (u32, u32),
+) -> Vec<bool> {
+    let frames = timeline.frame_count();
+    let mut reached = vec![false; frames as usize];
+    if start < frames {
+        let mut edges: Vec<_> = with_recorded(timeline, transitions).into_iter().map(turn).collect();
+        Edges::new(frames, &mut edges).search(start, &mut reached);
+    }
+    reached
+}
+
+/// `transitions` and the recorded steps, without what names frames that do not exist.
+fn with_recorded(timeline: &Timeline, transitions: impl IntoIterator<Item = (u32, u32)>) -> Vec<(u32, u32)> {
+    let frames = timeline.frame_count();
+    let recorded = (0..frames).filter_map(|frame| Some((frame, timeline.next(frame)?)));
+    recorded.chain(transitions).filter(|&(a, b)| a < frames && b < frames).collect()
 }
 
 /// Edges by the frame that they leave.

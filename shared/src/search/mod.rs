@@ -36,7 +36,7 @@ mod ways;
 pub use answer::{Answer, Goal, KeyRow, Part};
 pub use anytime::{Anytime, Progress};
 pub use behaviour::{Hold, holding_loop, walk_to_any, walk_to_behaviour};
-pub use components::{Components, components, components_of};
+pub use components::{Components, components, components_of, reached, reaching};
 pub use curve::{Curve, Shape};
 pub use depth_first::{Exhausted, depth_first};
 pub use direct::{DEFAULT_EFFORT, Direction, Scene, Start};

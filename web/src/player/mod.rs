@@ -13,7 +13,6 @@ pub mod looks;
 mod motion;
 pub mod plan;
 pub mod produce;
-pub mod reach;
 pub mod state;
 
 use std::collections::VecDeque;
@@ -24,7 +23,7 @@ use shared::bundle::BundleError;
 use shared::capture::Capture;
 use shared::graph::EssentialGraph;
 use shared::pose_source::{PoseError, PoseSource};
-use shared::search::{Leg, Walk, cheapest_walk};
+use shared::search::{Leg, Walk, cheapest_walk, components};
 use shared::synthesis::Synthesiser;
 use thiserror::Error;
 
@@ -150,7 +149,7 @@ impl Player {
 
     fn stand_up(&mut self) {
         if let (None, Some(actor), Some(graph)) = (&self.main, &self.loading.actor, &self.loading.graph) {
-            self.main = Some(reach::main_component(graph, &actor.timeline));
+            self.main = Some(components(graph, &actor.timeline).main);
         }
         let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
         self.clock.set_fps(actor.timeline.fps());

@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 use shared::graph::{EssentialGraph, Transition};
-use shared::search::{Leg, Walk, cheapest_walk};
+use shared::search::{Leg, Walk, cheapest_walk, reached, reaching};
 use shared::timeline::Timeline;
-
-use super::reach::{reached, reaching};
 
 /// A stretch of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -363,6 +361,7 @@ impl Plan {
 mod tests {
     use super::*;
     use crate::player::tests::{jump, timeline};
+    use shared::search::components;
 
     fn graph(timeline: &Timeline, edges: &[(u32, u32)]) -> EssentialGraph {
         let transitions = edges.iter().map(|&(from, to)| jump(timeline, from, to).unwrap()).collect();
@@ -438,5 +437,31 @@ mod tests {
         assert_eq!(steps(redirected, &graph, &timeline), [node(2), Step::Recorded(12)]);
         let stopped = route.redirected(&Plan { start: 11, ..Plan::default() }, Goal::Stop);
         assert_eq!(steps(stopped, &graph, &timeline), [node(2)]);
+    }
+
+    #[test]
+    fn what_reaches_what_agrees_with_the_search() {
+        let timeline = timeline(&[(8, false), (6, false), (5, true)]);
+        for seed in 0..40_u32 {
+            let mut edges: Vec<_> = (0..6).map(|k| (seed * 7 + k * 5, seed * 3 + k * 11)).collect();
+            edges.iter_mut().for_each(|edge| *edge = (edge.0 % 18, edge.1 % 18));
+            edges.sort_unstable();
+            edges.dedup();
+            let transitions = edges.into_iter().filter_map(|(from, to)| jump(&timeline, from, to)).collect();
+            let graph = EssentialGraph::new(0.01, transitions, &timeline).unwrap();
+            let walks = |a, b| cheapest_walk(&graph, &timeline, a, b).is_some();
+            let component = components(&graph, &timeline).main;
+            let size = component.iter().filter(|&&inside| inside).count();
+            for a in 0..19 {
+                let reach = reaching(&graph, &timeline, a);
+                let mut mutual = 0;
+                for b in 0..19 {
+                    assert_eq!(reach[b as usize], walks(b, a), "{b} to {a}");
+                    mutual += usize::from(walks(a, b) && walks(b, a));
+                }
+                assert!(mutual <= size);
+                assert!(!component[a as usize] || mutual == size);
+            }
+        }
     }
 }
