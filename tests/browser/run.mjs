@@ -22,18 +22,26 @@ const wanted = process.argv[2] ?? '';
 const chosen = [modules, native, loading, appearance, walking, errors, page, element, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
+
+/** Runs a test (it may be no promise); in a new browser once more if the browser itself is gone. */
+async function runOnceMoreIfGone(name, test) {
+  try {
+    await test(browser);
+  } catch (error) {
+    // A browser that has crashed (drawing in software, it may) says nothing about the page.
+    if (!/has been closed/.test(String(error))) throw error;
+    console.log(`        ${name}: the browser is gone, once more in a new one`);
+    await browser.chromium.close().catch(() => {});
+    await browser.start();
+    await test(browser);
+  }
+}
+
 let failed = 0;
 for (const [name, test] of chosen) {
   const start = Date.now();
   try {
-    await test(browser).catch(async (error) => {
-      // A browser that has crashed (drawing in software, it may) says nothing about the page: once more, in a new one.
-      if (!/has been closed/.test(String(error))) throw error;
-      console.log(`        ${name}: the browser is gone, once more in a new one`);
-      await browser.chromium.close().catch(() => {});
-      await browser.start();
-      await test(browser);
-    });
+    await runOnceMoreIfGone(name, test);
     console.log(`ok      ${name} (${((Date.now() - start) / 1000).toFixed(1)} s)`);
   } catch (error) {
     failed += 1;
