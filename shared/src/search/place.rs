@@ -1,9 +1,9 @@
 //! Going to a place, and facing a way there.
 
-use glam::{Vec2, Vec3Swizzles};
+use glam::{Vec2, Vec2Swizzles, Vec3Swizzles};
 
-use super::spot::half_turn;
-use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
+use super::spot::{angle, turn_of};
+use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
 use super::ways::Ways;
 
 /// Seconds that a metre off the place is worth.
@@ -14,6 +14,13 @@ const RADIAN_OFF: f64 = 4.0;
 /// [`PATIENCE`] seconds more.
 const SLOWEST: f64 = 0.4;
 const PATIENCE: f64 = 8.0;
+/// What walking a metre, turning by a radian and a transition's J usually cost: only for [`Task::guess`].
+const A_METRE: f64 = 1.2;
+const A_RADIAN: f64 = 1.0;
+const A_TRANSITION: f64 = 4.0;
+/// Looks ahead a second, and how many.
+const GLANCES: f64 = 4.0;
+const MOST_GLANCES: u32 = 8;
 /// Layers a second.
 const LAYERS: f64 = 8.0;
 
@@ -27,6 +34,8 @@ pub struct PlaceTask {
     pub place: Vec2,
     /// Which way the body shall face: radians about +Y from +Z.
     pub heading: Option<f32>,
+    /// The same as a unit vector along (X, Z).
+    wanted: Option<Vec2>,
     /// Where the actor is.
     pub start: State,
     /// Weight of the graph's cost against seconds.
@@ -55,6 +64,7 @@ impl PlaceTask {
         Self {
             place,
             heading,
+            wanted: heading.map(|heading| turn_of(heading).yx()),
             start,
             realism,
             seconds_per_step: 1.0 / ways.fps,
@@ -67,8 +77,9 @@ impl PlaceTask {
     /// Metres off the place and radians off the heading.
     fn missing(&self, ways: &Ways, state: &State) -> (f64, f64) {
         let off = f64::from(ways.point_at(state.frame, state.spot).xz().distance(self.place));
-        let turn = self.heading.map_or(0.0, |heading| {
-            f64::from(half_turn(heading - state.spot.heading() - ways.facings[state.frame as usize]).abs())
+        let turn = self.wanted.map_or(0.0, |wanted| {
+            let face = ways.face_at(state.frame, state.spot);
+            f64::from(angle(face.perp_dot(wanted), face.dot(wanted)).abs())
         });
         (off, turn)
     }
@@ -109,6 +120,28 @@ impl Task for PlaceTask {
         price(off, METRE_OFF, ways.best_speed).max(price(turn, RADIAN_OFF, ways.best_turn))
     }
 
+    /// The recording goes on for as long as that pays, then a transition is taken; what is left is walked and turned at usual
+    /// speeds: towards the place while it is far, into the heading when it is near.
+    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+        let a_radian = A_RADIAN * [1.0, 0.5, 2.0, 0.7][outlook.pass as usize % 4];
+        let stride = ((ways.fps / GLANCES) as u32).max(1);
+        let mut least = f64::INFINITY;
+        for glance in 0..=MOST_GLANCES {
+            let steps = glance * stride;
+            let Some((point, _)) = ways.ahead(state.frame, state.spot, steps) else { break };
+            let (away, face) = (self.place - point.xz(), ways.face_at(state.frame + steps, state.spot));
+            let off = f64::from(away.length());
+            // From 0 to pi as the angle does, without its arc tangent.
+            let turn = |dot: f32| (1.0 - f64::from(dot)) * std::f64::consts::FRAC_PI_2;
+            let far = off.min(1.0);
+            let there = far * turn(face.dot(away.normalize_or_zero()));
+            let then = (1.0 - 0.7 * far) * self.wanted.map_or(0.0, |wanted| turn(face.dot(wanted)));
+            let left = off * A_METRE + (there + then) * a_radian;
+            least = least.min(f64::from(steps) * self.step_cost + left);
+        }
+        least + self.realism * A_TRANSITION
+    }
+
     fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
         let (off, turn) = self.missing(ways, state);
         Some(off * METRE_OFF + turn * RADIAN_OFF)
@@ -120,6 +153,13 @@ impl Task for PlaceTask {
 
     fn layer(&self, state: &State) -> usize {
         (state.steps / self.steps_in_layer) as usize
+    }
+
+    /// The eighths of the compass that bodies face: who stands at the place the wrong way round must not crowd out who turns.
+    fn crowd(&self, ways: &Ways, state: &State) -> (usize, usize) {
+        let face = ways.face_at(state.frame, state.spot);
+        let eighth = [face.x > 0.0, face.y > 0.0, face.x.abs() > face.y.abs()];
+        (eighth.iter().fold(0, |number, &bit| 2 * number + usize::from(bit)), 8)
     }
 
     fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {
