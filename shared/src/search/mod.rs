@@ -19,6 +19,7 @@ mod behaviour;
 mod components;
 mod curve;
 mod depth_first;
+mod detour;
 mod direct;
 mod key_plan;
 mod keys;
