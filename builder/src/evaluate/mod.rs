@@ -29,6 +29,7 @@ mod subject;
 mod trajectories;
 mod transitions;
 pub mod truth;
+mod walks;
 
 use thiserror::Error;
 
@@ -175,7 +176,8 @@ pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateE
             Section::Graphs => graphs::section(subject, report),
             Section::Blending => blending::section(subject, report),
             Section::Interpolation => interpolation::section(subject, report),
-            Section::Walks | Section::Appearance => Ok(missing("This version does not evaluate it yet.")),
+            Section::Walks => walks::section(subject, report),
+            Section::Appearance => Ok(missing("This version does not evaluate it yet.")),
             Section::Scaling => scaling::section(subject, report),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
