@@ -16,7 +16,9 @@ button:disabled { opacity: 0.38; cursor: default; }
 .menu { position: absolute; inset: 36px 0 auto auto; display: grid; inline-size: max-content; padding: 4px; border-radius: 4px; background: var(--raised); box-shadow: 0 2px 12px rgb(0 0 0 / 0.16); }
 .menu .chip { min-block-size: 32px; color: var(--ink); text-align: start; }
 
+.player[data-state="loading"] .dock { visibility: hidden; }
 .dock { padding: 10px 16px 2px; }
+.dock:has(.pose-dock) { padding-block: 2px 0; padding-inline: 6px 16px; }
 .tool-dock { display: grid; gap: 8px; min-inline-size: 0; }
 .row { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; min-inline-size: 0; }
 .space { flex: 1; }
@@ -24,6 +26,16 @@ button:disabled { opacity: 0.38; cursor: default; }
 .chip[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
 .dot { display: inline-block; inline-size: 9px; block-size: 9px; margin-inline-end: 6px; border-radius: 2px; background: var(--b); }
 .b0 { --b: var(--behaviour-0); } .b1 { --b: var(--behaviour-1); } .b2 { --b: var(--behaviour-2); } .b3 { --b: var(--behaviour-3); } .b4 { --b: var(--behaviour-4); }
+.outcome[data-busy] { color: var(--muted); }
+.pose-dock { display: flex; align-items: center; gap: 4px 8px; min-block-size: 32px; }
+.pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
+.pose-dock .chip { flex: none; }
+.pose-dock .field { margin-inline-start: auto; }
+.pose-dock .field input { inline-size: 56px; }
+.queue:empty { display: none; }
+.waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
+.waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { display: flex; align-items: center; gap: 12px; min-inline-size: 0; }
 .outcome { flex: 1; min-inline-size: 0; margin: 0; color: var(--ink); }
 .go { padding: 6px 18px; }
@@ -72,7 +84,17 @@ button:disabled { opacity: 0.38; cursor: default; }
 .times table { min-inline-size: 232px; border-spacing: 0; }
 .times th { position: sticky; inset-block-start: 0; background: var(--surface); }
 .timing-dock .ruler, .timing-dock .shelf { grid-column: 1; }
-.timing-dock .go-row { grid-column: 1 / -1; }
+.timing-dock .outcome[data-busy] { color: var(--muted); }
+.pose-dock { display: flex; align-items: center; gap: 4px 8px; min-block-size: 32px; }
+.pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
+.pose-dock .chip { flex: none; }
+.pose-dock .field { margin-inline-start: auto; }
+.pose-dock .field input { inline-size: 56px; }
+.queue:empty { display: none; }
+.waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
+.waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
+.go-row { grid-column: 1 / -1; }
 .times th { color: var(--muted); font-weight: 400; }
 .times th, .times td { padding: 1px 0 1px 16px; text-align: end; }
 .times th:first-child, .times td:first-child { padding-inline-start: 0; text-align: start; }
@@ -89,6 +111,11 @@ button:disabled { opacity: 0.38; cursor: default; }
 .handle:hover::before, .handle:focus-visible::before { inset: 6px; background: var(--accent); }
 .handles[data-brush] .handle { pointer-events: none; opacity: 0.5; }
 .handle.turn::before { border-radius: 2px; rotate: 45deg; inset: 9px; }
+.handle.chosen::before { background: var(--accent); }
+.air { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; fill: none; }
+.air .posts { stroke: var(--muted); stroke-width: 1; stroke-dasharray: 3 3; }
+.air .taken { stroke: var(--ink); stroke-width: 1.5; opacity: 0.6; }
+.air .wanted { stroke: var(--accent); stroke-width: 3; opacity: 0.9; }
 .ground-labels { position: absolute; inset: 0; }
 .ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }
 .view[data-drawing] { cursor: crosshair; }

@@ -1,6 +1,7 @@
 /** The path unrolled: what is painted where, and how far the walk is from it. Painting works here with the keys, too. */
 
 import { h, sizedContext } from '../dom.js';
+import { words } from '../format.js';
 
 /** Metres that an arrow key moves the brush. */
 const STEP = 0.25;
@@ -37,7 +38,7 @@ export class PathStrip {
     const share = (knot) => (curve.lengthAt(knot) / curve.length) * 100;
     this.painted.replaceChildren(
       ...stretches.map(({ from, to, behaviour }) => {
-        const piece = h('span', { class: `b${hue(behaviour)}` }, behaviour.replaceAll('_', ' '));
+        const piece = h('span', { class: `b${hue(behaviour)}` }, words(behaviour));
         piece.style.left = `${share(from)}%`;
         piece.style.width = `${share(to) - share(from)}%`;
         return piece;
