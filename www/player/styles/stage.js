@@ -127,7 +127,7 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
   font: inherit;
 }
 .keys::backdrop { background: rgb(0 0 0 / 0.32); }
-.keys header { display: flex; justify-content: space-between; align-items: center; }
+.keys header { margin-block-end: 8px; display: flex; justify-content: space-between; align-items: center; }
 .keys h2 { margin: 0; font-size: 17px; }
 .keys h3 { margin: 18px 0 6px; font-size: 13px; color: var(--muted); font-weight: 400; }
 .keys dl { margin: 0; display: grid; gap: 6px; }

@@ -31,16 +31,15 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
 .pose-dock .chip { flex: none; }
 .pose-dock .field { margin-inline-start: auto; }
-.pose-dock .field input { inline-size: 56px; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
 .waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { display: flex; align-items: center; gap: 12px; min-inline-size: 0; }
 .outcome { flex: 1; min-inline-size: 0; margin: 0; color: var(--ink); }
-.go { padding: 6px 18px; }
+.go { padding: 6px 18px; margin-inline-start: auto; }
 .field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
-.field input { inline-size: 76px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
+.field input { inline-size: 64px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
 
 .path-strip { position: relative; block-size: 44px; margin-block-end: 18px; border-radius: 4px; background: var(--strip); touch-action: pan-y; cursor: crosshair; }
 .path-strip canvas { position: absolute; inset: 0; border-radius: 4px; pointer-events: none; }
@@ -89,7 +88,6 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
 .pose-dock .chip { flex: none; }
 .pose-dock .field { margin-inline-start: auto; }
-.pose-dock .field input { inline-size: 56px; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
@@ -121,12 +119,30 @@ button:disabled { opacity: 0.38; cursor: default; }
 .view[data-drawing] { cursor: crosshair; }
 .view[data-tool="place"] { cursor: crosshair; }
 
+@media (pointer: coarse) {
+  .handle { inline-size: 44px; block-size: 44px; margin: -22px; }
+  .handle::before, .handle.turn::before { inset: 15px; }
+  .handle:hover::before, .handle:focus-visible::before { inset: 13px; }
+}
 @container player (width < 640px) {
   .bar { flex-wrap: wrap; gap: 0; padding-inline: 12px 4px; }
   .toolbar { inline-size: 100%; gap: 0; }
   .tools { flex: 1; gap: 0; margin: 0; }
   .tool { min-block-size: 40px; padding: 0 7px; }
   .toolbar .round { inline-size: 34px; }
+  .go-row { position: sticky; inset-block-end: 0; background: var(--surface); }
+  .go-row:has(> :nth-child(3)) { flex-wrap: wrap; gap: 8px; }
+  .go-row:has(> :nth-child(3)) .outcome { order: -1; flex-basis: 100%; }
+  .pose-dock { flex-wrap: wrap; gap: 0 4px; }
+  .pose-dock .choice:first-child { flex-basis: 100%; }
+  .pose-dock .field { margin: 0; padding-inline-start: 10px; }
+  .pose-dock .queue { flex: 1; }
+  .row { gap: 0 4px; }
+  .row .chip { padding: 0 8px; }
+  .row > .choice { flex-basis: 100%; }
+  .field { gap: 4px; }
+  .field input { inline-size: 54px; }
+  .dock:has(.pose-dock) { padding-inline: 2px 8px; }
   .dock { padding: 8px 12px 0; max-block-size: 46cqh; overflow: auto; }
   .score[data-closed] .dock { display: none; }
   .choice { flex-wrap: nowrap; overflow: auto; max-inline-size: 100%; scrollbar-width: none; }
@@ -136,5 +152,10 @@ button:disabled { opacity: 0.38; cursor: default; }
   .times { grid-area: auto; max-block-size: 96px; padding: 0; }
   .times table { inline-size: 100%; }
   .weights { max-block-size: 200px; }
+  .weight { min-block-size: 36px; }
+}
+@container player (width < 380px) {
+  .tool { padding: 0 4px; }
+  .toolbar .round { inline-size: 31px; }
 }
 `;

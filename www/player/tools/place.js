@@ -25,7 +25,7 @@ export class PlaceTool extends Tool {
     const field = (part, name, unit, attributes) =>
       new NumberField(name, unit, null, attributes, (value) => this.set({ [part]: part === 'heading' && value !== null ? value * DEGREE : value }));
     this.fields = [field('x', 'x', 'm', { step: 0.1 }), field('z', 'z', 'm', { step: 0.1 }), field('heading', 'facing', '°', { step: 5, placeholder: 'any' })];
-    this.any = button('Any facing', 'Arrive facing any way', () => this.set({ heading: null }));
+    this.any = button('Any', 'Arrive facing any way', () => this.set({ heading: null }));
     this.build(h('div', { class: 'row' }, ...this.fields.map(({ root }) => root), this.any), this.row.root);
     this.handles = new Handles(box, {
       move: (index, point, merge) => this.moved(index, point, merge),
