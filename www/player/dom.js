@@ -71,10 +71,13 @@ export function iconButton(name, title, act, attributes = {}) {
 }
 
 /**
- * Arrow keys lead from one button to the next.
+ * Arrow keys lead from one button to the next; the tab key stops once for all of them.
  * @param {(button: HTMLButtonElement, event: KeyboardEvent, by: number) => void} act
  */
 export function rove(root, act) {
+  root.addEventListener('focusin', ({ target }) => {
+    for (const one of root.children) one.tabIndex = one === target ? 0 : -1;
+  });
   root.addEventListener('keydown', (event) => {
     const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
     const all = [...root.children];

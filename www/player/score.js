@@ -40,7 +40,7 @@ export class Score {
     this.echo = h('div', { class: 'playhead echo', hidden: true });
     this.flag = h('div', { class: 'flag', hidden: true });
     this.sheet = h('div', { class: 'sheet' });
-    this.hint = h('span', { id: 'score-hint', class: 'unseen' }, 'Arrow keys move over poses and sequences, Enter goes there.');
+    this.hint = h('span', { id: 'score-hint', class: 'unseen' }, 'Arrow keys move over poses and sequences, Enter goes there, with shift after what is under way.');
     this.root = h('div', { class: 'strips', role: 'group', 'aria-label': 'Score: every pose of the capture', part: 'score' }, this.sheet, this.hint);
     attachScorePointer(this.sheet, this.grip, () => this.layout, act);
     this.placeholder();

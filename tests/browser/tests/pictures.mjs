@@ -30,7 +30,7 @@ const ASKED = {
 /** Opens the page and goes through the states before the tools. */
 async function take(browser, screen) {
   const { context, themes } = SCREENS[screen];
-  const player = await browser.open({ ...context, colorScheme: themes[0], search: 'src=slow.reprise' });
+  const player = await browser.open({ ...context, colorScheme: themes[0], search: 'src=half.reprise' });
   const album = {
     one: (state, theme = themes[0]) => player.picture(`${state}-${screen}-${theme}`),
     both: async (state) => {
@@ -42,6 +42,7 @@ async function take(browser, screen) {
   };
   await player.event('ready');
   await album.one('loading');
+  await player.page.evaluate(() => fetch('/rest'));
   await player.loaded();
   await player.run((element) => {
     element.pause();
@@ -108,7 +109,11 @@ async function queue(player, album) {
 
 async function tools(player, album) {
   for (const [tool, target] of Object.entries(ASKED)) {
-    await player.run(`(element) => (element.direction = { version: 1, target: (${target})(element) })`);
+    // From the same place each time, so that the pictures can be compared with older ones.
+    await player.run(`(element) => {
+      const start = { frame: element.info.sequences[0].first + 10, placement: [0, 0, 0] };
+      element.direction = { request: { version: 1, target: (${target})(element) }, start };
+    }`);
     await player.until(`an answer for ${tool}`, (element) => element.answer && (!element.testing.search().running || element.answer.path), null, 60_000);
     await settled(player);
     if (tool === 'path') await album.both('tool-path');

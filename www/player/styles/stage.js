@@ -134,6 +134,11 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 .keys dl > div { display: grid; grid-template-columns: 104px 1fr; gap: 12px; }
 .keys dd { margin: 0; }
 .keys kbd { font: inherit; font-weight: 600; }
+@media (width >= 900px) {
+  .keys { inline-size: 840px; columns: 2; column-gap: 40px; }
+  .keys header { column-span: all; }
+  .keys h3 { break-after: avoid; }
+}
 
 @container player (width < 640px) {
   .facts { font-size: 12px; inset-inline: 8px; inset-block-end: 48px; max-block-size: 62%; }

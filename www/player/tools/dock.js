@@ -23,7 +23,7 @@ export class GoRow {
 export class NumberField {
   constructor(name, unit, title, attributes, change) {
     this.shown = attributes.value ?? '';
-    this.input = h('input', { type: 'number', 'aria-label': `${name}, ${unit}`, ...attributes });
+    this.input = h('input', { type: 'number', 'aria-label': unit ? `${name}, ${unit}` : name, ...attributes });
     this.input.addEventListener('change', () => {
       const { validity: { badInput, rangeUnderflow, rangeOverflow }, value } = this.input;
       if (badInput || rangeUnderflow || rangeOverflow) this.input.value = this.shown;
@@ -69,6 +69,27 @@ export class Choice {
       one.tabIndex = one.value === value ? 0 : -1;
     }
   }
+}
+
+/** Ticks from 0 on, so many units apart that there is room for their numbers. @param {number[]} steps from which to choose */
+export function showScale(root, length, unit, steps, most) {
+  const every = steps.find((step) => length / step <= most) ?? 2 * steps[steps.length - 1];
+  const ticks = Array.from({ length: Math.floor(length / every) + 1 }, (_, index) => index * every);
+  root.replaceChildren(
+    ...ticks.map((at) => {
+      const tick = h('span', {}, at === 0 ? `0 ${unit}` : String(at));
+      tick.style.left = `${(at / length) * 100}%`;
+      return tick;
+    }),
+  );
+}
+
+/** Copies a thumbnail, or clears what was there. */
+export function copyPicture(canvas, picture) {
+  const { width, height } = canvas;
+  const context = canvas.getContext('2d');
+  context.clearRect(0, 0, width, height);
+  if (picture) context.drawImage(picture, 0, 0, width, height);
 }
 
 /** `12 cm`; `3.4 m` where that is more than anyone would call near. */

@@ -190,7 +190,8 @@ export class PathTool extends Tool {
 
   lifted() {
     if (this.isLifted) return this.path.points;
-    const middle = this.box.director.arrivalOf(Math.round(this.box.director.state.frame)).y;
+    const heights = this.box.director.player.pose().filter((_, at) => at % 3 === 1);
+    const middle = heights.reduce((sum, one) => sum + one, 0) / heights.length;
     return this.path.points.map(([x, z]) => [x, z, middle]);
   }
 

@@ -3,12 +3,13 @@
 import { button, h } from '../dom.js';
 import { count, poseName, title } from '../format.js';
 import { coarseFirst } from '../thumbnails.js';
+import { copyPicture } from './dock.js';
 import { Ruler } from './ruler.js';
 import { Tool } from './tool.js';
 
 /** Seconds after the last key pose at which a new one is put. */
 const APART = 2;
-export const MOST_KEYS = 100;
+const MOST_KEYS = 100;
 /** A press that goes no farther than this many CSS pixels is a click. */
 const TREMBLE = 6;
 
@@ -103,9 +104,7 @@ export class TimingTool extends Tool {
     const picture = this.box.core.view.score.shelf.get(frame);
     const canvas = this.thumbs?.get(frame);
     if (!picture || !canvas) return;
-    const context = canvas.getContext('2d');
-    context.clearRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+    copyPicture(canvas, picture);
     this.ruler.paint(this.keys, (key) => this.picture(key));
   }
 

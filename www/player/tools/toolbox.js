@@ -264,7 +264,8 @@ export class Toolbox {
 
   /** Whether the actor is on its way to something, or about to be. */
   get isUnderWay() {
-    return Boolean(this.search.waiting) || this.core.director.state.target !== null;
+    const { waiting, endless } = this.search;
+    return Boolean(waiting) || (!endless && this.core.director.state.target !== null);
   }
 
   /** Called once a display frame. */

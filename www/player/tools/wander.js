@@ -3,6 +3,7 @@
 import { h, iconButton } from '../dom.js';
 import { words } from '../format.js';
 import { behavioursOf } from '../targets.js';
+import { NumberField } from './dock.js';
 import { Tool } from './tool.js';
 
 export class WanderTool extends Tool {
@@ -16,10 +17,9 @@ export class WanderTool extends Tool {
     super(box, 'Wander');
     this.sliders = new Map();
     this.list = h('div', { class: 'weights' });
-    this.seed = h('input', { type: 'number', min: 0, max: 4294967295, step: 1, 'aria-label': 'Seed' });
-    this.seed.addEventListener('change', () => this.set({ seed: Math.max(0, Math.min(4294967295, Math.trunc(Number(this.seed.value)) || 0)) }));
+    this.seed = new NumberField('seed', '', 'The same seed gives the same walk', { min: 0, max: 4294967295, step: 1 }, (seed) => this.set({ seed: Math.trunc(seed ?? 0) }));
     const dice = iconButton('dice', 'Another seed', () => this.set({ seed: Math.floor(Math.random() * 1e6) }));
-    this.row.root.prepend(h('label', { class: 'field', title: 'The same seed gives the same walk' }, h('span', {}, 'seed'), this.seed), dice);
+    this.row.root.prepend(this.seed.root, dice);
     this.build(this.list, this.row.root);
   }
 
@@ -57,7 +57,7 @@ export class WanderTool extends Tool {
       value.textContent = weight === 0 ? 'never' : `${weight}×`;
       input.setAttribute('aria-valuetext', value.textContent);
     }
-    if (this.seed.getRootNode().activeElement !== this.seed) this.seed.value = String(seed);
+    this.seed.show(seed);
     this.answered(this.box.answer);
   }
 
