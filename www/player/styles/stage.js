@@ -27,7 +27,7 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 .chips { position: absolute; inset-block-end: 12px; display: flex; gap: 4px; }
 .chips.left { inset-inline-start: 12px; }
 .chips.right { inset-inline-end: 12px; }
-.chip {
+.chip, .tool {
   min-block-size: 28px;
   padding: 0 10px;
   border: 0;
@@ -36,10 +36,8 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
   color: var(--muted);
   cursor: pointer;
 }
-.chip:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
-.chip[aria-pressed="true"], .chip[aria-expanded="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
-.chip[aria-checked="true"] { color: var(--accent); }
-.chip:disabled { opacity: 0.5; cursor: default; }
+.chip:hover, .tool:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
+:is(.chip, .tool):is([aria-pressed="true"], [aria-expanded="true"], [aria-checked="true"]) { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
 .choices { position: absolute; inset-inline-end: 12px; inset-block-end: 48px; display: grid; padding: 4px; border-radius: 4px; background: color-mix(in srgb, var(--surface) 90%, transparent); }
 .choices .chip { text-align: start; }
 

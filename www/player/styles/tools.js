@@ -8,9 +8,7 @@ export const toolStyles = `
 .bar ::slotted(*) { min-inline-size: 0; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }
-.tool { min-block-size: 32px; padding: 0 11px; border: 0; border-radius: 4px; background: none; color: var(--muted); cursor: pointer; }
-.tool:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
-.tool[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 12%, transparent); }
+.tool { min-block-size: 32px; }
 button:disabled { opacity: 0.38; cursor: default; }
 .share { position: relative; }
 .menu { position: absolute; inset: 36px 0 auto auto; display: grid; inline-size: max-content; padding: 4px; border-radius: 4px; background: var(--raised); box-shadow: 0 2px 12px rgb(0 0 0 / 0.16); }
@@ -23,7 +21,6 @@ button:disabled { opacity: 0.38; cursor: default; }
 .row { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; min-inline-size: 0; }
 .space { flex: 1; }
 .choice { display: flex; flex-wrap: wrap; gap: 2px; }
-.chip[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
 .dot { display: inline-block; inline-size: 9px; block-size: 9px; margin-inline-end: 6px; border-radius: 2px; background: var(--b); }
 .b0 { --b: var(--behaviour-0); } .b1 { --b: var(--behaviour-1); } .b2 { --b: var(--behaviour-2); } .b3 { --b: var(--behaviour-3); } .b4 { --b: var(--behaviour-4); }
 .outcome[data-busy] { color: var(--muted); }
@@ -31,6 +28,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
 .pose-dock .chip { flex: none; }
 .pose-dock .field { margin-inline-start: auto; }
+.pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
@@ -88,6 +86,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
 .pose-dock .chip { flex: none; }
 .pose-dock .field { margin-inline-start: auto; }
+.pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }

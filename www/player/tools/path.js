@@ -4,25 +4,17 @@ import { button, h } from '../dom.js';
 import { count, duration, words } from '../format.js';
 import { behavioursOf } from '../targets.js';
 import { Air } from './air.js';
-import { Curve, mix, simplify } from './curve.js';
+import { Curve, mix } from './curve.js';
 import { deviation, gaps } from './deviation.js';
 import { Choice, NumberField, centimetres } from './dock.js';
 import { Handles, putAt } from './handles.js';
 import { apart } from './marks.js';
+import { PathPen } from './path-pen.js';
 import { PathStrip } from './path-strip.js';
-import { EMPTY } from './request.js';
+import { EMPTY, MOST_POINTS } from './request.js';
 import { paint, pointDeleted, pointInserted } from './stretches.js';
 import { Tool } from './tool.js';
 
-/** Metres of the drawn line that simplifying may lose, and between two points of it while it is drawn. */
-const SLACK = 0.07;
-const SPACING = 0.04;
-/** Metres from the actor within which a drawn path begins under its feet. */
-const UNDER_FEET = 0.8;
-/** CSS pixels around the path that belong to it. */
-const REACH = 18;
-/** Points that a path may have. */
-const MOST_POINTS = 200;
 /** Colours that tell behaviours apart, beside their names. */
 const HUES = 5;
 /** Metres that a point may be from the ground. */
@@ -39,7 +31,7 @@ export class PathTool extends Tool {
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
     super(box);
-    this.drawn = null;
+    this.pen = new PathPen(this);
     this.armed = false;
     /** A behaviour, '' to rub out, or null to shape the path. */
     this.brush = null;
@@ -63,6 +55,10 @@ export class PathTool extends Tool {
       chosen: (index) => this.choosePoint(index),
       describe: (index, [x, z, ...height]) => `Point ${index + 1} of ${this.path.points.length}, ${x.toFixed(1)} by ${z.toFixed(1)} metres${height.map((up) => `, ${(up - this.floor).toFixed(2)} high`).join('')}`,
     });
+  }
+
+  grab(event) {
+    return this.pen.grab(event);
   }
 
   get path() {
@@ -110,7 +106,6 @@ export class PathTool extends Tool {
     this.box.core.view.stage.root.removeAttribute('data-drawing');
     this.labels.remove();
     this.air.root.remove();
-    this.drawn = null;
   }
 
   takeBrush(value) {
@@ -207,75 +202,6 @@ export class PathTool extends Tool {
     this.set({ ...this.path, points }, merge);
   }
 
-  // ---- the pointer ----------------------------------------------------------------------------------------------
-
-  grab(event) {
-    if (this.isDrawing) return this.draws(event);
-    const { knot, off } = this.nearest(event);
-    if (off > REACH) return null;
-    return this.brush === null ? this.bends(knot) : this.paints(knot);
-  }
-
-  /** The knot that is seen nearest to the pointer, and how many CSS pixels it is away. */
-  nearest(event) {
-    const { stage } = this.box.core.view;
-    const { left, top } = stage.root.getBoundingClientRect();
-    return this.curve.nearest((point) => {
-      const { x, y } = stage.seen(...point);
-      return Math.hypot(x + left - event.clientX, y + top - event.clientY);
-    });
-  }
-
-  draws(event) {
-    const { core: { view: { stage } }, director } = this.box;
-    const start = stage.under(event, []);
-    if (!start) return null;
-    director?.tell('pause');
-    const feet = director ? [director.state.x, director.state.z] : start;
-    this.drawn = apart(feet, start) < UNDER_FEET ? [feet] : [start];
-    const stop = () => {
-      const points = this.drawn;
-      this.drawn = null;
-      this.box.redraw();
-      return points;
-    };
-    return {
-      move: (now) => {
-        const here = stage.under(now, []);
-        if (!here || apart(here, this.drawn[this.drawn.length - 1]) < SPACING) return;
-        this.drawn.push(here);
-        this.box.redraw();
-      },
-      end: () => {
-        const points = simplify(stop(), SLACK).slice(0, MOST_POINTS);
-        this.armed = false;
-        if (points.length > 1) this.set({ ...EMPTY.path, points });
-        else this.refresh();
-      },
-      drop: stop,
-    };
-  }
-
-  bends(knot) {
-    const index = Math.min(Math.floor(knot) + 1, this.path.points.length);
-    const merge = `bend ${performance.now()}`;
-    this.insertPoint(index, this.curve.at(knot), merge);
-    return {
-      move: (event) => this.handles.drag(index, event, merge),
-      end: () => this.box.history.settle(),
-    };
-  }
-
-  /** Painting back and forth leaves what the pointer went over last: each time from what was before. */
-  paints(start) {
-    const merge = `paint ${performance.now()}`;
-    const before = this.path;
-    return {
-      move: (event) => this.paint(start, this.nearest(event).knot, merge, before),
-      end: () => this.box.history.settle(),
-    };
-  }
-
   // ---- what is shown --------------------------------------------------------------------------------------------
 
   refresh() {
@@ -327,8 +253,9 @@ export class PathTool extends Tool {
   }
 
   draw(marks, colour) {
-    if (this.drawn) marks.ribbon(this.drawn, 0.04, colour('accent', 0.95));
-    if (!this.curve || this.drawn) return;
+    const { drawn } = this.pen;
+    if (drawn) marks.ribbon(drawn, 0.04, colour('accent', 0.95));
+    if (!this.curve || drawn) return;
     const some = this.deviation.filter((_, at) => at % 4 === 0 || at === this.deviation.length - 1);
     marks.between(some.map(({ walked }) => walked), some.map(({ wanted }) => wanted), colour('line', 0.75));
     // Of a path in the air, this is the shadow.

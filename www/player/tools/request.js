@@ -17,7 +17,7 @@ export const EMPTY = Object.freeze({
 /** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
 const WANDER = 60;
 /** Points of a path that can be taken hold of. */
-const MOST_POINTS = 200;
+export const MOST_POINTS = 200;
 
 /** @returns {object | null} the request of a tool, or null where nothing is asked with it */
 export function requestOf(tool, { place, path, keys, wander, pose }) {
