@@ -21,9 +21,9 @@ use super::task::State;
 use super::walk::{Leg, Walk};
 use super::wander::Wander;
 use super::ways::Ways;
-use crate::align::Placement;
 use crate::graph::EssentialGraph;
 use crate::timeline::Timeline;
+use kernels::align::Placement;
 
 /// States that are expanded for a target unless told otherwise: about two seconds in a browser.
 pub const DEFAULT_EFFORT: u32 = 150_000;

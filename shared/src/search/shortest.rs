@@ -209,10 +209,10 @@ impl Arriving {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::align::Placement;
     use crate::graph::Transition;
     use crate::timeline::Sequence;
     use crate::warp::{Move, Warp};
+    use kernels::align::Placement;
 
     fn timeline() -> Timeline {
         let sequence = |name: &str, first_frame| Sequence {

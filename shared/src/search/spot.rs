@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::align::Placement;
+use kernels::align::Placement;
 
 /// A [`Placement`] with its turn as (cosine, sine) of the heading.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -299,7 +299,7 @@ impl Survey {
         let transition = &graph.transitions()[index];
         let (ends, warp) = ((transition.from, transition.to), &transition.warp);
         let points = &self.ways.points;
-        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, crate::align::Placement::IDENTITY)?;
+        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, kernels::align::Placement::IDENTITY)?;
         let mut track = vec![(points[transition.from as usize], transition.from)];
         while let Some(next) = blend.next(timeline, &mut motion, warp)? {
             blend = next;
