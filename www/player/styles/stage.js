@@ -135,6 +135,7 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 @media (width >= 900px) {
   .keys { inline-size: 840px; columns: 2; column-gap: 40px; }
   .keys header { column-span: all; }
+  .keys dl { break-inside: avoid; }
   .keys h3 { break-after: avoid; }
 }
 
