@@ -15,7 +15,7 @@ export class Score {
   /**
    * @param {object} act what the score asks of the player
    * @param {(frame: number) => void} act.preview -1 when there is none
-   * @param {(frame: number) => void} act.go
+   * @param {(frame: number, later: boolean) => void} act.go
    * @param {(frame: number) => void} act.seek
    * @param {(frame: number, width: number, height: number) => Promise<Uint8ClampedArray> | null} act.thumbnail
    * @param {(frame: number) => boolean} act.loaded

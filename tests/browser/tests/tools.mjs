@@ -465,6 +465,9 @@ export const tests = {
       await player.until(`a sentence on ${name}`, (element) => /no (behaviour|frame)/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
       assert.equal(await player.part('.error').isVisible(), false, name);
     }
+    // The player measures the centre of mass alone.
+    await player.run((element, request) => (element.direction = request), { version: 1, target: { path: { points: [[0, 0], [1, 1]], vertices: [1, 2, 3] } } });
+    await player.until('a sentence on vertices', (element) => /not been measured/.test(element.shadowRoot.querySelector('.status').textContent), null, 60_000);
     assert.equal((await player.heard('error')).length, 0);
     await player.close();
   },

@@ -276,6 +276,8 @@ export class Toolbox {
   /** The actor was sent somewhere else: to a pose, or nowhere. */
   left(frame = null) {
     this.history.amend({ pose: frame === null ? null : { pose: frame } });
+    // What was found before is no answer to this.
+    if (this.tool.withScore) this.answer = null;
     this.search.left();
   }
 
