@@ -151,7 +151,7 @@ struct Bench<'a, S: TextureSource + ?Sized> {
 
 impl<S: TextureSource + ?Sized> Bench<'_, S> {
     fn learn(&self, training: &[usize], count: usize) -> Result<(Basis, Components), AppearanceError> {
-        let basis = Basis::new(&self.aligned, training, count, count)?;
+        let basis = Basis::new(self.source, &self.aligned, training, count, count)?;
         Ok((basis, components(&self.raw, training, count)?))
     }
 
