@@ -24,6 +24,7 @@ pub mod reference;
 pub mod store;
 pub mod symmetric;
 pub mod textures;
+pub mod views;
 pub mod warp;
 
 pub use self::build::{AppearanceOptions, AppearanceSummary, build};
