@@ -28,7 +28,7 @@ const USUAL: usize = 50;
 /// Frames of which pictures are compared.
 const VIEWS: usize = 6;
 /// Shares of the frames that are learnt from, in percent.
-const SHARES: [usize; 6] = [10, 20, 30, 40, 50, 60];
+const SHARES: [usize; 4] = [10, 25, 50, 75];
 /// Frames between the two that are interpolated.
 const DISTANCES: [usize; 3] = [4, 8, 16];
 /// Frames, or pairs of frames, on which each point of a curve is measured.
@@ -139,18 +139,24 @@ pub fn curves(
     let all = aligned.complete.clone();
     let similarity = Similarity::new(charts.width as u32, &charts.active());
     let bench = Bench { source: *source, aligned, raw, similarity, views };
-    let told = |done: usize| report(Progress { what: "appearance curves", done: done as u64, total: 9 });
-    let mut reconstruction = Vec::new();
-    let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1].max(USUAL))?;
+    let told = |done: usize| report(Progress { what: "appearance curves", done: done as u64, total: 11 });
+    told(0);
+    let full = bench.learn(&all, USUAL)?;
+    let ghosting = bench.ghosting(&full, sequences)?;
+    let halves = bench.halves(&full, &all);
+    drop(full);
+    let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
+    let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
     for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
-        told(done);
-        reconstruction.push(bench.reconstruction(count, &naive, &all)?);
+        told(1 + done);
+        let basis = bench.learn(&all, count)?;
+        reconstruction.push(bench.reconstruction(count, &basis, &naive, &all)?);
+        if count < USUAL {
+            interpolation.push(Interpolation { components: count, quality: bench.interpolation(&basis, &halves)? });
+        }
     }
     drop(naive);
-    let full = bench.learn(&all, USUAL)?;
-    let interpolation = bench.interpolation(&full, &all)?;
-    let ghosting = bench.ghosting(&full, sequences)?;
-    drop(full);
+    told(10);
     Ok(Curves { reconstruction, generalisation: bench.generalisation(&all)?, interpolation, ghosting })
 }
 
@@ -194,10 +200,10 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
     fn reconstruction(
         &self,
         count: usize,
+        basis: &Basis,
         naive: &Components,
         frames: &[usize],
     ) -> Result<Reconstruction, AppearanceError> {
-        let basis = self.learn(frames, count)?;
         let frames = evenly(frames, SAMPLE);
         let (textures, warps) = split(count);
         let ours = |frame, how| basis.rebuild(&self.aligned.warper, frame, textures, warps, how);
@@ -242,27 +248,22 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
             .collect()
     }
 
-    fn interpolation(&self, all: &Basis, frames: &[usize]) -> Result<Vec<Interpolation>, AppearanceError> {
+    /// Pairs of frames drawn at random, and what lies half way between them, as a screen shows it.
+    fn halves(&self, basis: &Basis, frames: &[usize]) -> Vec<([usize; 2], Vec<f32>)> {
         let order = shuffled(frames);
         let pairs: Vec<[usize; 2]> = order.chunks_exact(2).take(SAMPLE).map(|pair| [pair[0], pair[1]]).collect();
-        let between = |basis: &Basis, pair| {
-            let mut colours = self.between(basis, pair);
-            colours.iter_mut().for_each(|value| *value = value.clamp(0.0, 1.0));
-            colours
+        let half = |&pair: &[usize; 2]| {
+            (pair, self.between(basis, pair).into_iter().map(|value| value.clamp(0.0, 1.0)).collect())
         };
-        let wanted: Vec<Vec<f32>> = pairs.par_iter().map(|&pair| between(all, pair)).collect();
-        COUNTS
-            .into_iter()
-            .filter(|&count| count < USUAL && count < frames.len())
-            .map(|count| {
-                let basis = self.learn(frames, count)?;
-                let both = pairs.par_iter().zip(&wanted);
-                let found =
-                    both.map(|(&pair, wanted)| Ok(compared(&self.similarity, wanted, between(&basis, pair)))).collect();
-                let (ssim, mse) = means(found)?;
-                Ok(Interpolation { components: count, quality: Quality { ssim, mse } })
-            })
-            .collect()
+        pairs.par_iter().map(half).collect()
+    }
+
+    fn interpolation(&self, basis: &Basis, halves: &[([usize; 2], Vec<f32>)]) -> Result<Quality, AppearanceError> {
+        let found = halves
+            .par_iter()
+            .map(|(pair, wanted)| Ok(compared(&self.similarity, wanted, self.between(basis, *pair))))
+            .collect();
+        means(found).map(|(ssim, mse)| Quality { ssim, mse })
     }
 
     /// Half way between two frames: means of coefficients are means of textures and of warps.

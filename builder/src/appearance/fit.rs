@@ -26,7 +26,7 @@ use super::textures::TextureSource;
 use super::warp::Warping;
 
 /// Times that what is missing is added.
-pub const STEPS: usize = 5;
+pub const STEPS: usize = 4;
 /// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
 const STEP: f32 = 1.4;
 
