@@ -185,7 +185,58 @@ def sequence(program, folder, rounds, bundle):
     return rows
 
 
-COMPARISONS = {"dtw": dtw, "paths": paths, "between": between, "sequence": sequence}
+def pca(program, folder, rounds, _bundle):
+    """50 components of 300 textures of 256 x 256, a few smooth patterns and noise."""
+    from sklearn.decomposition import PCA
+
+    random = np.random.default_rng(3)
+    n, columns, count = 300, 3 * 256 * 256, 50
+    patterns = random.normal(size=(60, columns)).astype(np.float32)
+    weights = random.normal(size=(n, 60)).astype(np.float32) * (0.02 * 0.93 ** np.arange(60, dtype=np.float32))
+    rows = weights @ patterns
+    rows += 0.5 + 0.002 * random.normal(size=rows.shape).astype(np.float32)
+    np.save(folder / "rows.npy", rows)
+    row = Row("50 components of 300 textures of 256 x 256", version("scikit-learn"), None, None, "")
+    for _ in range(rounds):
+        row.ours.append(ours(program, "pca", folder / "rows.npy", count, folder / "variances.npy"))
+        found, seconds = timed(lambda: PCA(n_components=count, random_state=1).fit(rows))
+        row.theirs.append(seconds)
+    # Theirs divide by one less than the number of rows.
+    expected = found.explained_variance_ * (n - 1) / n
+    row.check = f"variances differ by {np.abs(np.load(folder / 'variances.npy') / expected - 1).max():.1e} at most"
+    return [row]
+
+
+def flow(program, folder, rounds, _bundle):
+    """Two textures of 1024 x 1024, one bent by a known warp, a little brighter and with noise."""
+    import cv2
+
+    size = 1024
+    random = np.random.default_rng(4)
+    y, x = np.mgrid[0:size, 0:size].astype(np.float32)
+    base = sum(
+        cv2.GaussianBlur(random.normal(size=(size, size)).astype(np.float32), (0, 0), sigma) * sigma
+        for sigma in (1.5, 4.0, 12.0)
+    )
+    base = (base - base.min()) / (base.max() - base.min())
+    truth = np.stack([4 * np.sin(0.02 * y + 0.007 * x), 4 * np.cos(0.017 * x - 0.009 * y)], axis=-1)
+    a = cv2.remap(base, x + truth[..., 0], y + truth[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    b = base * 1.05 + 0.01 * random.normal(size=base.shape)
+    textures = [np.clip(np.round(t * 255), 0, 255).astype(np.uint8) for t in (a, b)]
+    for name, texture in zip("ab", textures):
+        np.save(folder / f"{name}.npy", texture.astype(np.float32) / 255)
+    row = Row("Flow of two textures of 1024 x 1024", f"OpenCV {cv2.__version__}, DIS medium", None, None, "")
+    peer = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    for _ in range(rounds):
+        row.ours.append(ours(program, "flow", folder / "a.npy", folder / "b.npy", folder / "flow.npy"))
+        found, seconds = timed(lambda: peer.calc(*textures, None))
+        row.theirs.append(seconds)
+    error = lambda flow: np.hypot(*(flow - truth)[16:-16, 16:-16].reshape(-1, 2).T).mean()
+    row.check = f"end-point error {error(np.load(folder / 'flow.npy')):.3f} against {error(found):.3f} texels"
+    return [row]
+
+
+COMPARISONS = {"dtw": dtw, "paths": paths, "between": between, "sequence": sequence, "pca": pca, "flow": flow}
 
 
 def main():

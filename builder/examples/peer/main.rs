@@ -6,6 +6,8 @@
 //! peer paths COSTS OUT         the essential edges of a digraph of costs (n, n), as (from, to)
 //! peer between POSES FACES I J COUNT OUT   COUNT Poisson in-betweens of frames I and J; the middle one is written
 //! peer decode BUNDLE           all frames of a bundle, in order
+//! peer pca ROWS COUNT OUT      variances of the first COUNT components of rows (n, columns)
+//! peer flow A B OUT            the flow (height, width, 2) from a texture (height, width) to another, 0 to 1
 //! ```
 #![allow(clippy::print_stdout, reason = "the result is what is printed")]
 
@@ -14,6 +16,10 @@ mod npy;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use builder::appearance::Charts;
+use builder::appearance::flow::{FlowGrid, FlowOptions};
+use builder::appearance::pca::components;
+use builder::appearance::store::Store;
 use builder::distance::DistanceMatrix;
 use builder::essential::essential_edges;
 use builder::transitions::{LengthChoice, TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
@@ -35,10 +41,38 @@ fn main() -> Result<()> {
             between(poses, faces, i.parse()?, j.parse()?, count.parse()?, out)?
         }
         ["decode", bundle] => decode(bundle)?,
+        ["pca", rows, count, out] => pca(rows, count.parse()?, out)?,
+        ["flow", a, b, out] => flow(a, b, out)?,
         _ => bail!("see the head of builder/examples/peer/main.rs"),
     };
     println!("{seconds}");
     Ok(())
+}
+
+fn pca(rows: &str, count: usize, out: &str) -> Result<f64> {
+    let rows = npy::read::<f32>(rows)?;
+    let (n, columns) = (rows.shape[0], rows.shape[1]);
+    let store = Store::new(n, columns, 2.0)?;
+    for (row, values) in rows.values.chunks_exact(columns).enumerate() {
+        store.write(row, values)?;
+    }
+    let all: Vec<usize> = (0..n).collect();
+    let (found, seconds) = timed(|| components(&store, &all, count));
+    let variances = found?.variances;
+    npy::write(out, &[variances.len()], variances.into_iter().map(|v| v as f32))?;
+    Ok(seconds)
+}
+
+fn flow(a: &str, b: &str, out: &str) -> Result<f64> {
+    let textures = [npy::read::<f32>(a)?, npy::read::<f32>(b)?];
+    let (height, width) = (textures[0].shape[0], textures[0].shape[1]);
+    let grid = FlowGrid::new(&Charts::whole(width, height), FlowOptions::default());
+    let (flow, seconds) = timed(|| {
+        let [a, b] = textures.each_ref().map(|texture| grid.prepare(&texture.values, None));
+        grid.flow(&a, &b)
+    });
+    npy::write(out, &[height, width, 2], flow.x.iter().zip(&flow.y).flat_map(|(x, y)| [*x, *y]))?;
+    Ok(seconds)
 }
 
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {

@@ -16,7 +16,7 @@ use crate::progress::{Progress, Report};
 /// Colours of aligned textures may overshoot 0 to 1 a little.
 const COLOUR_RANGE: f32 = 2.0;
 /// Warps longer than this many texels are cut off.
-const WARP_RANGE: f32 = 128.0;
+pub(super) const WARP_RANGE: f32 = 128.0;
 
 /// How textures are aligned.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,10 +42,21 @@ pub struct Aligned {
     pub warps: Store,
     /// The frames that were seen in full.
     pub complete: Vec<usize>,
-    /// What the others miss.
+    /// What the others miss, by frames.
     pub incomplete: Vec<Incomplete>,
     /// What was not seen.
     pub gaps: Gaps,
+}
+
+impl Aligned {
+    /// Active texels that are unknown in a frame's texture.
+    #[must_use]
+    pub fn unseen(&self, frame: usize) -> &[u32] {
+        match self.incomplete.binary_search_by_key(&frame, |incomplete| incomplete.frame) {
+            Ok(index) => &self.incomplete[index].unseen,
+            Err(_) => &[],
+        }
+    }
 }
 
 /// A frame with texels that were not seen; active texels are numbered in row-major order.

@@ -8,6 +8,7 @@ use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
 use super::charts::Charts;
 use super::completion;
+use super::fit::{self, fit};
 use super::pca::{Components, components};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
@@ -79,7 +80,7 @@ pub fn build(
     report(Progress { what: "eigen textures", done: 0, total: 0 });
     let most = if options.ssim.is_some() { MOST_COMPONENTS } else { options.components };
     let (texture_count, warp_count) = split(most);
-    let mut basis = Basis::new(&aligned, &aligned.complete, texture_count, warp_count)?;
+    let mut basis = Basis::new(source, &aligned, &aligned.complete, texture_count, warp_count)?;
     let sample = sampled(&aligned.complete);
     if let Some(wanted) = options.ssim {
         let count = fewest(most, |count| {
@@ -87,8 +88,9 @@ pub fn build(
             let (ssim, _) = basis.quality(source, &aligned, &sample, textures, warps)?;
             Ok(ssim >= wanted)
         })?;
+        // Fewer warps leave more to the textures, which are fitted anew.
         let (textures, warps) = split(count);
-        basis.truncate(textures, warps);
+        basis = Basis::new(source, &aligned, &aligned.complete, textures, warps)?;
     }
     let (ssim, mean_square_error) =
         basis.quality(source, &aligned, &sample, basis.textures.modes.len(), basis.warps.modes.len())?;
@@ -137,27 +139,19 @@ impl Basis {
     /// Learns from the frames `training`; all frames get coefficients, incomplete ones from what was seen.
     ///
     /// # Errors
-    /// A scratch file that cannot be read.
-    pub fn new(aligned: &Aligned, training: &[usize], textures: usize, warps: usize) -> Result<Self, AppearanceError> {
-        let mut textures = components(&aligned.textures, training, textures)?;
+    /// A texture or a scratch file that cannot be read.
+    pub fn new(
+        source: &(impl TextureSource + ?Sized),
+        aligned: &Aligned,
+        training: &[usize],
+        textures: usize,
+        warps: usize,
+    ) -> Result<Self, AppearanceError> {
         let mut warps = components(&aligned.warps, training, warps)?;
-        for Incomplete { frame, unseen, unseen_aligned } in &aligned.incomplete {
-            completion::complete(&mut textures, &aligned.textures, *frame, unseen_aligned, 3)?;
+        for Incomplete { frame, unseen, .. } in &aligned.incomplete {
             completion::complete(&mut warps, &aligned.warps, *frame, unseen, 2)?;
         }
-        Ok(Self { textures, warps })
-    }
-
-    /// Keeps the first modes only.
-    pub fn truncate(&mut self, textures: usize, warps: usize) {
-        for (components, count) in [(&mut self.textures, textures), (&mut self.warps, warps)] {
-            let before = components.modes.len();
-            let count = count.min(before);
-            components.modes.truncate(count);
-            components.variances.truncate(count);
-            let kept = components.coefficients.chunks_exact(before.max(1)).flat_map(|all| all[..count].to_vec());
-            components.coefficients = kept.collect();
-        }
+        Ok(Self { textures: fit(source, aligned, &warps, training, textures, fit::STEPS)?, warps })
     }
 
     /// The texture of a frame, rebuilt from the first modes: three values per active texel.

@@ -1,8 +1,8 @@
 //! How good an appearance is against the number of its components: the curves of thesis figures 4.6 and 4.9 to 4.12, TVCG
 //! figure 22, and how transitions look between two recorded frames.
 //!
-//! Everything is measured in texture space over active texels, against the textures as captured. *Naive* is PCA of the
-//! textures as they are, with as many components in all.
+//! Measured in texture space over active texels, and in pictures of the actor, against the textures as captured. *Naive* is
+//! PCA of the textures as they are, with as many components in all.
 
 use std::ops::Range;
 
@@ -17,13 +17,18 @@ use super::charts::Charts;
 use super::pca::{Components, components};
 use super::store::Store;
 use super::textures::TextureSource;
+use super::views::Views;
 use super::warp::Warping;
 use crate::progress::{Progress, Report};
 
 /// Numbers of components on the curves.
-const COUNTS: [usize; 14] = [1, 2, 3, 5, 8, 12, 16, 20, 25, 30, 40, 50, 65, 80];
+const COUNTS: [usize; 9] = [2, 3, 6, 12, 20, 30, 40, 50, 80];
+/// Components of the model whose interpolation and generalisation are measured.
+const USUAL: usize = 50;
+/// Frames of which pictures are compared.
+const VIEWS: usize = 6;
 /// Shares of the frames that are learnt from, in percent.
-const SHARES: [usize; 6] = [10, 20, 30, 40, 50, 60];
+const SHARES: [usize; 4] = [10, 25, 50, 75];
 /// Frames between the two that are interpolated.
 const DISTANCES: [usize; 3] = [4, 8, 16];
 /// Frames, or pairs of frames, on which each point of a curve is measured.
@@ -43,12 +48,16 @@ pub struct Quality {
 pub struct Reconstruction {
     /// Components in all.
     pub components: usize,
-    /// Eigen textures and Eigen warps, moved by Poisson reconstruction.
+    /// Eigen textures and Eigen warps, fitted for this number, moved by Poisson reconstruction.
     pub ours: Quality,
     /// The same, moved directly.
     pub direct: Quality,
     /// Naive PCA.
     pub naive: Quality,
+    /// Pictures of the actor in our textures.
+    pub ours_seen: Quality,
+    /// Pictures of the actor in those of naive PCA.
+    pub naive_seen: Quality,
 }
 
 /// One share of training frames; all others are rebuilt.
@@ -58,17 +67,19 @@ pub struct Generalisation {
     pub percent: usize,
     /// Their number.
     pub training: usize,
-    /// All modes of the training frames.
+    /// Components in all.
+    pub components: usize,
+    /// Frames not learnt from, rebuilt by ours.
     pub ours: Quality,
-    /// All modes of naive PCA.
+    /// The same by naive PCA.
     pub naive: Quality,
 }
 
-/// Halves of two frames, with some Eigen textures, against the same with all.
+/// Halves of two frames, with some components, against the same with all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Interpolation {
-    /// Eigen textures.
-    pub textures: usize,
+    /// Components in all.
+    pub components: usize,
     /// Similarity to the interpolation with all.
     pub quality: Quality,
 }
@@ -80,14 +91,12 @@ pub struct Ghosting {
     pub distance: usize,
     /// Pairs.
     pub pairs: usize,
-    /// Coefficients interpolated, all components.
-    pub ours: Quality,
     /// Coefficients interpolated, 50 components in all.
-    pub ours_50: Quality,
+    pub ours: Quality,
     /// The two textures cross-faded.
     pub blend: Quality,
-    /// Mean gradient of the three over that of the recorded frame: below 1 is blur.
-    pub sharpness: [f64; 3],
+    /// Mean gradient of both over that of the recorded frame: below 1 is blur.
+    pub sharpness: [f64; 2],
 }
 
 /// All curves of a capture.
@@ -103,33 +112,52 @@ pub struct Curves {
     pub ghosting: Vec<Ghosting>,
 }
 
-/// Measures a capture's appearance; `sequences` are the frames of each sequence.
+/// What is measured.
+pub struct Subject<'a, S: TextureSource + ?Sized> {
+    /// Textures of all frames.
+    pub source: &'a S,
+    /// The atlas.
+    pub charts: &'a Charts,
+    /// Frames of each sequence.
+    pub sequences: &'a [Range<usize>],
+    /// The actor that wears them.
+    pub views: Views<'a>,
+}
+
+/// Measures a capture's appearance.
 ///
 /// # Errors
 /// Textures that cannot be read, or no room for scratch files.
 pub fn curves(
-    source: &(impl TextureSource + ?Sized),
-    charts: &Charts,
-    sequences: &[Range<usize>],
+    subject: &Subject<'_, impl TextureSource + ?Sized>,
     options: &AlignOptions,
     report: Report,
 ) -> Result<Curves, AppearanceError> {
-    let aligned = align(source, charts, options, report)?;
-    let raw = raw(source, charts)?;
+    let Subject { source, charts, sequences, views } = subject;
+    let aligned = align(*source, charts, options, report)?;
+    let raw = raw(*source, charts)?;
     let all = aligned.complete.clone();
-    let bench = Bench { source, aligned, raw, similarity: Similarity::new(charts.width as u32, &charts.active()) };
-    let told = |done: u64| report(Progress { what: "appearance curves", done, total: 4 });
+    let similarity = Similarity::new(charts.width as u32, &charts.active());
+    let bench = Bench { source: *source, aligned, raw, similarity, views };
+    let told = |done: usize| report(Progress { what: "appearance curves", done: done as u64, total: 11 });
     told(0);
-    let full = bench.learn(&all, all.len())?;
-    let reconstruction = bench.reconstruction(&full, &all)?;
-    told(1);
-    let interpolation = bench.interpolation(&full.0, &all)?;
-    told(2);
-    let ghosting = bench.ghosting(&full.0, sequences)?;
+    let full = bench.learn(&all, USUAL)?;
+    let ghosting = bench.ghosting(&full, sequences)?;
+    let halves = bench.halves(&full, &all);
     drop(full);
-    told(3);
-    let generalisation = bench.generalisation(&all)?;
-    Ok(Curves { reconstruction, generalisation, interpolation, ghosting })
+    let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
+    let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
+    for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
+        told(1 + done);
+        let basis = bench.learn(&all, count)?;
+        reconstruction.push(bench.reconstruction(count, &basis, &naive, &all)?);
+        if count < USUAL {
+            interpolation.push(Interpolation { components: count, quality: bench.interpolation(&basis, &halves)? });
+        }
+    }
+    drop(naive);
+    told(10);
+    Ok(Curves { reconstruction, generalisation: bench.generalisation(&all)?, interpolation, ghosting })
 }
 
 /// The textures as they are, a row a frame.
@@ -147,12 +175,13 @@ struct Bench<'a, S: TextureSource + ?Sized> {
     aligned: Aligned,
     raw: Store,
     similarity: Similarity,
+    views: &'a Views<'a>,
 }
 
 impl<S: TextureSource + ?Sized> Bench<'_, S> {
-    fn learn(&self, training: &[usize], count: usize) -> Result<(Basis, Components), AppearanceError> {
-        let basis = Basis::new(&self.aligned, training, count, count)?;
-        Ok((basis, components(&self.raw, training, count)?))
+    fn learn(&self, training: &[usize], count: usize) -> Result<Basis, AppearanceError> {
+        let (textures, warps) = split(count);
+        Basis::new(self.source, &self.aligned, training, textures, warps)
     }
 
     fn original(&self, frame: usize) -> Result<Vec<f32>, AppearanceError> {
@@ -170,24 +199,31 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
 
     fn reconstruction(
         &self,
-        (basis, naive): &(Basis, Components),
+        count: usize,
+        basis: &Basis,
+        naive: &Components,
         frames: &[usize],
-    ) -> Result<Vec<Reconstruction>, AppearanceError> {
-        let (frames, warper) = (evenly(frames, SAMPLE), &self.aligned.warper);
-        COUNTS
-            .into_iter()
-            .filter(|&count| count < self.aligned.complete.len())
-            .map(|count| {
-                let (textures, warps) = split(count);
-                let ours = |how| self.over(&frames, |frame| basis.rebuild(warper, frame, textures, warps, how));
-                Ok(Reconstruction {
-                    components: count,
-                    ours: ours(Warping::Poisson)?,
-                    direct: ours(Warping::Direct)?,
-                    naive: self.over(&frames, |frame| combine(naive, frame, count))?,
-                })
-            })
-            .collect()
+    ) -> Result<Reconstruction, AppearanceError> {
+        let frames = evenly(frames, SAMPLE);
+        let (textures, warps) = split(count);
+        let ours = |frame, how| basis.rebuild(&self.aligned.warper, frame, textures, warps, how);
+        Ok(Reconstruction {
+            components: count,
+            ours: self.over(&frames, |frame| ours(frame, Warping::Poisson))?,
+            direct: self.over(&frames, |frame| ours(frame, Warping::Direct))?,
+            naive: self.over(&frames, |frame| combine(naive, frame, count))?,
+            ours_seen: self.seen(&frames, |frame| ours(frame, Warping::Poisson))?,
+            naive_seen: self.seen(&frames, |frame| combine(naive, frame, count))?,
+        })
+    }
+
+    /// The mean quality of pictures of the actor in what `rebuild` makes.
+    fn seen(&self, frames: &[usize], rebuild: impl Fn(usize) -> Vec<f32> + Sync) -> Result<Quality, AppearanceError> {
+        let found = evenly(frames, VIEWS)
+            .par_iter()
+            .map(|&frame| Ok(self.views.compare(frame, &self.original(frame)?, &rebuild(frame))?))
+            .collect();
+        means(found).map(|(ssim, mse)| Quality { ssim, mse })
     }
 
     fn generalisation(&self, frames: &[usize]) -> Result<Vec<Generalisation>, AppearanceError> {
@@ -200,48 +236,43 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
                 let mut known = known.to_vec();
                 known.sort_unstable();
                 let unknown = evenly(unknown, SAMPLE);
-                let (basis, naive) = self.learn(&known, training)?;
+                let count = USUAL.min(training);
+                let (textures, warps) = split(count);
+                let (basis, naive) = (self.learn(&known, count)?, components(&self.raw, &known, count)?);
                 let warper = &self.aligned.warper;
                 let ours =
-                    self.over(&unknown, |frame| basis.rebuild(warper, frame, training, training, Warping::Poisson))?;
-                let naive = self.over(&unknown, |frame| combine(&naive, frame, training))?;
-                Ok(Generalisation { percent, training, ours, naive })
+                    self.over(&unknown, |frame| basis.rebuild(warper, frame, textures, warps, Warping::Poisson))?;
+                let naive = self.over(&unknown, |frame| combine(&naive, frame, count))?;
+                Ok(Generalisation { percent, training, components: count, ours, naive })
             })
             .collect()
     }
 
-    fn interpolation(&self, basis: &Basis, frames: &[usize]) -> Result<Vec<Interpolation>, AppearanceError> {
+    /// Pairs of frames drawn at random, and what lies half way between them, as a screen shows it.
+    fn halves(&self, basis: &Basis, frames: &[usize]) -> Vec<([usize; 2], Vec<f32>)> {
         let order = shuffled(frames);
         let pairs: Vec<[usize; 2]> = order.chunks_exact(2).take(SAMPLE).map(|pair| [pair[0], pair[1]]).collect();
-        let all = basis.textures.modes.len();
-        let wanted: Vec<Vec<f32>> = pairs.par_iter().map(|&pair| self.between(basis, pair, all, all)).collect();
-        COUNTS
-            .into_iter()
-            .filter(|&count| count < all)
-            .map(|count| {
-                let found = pairs
-                    .par_iter()
-                    .zip(&wanted)
-                    .map(|(&pair, wanted)| {
-                        let got = self.between(basis, pair, count, all);
-                        let clamped: Vec<f32> = wanted.iter().map(|value| value.clamp(0.0, 1.0)).collect();
-                        Ok(compared(&self.similarity, &clamped, got))
-                    })
-                    .collect();
-                let (ssim, mse) = means(found)?;
-                Ok(Interpolation { textures: count, quality: Quality { ssim, mse } })
-            })
-            .collect()
+        let half = |&pair: &[usize; 2]| {
+            (pair, self.between(basis, pair).into_iter().map(|value| value.clamp(0.0, 1.0)).collect())
+        };
+        pairs.par_iter().map(half).collect()
+    }
+
+    fn interpolation(&self, basis: &Basis, halves: &[([usize; 2], Vec<f32>)]) -> Result<Quality, AppearanceError> {
+        let found = halves
+            .par_iter()
+            .map(|(pair, wanted)| Ok(compared(&self.similarity, wanted, self.between(basis, *pair))))
+            .collect();
+        means(found).map(|(ssim, mse)| Quality { ssim, mse })
     }
 
     /// Half way between two frames: means of coefficients are means of textures and of warps.
-    fn between(&self, basis: &Basis, pair: [usize; 2], textures: usize, warps: usize) -> Vec<f32> {
-        let half = |components: &Components, count: usize| {
-            let [a, b] = pair.map(|frame| combine(components, frame, count));
+    fn between(&self, basis: &Basis, pair: [usize; 2]) -> Vec<f32> {
+        let half = |components: &Components| {
+            let [a, b] = pair.map(|frame| combine(components, frame, components.modes.len()));
             a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<f32>>()
         };
-        let (texture, warp) = (half(&basis.textures, textures), half(&basis.warps, warps));
-        self.aligned.warper.warp(&texture, 3, &warp, Warping::Poisson)
+        self.aligned.warper.warp(&half(&basis.textures), 3, &half(&basis.warps), Warping::Poisson)
     }
 
     fn ghosting(&self, basis: &Basis, sequences: &[Range<usize>]) -> Result<Vec<Ghosting>, AppearanceError> {
@@ -257,24 +288,16 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
                 let middles: Vec<usize> = complete.iter().copied().filter(fits).collect();
                 let middles = evenly(&middles, SAMPLE);
                 let ends = |middle: usize| [middle - distance / 2, middle + distance / 2];
-                let all = basis.textures.modes.len();
-                let (some_textures, some_warps) = split(50);
-                let ours = |middle| self.between(basis, ends(middle), all, all);
-                let ours_50 = |middle| self.between(basis, ends(middle), some_textures, some_warps);
+                let ours = |middle| self.between(basis, ends(middle));
                 let blend = |middle| -> Vec<f32> {
                     let [a, b] = ends(middle).map(|frame| self.raw.row(frame).unwrap_or_default());
                     a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect()
                 };
-                let sharpness = [
-                    self.sharpness(&middles, ours)?,
-                    self.sharpness(&middles, ours_50)?,
-                    self.sharpness(&middles, blend)?,
-                ];
+                let sharpness = [self.sharpness(&middles, ours)?, self.sharpness(&middles, blend)?];
                 Ok(Ghosting {
                     distance,
                     pairs: middles.len(),
                     ours: self.over(&middles, ours)?,
-                    ours_50: self.over(&middles, ours_50)?,
                     blend: self.over(&middles, blend)?,
                     sharpness,
                 })

@@ -50,6 +50,9 @@ pub enum AppearanceError {
         /// Those of the first.
         expected: (u32, u32),
     },
+    /// A picture of the actor could not be drawn.
+    #[error("the actor cannot be drawn: {0}")]
+    View(#[from] crate::export::ExportError),
     /// The scratch file failed.
     #[error("cannot use a scratch file in {folder}: {source}. Make room, or set TMPDIR to another folder")]
     Scratch {

@@ -1,7 +1,7 @@
 //! Appearance from the textures of a capture's frames: Eigen textures and Eigen warps.
 //!
 //! ```text
-//! textures -> charts, gaps -> reference -> flow, warp (align) -> store -> components -> completion -> AppearanceModel
+//! textures -> charts, gaps -> reference -> flow, warp (align) -> store -> components -> fit, completion -> AppearanceModel
 //! ```
 //!
 //! This work is based on: A. Boukhayma, *Surface Motion Capture Animation*, thesis 2017, chapter 4. Textures are read a
@@ -14,6 +14,7 @@ pub mod charts;
 pub mod completion;
 pub mod curves;
 mod error;
+pub mod fit;
 pub mod flow;
 pub mod gaps;
 mod level;
@@ -23,6 +24,7 @@ pub mod reference;
 pub mod store;
 pub mod symmetric;
 pub mod textures;
+pub mod views;
 pub mod warp;
 
 pub use self::build::{AppearanceOptions, AppearanceSummary, build};

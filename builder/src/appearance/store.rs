@@ -44,6 +44,12 @@ impl Store {
         self.columns
     }
 
+    /// The largest number that it holds.
+    #[must_use]
+    pub fn range(&self) -> f32 {
+        self.range
+    }
+
     /// Number of stripes; the last may be narrower.
     #[must_use]
     pub fn stripes(&self) -> usize {

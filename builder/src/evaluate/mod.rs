@@ -9,6 +9,7 @@
 //! ```
 
 mod acceleration;
+mod appearance;
 pub mod arap;
 mod blending;
 pub mod clay;
@@ -35,6 +36,7 @@ use thiserror::Error;
 
 pub use self::document::{Document, SectionReport};
 pub use self::subject::Subject;
+use crate::appearance::AppearanceError;
 use crate::distance::DistanceError;
 use crate::essential::{BuildError, EssentialError};
 use crate::import::ImportError;
@@ -148,6 +150,9 @@ pub enum EvaluateError {
     /// The graph could not be built: a fault of ours.
     #[error("the graph cannot be built: {0}")]
     Build(#[from] BuildError),
+    /// Textures of frames that no appearance can be made of.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
     /// Poses could not be interpolated: a fault of ours.
     #[error("poses cannot be interpolated: {0}")]
     Interpolation(#[from] shared::cholesky::CholeskyError),
@@ -177,8 +182,8 @@ pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateE
             Section::Blending => blending::section(subject, report),
             Section::Interpolation => interpolation::section(subject, report),
             Section::Walks => walks::section(subject, report),
-            Section::Appearance => Ok(missing("This version does not evaluate it yet.")),
             Section::Scaling => scaling::section(subject, report),
+            Section::Appearance => appearance::section(subject, report),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

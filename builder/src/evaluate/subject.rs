@@ -1,5 +1,6 @@
 //! The capture under evaluation and what several sections need to know of it.
 
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use glam::{Vec2, Vec3Swizzles};
@@ -20,6 +21,8 @@ use crate::transitions::{LengthChoice, TransitionMatrix, TransitionOptions, opti
 pub struct Subject {
     /// The capture.
     pub capture: Capture,
+    /// Texture files of all frames, where every frame has its own.
+    pub textures: Option<Vec<PathBuf>>,
     /// Its skeleton's truth, where it came with one.
     pub truth: Option<Truth>,
     /// How it is evaluated.
@@ -42,9 +45,10 @@ impl Subject {
         options: EvaluateOptions,
         report: Report,
     ) -> Result<Self, EvaluateError> {
-        let capture = import(inputs, import_options, &|step| report(step))?.capture;
-        let truth = Truth::beside(inputs, &capture.timeline)?;
-        Self::new(capture, truth, options, report)
+        let imported = import(inputs, import_options, &|step| report(step))?;
+        let truth = Truth::beside(inputs, &imported.capture.timeline)?;
+        let subject = Self::new(imported.capture, truth, options, report)?;
+        Ok(Self { textures: imported.frame_textures, ..subject })
     }
 
     /// Measures the pose distances of a capture in memory.
@@ -61,7 +65,16 @@ impl Subject {
         let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), &told)?;
         let weights = capture.topology.weights();
         let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
-        Ok(Self { capture, truth, options, measured, centres, total: OnceLock::new(), mean: OnceLock::new() })
+        Ok(Self {
+            capture,
+            textures: None,
+            truth,
+            options,
+            measured,
+            centres,
+            total: OnceLock::new(),
+            mean: OnceLock::new(),
+        })
     }
 
     pub(super) fn timeline(&self) -> &Timeline {

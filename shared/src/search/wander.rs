@@ -8,8 +8,8 @@ use super::shortest::cheapest_walk_to;
 use super::walk::{Leg, Walk, steps_of};
 use super::ways::Ways;
 use crate::graph::EssentialGraph;
-use kernels::sort;
 use crate::timeline::Timeline;
+use kernels::sort;
 
 /// Seconds between two transitions that wandering may leave by, and between two that it may arrive by, where the graph
 /// allows it: an actor that blends all the time is never quite itself.

@@ -1,7 +1,7 @@
 //! Dense optical flow on the active texels, from one texture to another, never across the border of a chart.
 //!
 //! ```text
-//! prepared textures -> pyramid -> on each level, coarse to fine: patch search -> densify -> refine -> flow
+//! prepared textures -> detail -> pyramid -> on each level, coarse to fine: patch search -> densify -> refine -> flow
 //! ```
 //!
 //! This work is based on: Kroeger, Timofte, Dai, Van Gool, *Fast Optical Flow using Dense Inverse Search*, 2016, with the
@@ -22,6 +22,13 @@ use crate::simd::Level as Instructions;
 const COARSEST: usize = 48;
 /// Levels at most.
 const MOST_LEVELS: usize = 6;
+/// Detail is what differs from the mean over this part of the texture's longer side: light that moves over skin and cloth
+/// changes more slowly.
+const NEIGHBOURHOODS: usize = 64;
+/// Contrast below which detail is not made stronger: a flat neighbourhood has nothing to match but light.
+const LEAST_CONTRAST: f32 = 0.1;
+/// Standard deviation of detail where there is plenty.
+const CONTRAST: f32 = 0.2;
 
 /// How much work the flow is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +102,8 @@ impl FlowGrid {
             let (mut value, seen) = match planes.last() {
                 None => {
                     let ones = |seen: &[bool]| seen.iter().map(|&seen| f32::from(u8::from(seen))).collect::<Vec<_>>();
-                    (level.padded(values), seen.map(|seen| level.padded(&ones(seen))))
+                    let seen = seen.map(|seen| level.padded(&ones(seen)));
+                    (self.detail(level.padded(values), seen.as_deref()), seen)
                 }
                 Some(finer) => {
                     let fine = &self.levels[index - 1];
@@ -117,6 +125,44 @@ impl FlowGrid {
             planes.push(Plane { value, across, along, seen });
         }
         Prepared { planes }
+    }
+
+    /// `plane` without its local mean, at an even contrast, about 0.5; where it was not seen it counts for nothing.
+    fn detail(&self, plane: Vec<f32>, seen: Option<&[f32]>) -> Vec<f32> {
+        let longer = self.levels[0].charts.width.max(self.levels[0].charts.height);
+        let scale = (longer / NEIGHBOURHOODS).max(1).ilog2() as usize;
+        let known = seen.map(|seen| self.blurred(seen, scale));
+        let mean = |plane: &[f32]| -> Vec<f32> {
+            match seen.zip(known.as_ref()) {
+                Some((seen, known)) => {
+                    let part: Vec<f32> = plane.iter().zip(seen).map(|(value, seen)| value * seen).collect();
+                    let part = self.blurred(&part, scale);
+                    part.iter().zip(known).map(|(part, known)| part / known.max(1e-3)).collect()
+                }
+                None => self.blurred(plane, scale),
+            }
+        };
+        let mut detail = plane;
+        let local = mean(&detail);
+        detail.iter_mut().zip(&local).for_each(|(value, mean)| *value -= mean);
+        let squares: Vec<f32> = detail.iter().map(|value| value * value).collect();
+        for (value, variance) in detail.iter_mut().zip(mean(&squares)) {
+            *value = 0.5 + CONTRAST * *value / (variance + LEAST_CONTRAST * LEAST_CONTRAST).sqrt();
+        }
+        detail
+    }
+
+    /// Means over squares of 2^`scale` texels, within charts, interpolated.
+    fn blurred(&self, plane: &[f32], scale: usize) -> Vec<f32> {
+        let scale = scale.min(self.levels.len() - 1);
+        let mut mean = plane.to_vec();
+        for index in 1..=scale {
+            mean = self.levels[index].shrink(&self.levels[index - 1], &mean);
+        }
+        for index in (1..=scale).rev() {
+            mean = self.levels[index - 1].enlarge(&self.levels[index], &mean, 1.0);
+        }
+        mean
     }
 
     /// The flow w with `template(x) = other(x + w(x))`, as well as the two can be matched.

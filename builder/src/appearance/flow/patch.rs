@@ -19,7 +19,7 @@ const FLAT: f32 = 1e-6;
 /// Differences below this count all the same when patches are weighed.
 const LEAST_DIFFERENCE: f32 = 1.0 / 255.0;
 /// What the initial flow counts, against mean square gradients over differences.
-const PRIOR: f32 = 0.02;
+const PRIOR: f32 = 1.0;
 
 /// A neighbour's way is tried where it leaves less than this part of a patch's error.
 const CLEARLY: f32 = 0.8;

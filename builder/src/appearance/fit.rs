@@ -1,0 +1,86 @@
+//! Fitting Eigen textures to what is made of them: to the textures as captured, after de-alignment.
+//!
+//! A texture that is moved to the reference and back has been interpolated twice, and loses detail of a texel's size each
+//! time; and the warp that moves it back is not its own but what a few Eigen warps leave of it. Both losses are far larger
+//! than what the Eigen textures leave out. So aligned textures are not taken as they were moved, but are those from which
+//! the *player's* way back gives the captured textures: with S_k the de-alignment by the Eigen warps of frame k, the
+//! modes T and coefficients c minimise
+//!
+//! ```text
+//! sum over frames of | I_k - S_k (mean + sum_j c_kj T_j) |^2
+//! ```
+//!
+//! by projected gradients: what is missing of each captured texture is moved to the reference (the inverse warp stands for
+//! the transpose of S_k, as in the iterative back-projection of Irani, Peleg, *Improving resolution by image
+//! registration*, 1991), added to what the model has, and principal components of that are the next model.
+
+use rayon::prelude::*;
+
+use super::AppearanceError;
+use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
+use super::build::combine;
+use super::completion;
+use super::pca::{Components, components};
+use super::store::Store;
+use super::textures::TextureSource;
+use super::warp::Warping;
+
+/// Times that what is missing is added.
+pub const STEPS: usize = 4;
+/// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
+const STEP: f32 = 1.4;
+
+/// Eigen textures of the frames `training`, `count` of them at most, which the warps of `warps` turn into the textures of
+/// `source`; all frames get coefficients, incomplete ones from what was seen.
+///
+/// # Errors
+/// Textures that cannot be read, or no room for scratch files.
+pub fn fit(
+    source: &(impl TextureSource + ?Sized),
+    aligned: &Aligned,
+    warps: &Components,
+    training: &[usize],
+    count: usize,
+    steps: usize,
+) -> Result<Components, AppearanceError> {
+    let mut textures = learn(aligned, &aligned.textures, training, count)?;
+    if steps == 0 {
+        return Ok(textures);
+    }
+    let rows = Store::new(aligned.textures.rows(), aligned.textures.columns(), aligned.textures.range())?;
+    let ways = Store::new(aligned.warps.rows(), aligned.warps.columns(), WARP_RANGE)?;
+    for step in 0..steps {
+        let improve = |frame: usize| -> Result<(), AppearanceError> {
+            let warp = combine(warps, frame, warps.modes.len());
+            let way = if step == 0 {
+                let way = aligned.warper.inverse(&warp);
+                ways.write(frame, &way)?;
+                way
+            } else {
+                ways.row(frame)?
+            };
+            let mut model = combine(&textures, frame, textures.modes.len());
+            let mut missing = colours(&source.read(frame)?, &aligned.charts);
+            let shown = aligned.warper.warp(&model, 3, &warp, Warping::Direct);
+            missing.iter_mut().zip(&shown).for_each(|(missing, shown)| *missing -= shown);
+            for &texel in aligned.unseen(frame) {
+                missing[3 * texel as usize..3 * texel as usize + 3].fill(0.0);
+            }
+            let missing = aligned.warper.warp(&missing, 3, &way, Warping::Direct);
+            model.iter_mut().zip(&missing).for_each(|(model, missing)| *model += STEP * missing);
+            rows.write(frame, &model)
+        };
+        let improved: Result<Vec<()>, AppearanceError> = (0..rows.rows()).into_par_iter().map(improve).collect();
+        improved?;
+        textures = learn(aligned, &rows, training, count)?;
+    }
+    Ok(textures)
+}
+
+fn learn(aligned: &Aligned, rows: &Store, training: &[usize], count: usize) -> Result<Components, AppearanceError> {
+    let mut textures = components(rows, training, count)?;
+    for Incomplete { frame, unseen_aligned, .. } in &aligned.incomplete {
+        completion::complete(&mut textures, rows, *frame, unseen_aligned, 3)?;
+    }
+    Ok(textures)
+}
