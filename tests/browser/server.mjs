@@ -103,7 +103,7 @@ async function half(response, bundle) {
   response.end(bundle.subarray(middle));
 }
 
-/** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
+/** In twenty pieces with pauses; or only the first two, and then the line goes dead. */
 async function trickle(response, bundle, breaks) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
   const piece = Math.ceil(bundle.length / 20);
@@ -111,6 +111,8 @@ async function trickle(response, bundle, breaks) {
     response.write(bundle.subarray(at, at + piece));
     await new Promise((resolve) => setTimeout(resolve, PAUSE));
     if (breaks && at > 0) {
+      // What a busy page has not read yet would be lost with the line.
+      await new Promise((resolve) => setTimeout(resolve, 20 * PAUSE));
       response.destroy();
       return;
     }
