@@ -18,7 +18,7 @@ const PATIENCE = 500;
 const AHEAD = 20;
 
 /**
- * Whether the actor may leave. Paths and places have a whole walk from the first answer on; the answers of key poses, queues
+ * Whether the actor may leave. Paths and places have a whole walk from the first answer on that has any; the answers of key poses, queues
  * and the like are whole only in the end.
  */
 function isReady({ answer, done, begun, request: { target } }, now) {
@@ -100,9 +100,9 @@ export class SearchDriver {
       return true;
     }
     const running = player.search_on(SLICE) === 'running';
-    const looks = task.answer ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
-    if (!running || looks) this.look(task, player, now);
     task.done = !running;
+    const looks = task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
+    if (task.done || looks) this.look(task, player, now);
     if (this.waiting && isReady(task, now)) this.leave();
     else if (task.done && task.origin === 'end') this.goOn();
     return !task.done;
@@ -110,7 +110,10 @@ export class SearchDriver {
 
   look(task, player, now) {
     task.looked = now;
-    task.answer = readAnswer(player.answer(), this.core.director.info.fps);
+    const answer = readAnswer(player.answer(), this.core.director.info.fps);
+    // To stay may be the best walk in the end, but is none to show on the way.
+    if (answer.legs.length === 0 && !task.done) return;
+    task.answer = answer;
     if (task.origin !== 'end') this.found(task.answer, null);
   }
 
