@@ -13,7 +13,6 @@ mod report;
 mod terminal;
 mod validate;
 mod walked;
-mod walked;
 
 use std::process::ExitCode;
 
