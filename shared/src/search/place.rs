@@ -84,10 +84,10 @@ impl PlaceTask {
         }
     }
 
-    /// Learns what detours facing a way takes, for about as long as expanding so many `states` does; whether that is done. A
-    /// search that begins before finds the way all the same, later.
-    pub fn prepare(&mut self, states: u32) -> bool {
-        self.detour.as_mut().is_none_or(|detour| detour.advance(states))
+    /// Learns what detours facing a way takes, for as long as expanding up to so many `states` does; how many it took, fewer than
+    /// `states` once that is done. A search that begins before finds the way all the same, later.
+    pub fn prepare(&mut self, states: u32) -> u32 {
+        self.detour.as_mut().map_or(0, |detour| detour.advance(states))
     }
 
     /// Metres off the place and radians off the heading.
