@@ -257,6 +257,31 @@ fn every_tool_works_from_the_command_line() {
     assert_ne!(one["answer"]["walk"], two["answer"]["walk"]);
     assert_eq!(one["answer"]["walk"], wander("1")["answer"]["walk"]);
 
+    // The table of key poses, as a file of its own.
+    let times = folder.path().join("times.csv");
+    run(&[bundle, "--keys", keys, "--times", times.to_str().unwrap(), "-q", "-o", out]);
+    let table = fs::read_to_string(&times).unwrap();
+    assert!(table.starts_with("frame,shown,wanted_frames,reached_frames") && table.lines().count() == 3, "{table}");
+    let times = folder.path().join("times.json");
+    run(&[bundle, "--keys", keys, "--times", times.to_str().unwrap(), "-q", "-o", out]);
+    let table: Value = serde_json::from_str(&fs::read_to_string(&times).unwrap()).unwrap();
+    assert_eq!(table[1]["reached_frames"], rows[1]["reached"]);
+
+    let place = run(&[bundle, "--place", "-0.2,1.0,0.3", "--effort", "3000", "--json", "-q", "-o", out]);
+    assert!(place["answer"]["parts"][0]["goal"]["place"]["turn"].is_number());
+    assert!((place["request"]["target"]["place"]["x"].as_f64().unwrap() + 0.2).abs() < 1e-6);
+    let held = run(&[bundle, "--behaviour", "straight:3s", "--json", "-q", "-o", out]);
+    assert_eq!(held["answer"]["parts"][0]["goal"]["behaviour"]["reached"], true);
+    assert!(held["answer"]["parts"][0]["goal"]["behaviour"]["held"].as_u64().unwrap() > 0);
+
+    // What the page saves holds the actor's place too, and the walk begins there.
+    let saved = folder.path().join("saved.json");
+    let start = json!({"frame": 12, "placement": [0.5, 1.0, -2.0]});
+    fs::write(&saved, json!({"request": held["request"], "start": start}).to_string()).unwrap();
+    let walk = run(&[bundle, "--request", saved.to_str().unwrap(), "--json", "-q", "-o", out]);
+    assert_eq!(walk["answer"]["start_frame"], 12);
+    assert_eq!(walk["answer"]["start_placement"], start["placement"]);
+
     // The request that a report holds gives the same walk.
     let request = folder.path().join("request.json");
     fs::write(&request, one["request"].to_string()).unwrap();
@@ -283,6 +308,22 @@ fn what_cannot_be_done_is_said() {
     refuse(&["--wander", "5s", "-o", "walk.png"], 2, "says no format");
     refuse(&["--wander", "never", "-o", out], 2, "no duration");
     refuse(&["--to", "fly:1", "-o", out], 1, "there are: bend, straight");
+    refuse(&["--behaviour", "fly", "-o", out], 1, "there are: bend, straight");
+    refuse(&["--place", "here", "-o", out], 2, "no place");
+    refuse(&["--place", "1,1e9", "-o", out], 1, "must be a number from");
+    refuse(&["--wander", "1s", "--times", "t.csv", "-o", out], 2, "none were asked for");
+    let saved = folder.path().join("saved.json");
+    let saved = saved.to_str().unwrap();
+    fs::write(saved, r#"{"request": {"version": 1, "target": {"pose": 3}}, "start": {"frame": 1}}"#).unwrap();
+    refuse(&["--request", saved, "-o", out], 1, "the start: missing field");
+    fs::write(
+        saved,
+        r#"{"request": {"version": 1, "target": {"pose": 3}}, "start": {"frame": 9999, "placement": [0, 0, 0]}}"#,
+    )
+    .unwrap();
+    refuse(&["--request", saved, "-o", out], 1, "no frame 9999");
+    fs::write(saved, "[1, 2]").unwrap();
+    refuse(&["--request", saved, "-o", out], 1, "not a request");
     refuse(&["--to", "bend:99", "-o", out], 1, "no frame");
     let path = folder.path().join("path.json");
     fs::write(&path, "{\"points\": [[1, 1], [1, 1]]}").unwrap();

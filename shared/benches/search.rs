@@ -16,7 +16,7 @@ use glam::Vec3;
 use shared::bundle::BundleReader;
 use shared::graph::EssentialGraph;
 use shared::search::{
-    Anytime, Curve, DEFAULT_REALISM, Direction, FrameRef, Goal, Key, KeysRequest, Measure, Motion, PathTask, Progress,
+    Anytime, Curve, Direction, FrameRef, Goal, Key, KeysRequest, Measure, Motion, PATH_REALISM, PathTask, Progress,
     Request, Scene, Shape, Target, Ways, depth_first, to_targets,
 };
 use shared::timeline::Timeline;
@@ -25,7 +25,7 @@ fn small(criterion: &mut Criterion) {
     let made = ground::random_scene::make(5, &[300, 300, 300], 20_000);
     let curve = Curve::new(&[Vec3::ZERO, Vec3::Z * 4.0, Vec3::new(3.0, 0.0, 5.0)], Shape::Spline, true, None);
     let start = PathTask::start_on(&made.ways, &curve, 0).unwrap();
-    let task = PathTask::new(&made.ways, curve, vec![], vec![start], DEFAULT_REALISM);
+    let task = PathTask::new(&made.ways, curve, vec![], vec![start], PATH_REALISM);
     criterion.bench_function("path: 1000 expanded states", |bench| {
         bench.iter(|| {
             let mut search = Anytime::new(&task, &made.ways);
@@ -46,7 +46,7 @@ fn against_the_oracle() {
         let made = ground::small_scene(seed);
         let curve = Curve::new(&[Vec3::ZERO, Vec3::new(0.2, 0.0, 0.7)], Shape::Polyline, true, None);
         let start = PathTask::start_on(&made.ways, &curve, 0).unwrap();
-        let task = PathTask::new(&made.ways, curve, vec![], vec![start], DEFAULT_REALISM);
+        let task = PathTask::new(&made.ways, curve, vec![], vec![start], PATH_REALISM);
         let oracle = depth_first(&task, &made.ways, 20_000_000);
         let mut search = Anytime::new(&task, &made.ways);
         search.advance(&task, &made.ways, 20_000);
@@ -101,7 +101,7 @@ fn follow(ways: &Ways, name: &str, points: &[Vec3], shape: Shape) {
     let curve = Curve::new(points, shape, true, None);
     let starts = (0..ways.frame_count()).step_by(8).filter(|&frame| ways.live[frame as usize]);
     let starts = starts.filter_map(|frame| PathTask::start_on(ways, &curve, frame)).collect();
-    let task = PathTask::new(ways, curve, vec![], starts, DEFAULT_REALISM);
+    let task = PathTask::new(ways, curve, vec![], starts, PATH_REALISM);
     let began = Instant::now();
     let mut search = Anytime::new(&task, ways);
     let (mut slowest, mut first) = (0.0_f64, None);

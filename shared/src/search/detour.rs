@@ -23,6 +23,8 @@ const BINS: i32 = 24;
 /// to choose from.
 const SECONDS: f64 = 0.8;
 const STRETCHES: f64 = 5.0;
+/// Cells that are settled in the time of an expanded state.
+const CELLS_A_STATE: u32 = 8;
 /// Fineness to which stretches are told apart.
 const SAME_METRES: f32 = 0.1;
 const SAME_RADIANS: f32 = 0.15;
@@ -63,25 +65,32 @@ impl Detour {
         detour
     }
 
-    /// Settles up to `budget` cells; whether all are.
-    pub fn advance(&mut self, budget: u32) -> bool {
-        for _ in 0..budget {
-            let Some((cost, cell)) = self.queue.pop() else { return true };
-            if cost as f32 > self.least[cell as usize] {
-                continue;
-            }
-            meter::count(self.stretches.len());
-            let cell = cell as i32;
-            let at = |index: i32| (index - SIDE / 2) as f32 * CELL;
-            let (place, heading) = (Vec2::new(at(cell / BINS % SIDE), at(cell / BINS / SIDE)), (cell % BINS) as f32);
-            for index in 0..self.stretches.len() {
-                let stretch = self.stretches[index];
-                let before = heading * (TAU / BINS as f32) - stretch.turn;
-                let facing = Spot { turn: turn_of(before), shift: Vec2::ZERO };
-                self.reach(place - facing.rotate(stretch.shift), before, cost + self.cost);
+    /// Settles cells for up to `states`, so many each; how many states that took, fewer than `states` once all are settled. It
+    /// is the same sum however it is sliced.
+    pub fn advance(&mut self, states: u32) -> u32 {
+        for used in 0..states {
+            for _ in 0..CELLS_A_STATE {
+                let Some((cost, cell)) = self.queue.pop() else { return used };
+                self.settle(cost, cell);
             }
         }
-        false
+        states
+    }
+
+    fn settle(&mut self, cost: f64, cell: u64) {
+        if cost as f32 > self.least[cell as usize] {
+            return;
+        }
+        meter::count(self.stretches.len());
+        let cell = cell as i32;
+        let at = |index: i32| (index - SIDE / 2) as f32 * CELL;
+        let (place, heading) = (Vec2::new(at(cell / BINS % SIDE), at(cell / BINS / SIDE)), (cell % BINS) as f32);
+        for index in 0..self.stretches.len() {
+            let stretch = self.stretches[index];
+            let before = heading * (TAU / BINS as f32) - stretch.turn;
+            let facing = Spot { turn: turn_of(before), shift: Vec2::ZERO };
+            self.reach(place - facing.rotate(stretch.shift), before, cost + self.cost);
+        }
     }
 
     fn reach(&mut self, place: Vec2, heading: f32, cost: f64) {

@@ -53,8 +53,8 @@ pub use path::{Demand, PathReport, PathTask};
 pub use place::{PlaceReport, PlaceTask};
 pub use random::{Chain, Optimiser};
 pub use request::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PathRequest, PlaceRequest, Request, RequestError,
-    Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
+    RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
 pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};
 pub use spot::Spot;

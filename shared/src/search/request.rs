@@ -141,7 +141,7 @@ pub struct PathRequest {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vertices: Vec<u32>,
     /// Weight of the graph's cost against metre-seconds of deviation.
-    #[serde(default = "default_realism")]
+    #[serde(default = "path_realism")]
     pub realism: f64,
 }
 
@@ -186,11 +186,18 @@ pub struct WanderRequest {
     pub weights: BTreeMap<String, f64>,
 }
 
-/// The default weight of the graph's cost.
+/// The default weight of the graph's cost against seconds.
 pub const DEFAULT_REALISM: f64 = 0.05;
+/// The default weight of the graph's cost against metre-seconds of deviation from a path: a good transition is worth being 6 cm
+/// off for a second.
+pub const PATH_REALISM: f64 = 0.02;
 
 fn default_realism() -> f64 {
     DEFAULT_REALISM
+}
+
+fn path_realism() -> f64 {
+    PATH_REALISM
 }
 
 impl Default for PathRequest {
@@ -201,7 +208,7 @@ impl Default for PathRequest {
             stretches: Vec::new(),
             free_start: false,
             vertices: Vec::new(),
-            realism: DEFAULT_REALISM,
+            realism: PATH_REALISM,
         }
     }
 }

@@ -75,10 +75,14 @@ impl Work {
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> (bool, u32) {
         match self {
             Self::Path(work) => search(&work.0, &mut work.1, scene, budget),
-            Self::Place(work) => match work.0.prepare(budget) {
-                true => search(&work.0, &mut work.1, scene, budget),
-                false => (false, budget),
-            },
+            Self::Place(work) => {
+                let prepared = work.0.prepare(budget);
+                if prepared == budget {
+                    return (false, prepared);
+                }
+                let (ended, expanded) = search(&work.0, &mut work.1, scene, budget - prepared);
+                (ended, prepared + expanded)
+            }
             Self::Keys(plan) => (plan.advance(scene, budget.saturating_mul(CELLS_A_STATE)), budget),
             Self::Hold(holding) => {
                 let mut ended = false;

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use js_sys::{Array, JSON, Object, Reflect};
 use shared::search::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PathRequest, PlaceRequest, Request, Shape, Stretch,
-    Target, WanderRequest, WithinSequence,
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
+    Shape, Stretch, Target, WanderRequest, WithinSequence,
 };
 use wasm_bindgen::{JsCast, JsValue};
 
@@ -164,7 +164,7 @@ fn path(value: &JsValue) -> Result<PathRequest, JsValue> {
         stretches: fields.list("stretches")?.iter().map(stretch).collect::<Result<_, _>>()?,
         free_start: fields.maybe("free_start").is_some_and(|free| free.is_truthy()),
         vertices: fields.list("vertices")?.into_iter().map(|one| whole(one, "a vertex")).collect::<Result<_, _>>()?,
-        realism: fields.number_or("realism", DEFAULT_REALISM)?,
+        realism: fields.number_or("realism", PATH_REALISM)?,
     })
 }
 
