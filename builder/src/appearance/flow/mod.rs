@@ -25,6 +25,8 @@ const MOST_LEVELS: usize = 6;
 /// Detail is what differs from the mean over this part of the texture's longer side: light that moves over skin and cloth
 /// changes more slowly.
 const NEIGHBOURHOODS: usize = 64;
+/// But at least over this many texels.
+const LEAST_NEIGHBOURHOOD: usize = 8;
 /// Contrast below which detail is not made stronger: a flat neighbourhood has nothing to match but light.
 const LEAST_CONTRAST: f32 = 0.1;
 /// Standard deviation of detail where there is plenty.
@@ -130,7 +132,7 @@ impl FlowGrid {
     /// `plane` without its local mean, at an even contrast, about 0.5; where it was not seen it counts for nothing.
     fn detail(&self, plane: Vec<f32>, seen: Option<&[f32]>) -> Vec<f32> {
         let longer = self.levels[0].charts.width.max(self.levels[0].charts.height);
-        let scale = (longer / NEIGHBOURHOODS).max(1).ilog2() as usize;
+        let scale = (longer / NEIGHBOURHOODS).max(LEAST_NEIGHBOURHOOD).ilog2() as usize;
         let known = seen.map(|seen| self.blurred(seen, scale));
         let mean = |plane: &[f32]| -> Vec<f32> {
             match seen.zip(known.as_ref()) {
