@@ -48,7 +48,7 @@ export class ReprisePlayer extends HTMLElement {
   /** Names of all behaviours: the sequences' labels, and the sequences without one. */
   readonly behaviours: string[];
   /** Targets that wait for their turn. */
-  readonly queued: Target[];
+  readonly queued: (Target | Held)[];
   /**
    * What is asked with the tool in use, or null. Setting it takes the tool that shows it and searches, without leaving; it
    * takes what links and files hold, too. Throws a `PlayerError` with a sentence.
@@ -68,8 +68,8 @@ export class ReprisePlayer extends HTMLElement {
   plan(target: Target): Walk;
   /** Leaves for a target at once; during a walk this changes its mind. Throws as `plan` does. */
   goTo(target: Target): Walk;
-  /** Places and paths have to be searched for: leaves once there is a walk, and tells how well it does. */
-  goTo(target: GroundTarget): Promise<Answer>;
+  /** Places, paths and behaviours that are held have to be searched for: leaves once there is a walk, and tells how well it does. */
+  goTo(target: GroundTarget | Held): Promise<Answer>;
   /** Does what a request asks: leaves once there is a walk. `anywhere`: begins where suits it best, instead of here. */
   direct(request: Request, options?: { anywhere?: boolean }): Promise<Answer>;
   /** Goes wherever it likes, for ever. Weights: how often behaviours are to be seen, 1 being as often as others. */
@@ -77,7 +77,7 @@ export class ReprisePlayer extends HTMLElement {
   /** Goes to a behaviour and holds it for so many seconds (10 by default), in a loop where there is one. */
   hold(behaviour: string, seconds?: number): Promise<Answer>;
   /** Goes to these targets, one after the other, after those that wait already. Throws where one is no target. */
-  queue(...targets: Target[]): void;
+  queue(...targets: (Target | Held)[]): void;
   /** Stops on the way, a transition under way is finished first; drops the queue. */
   cancel(): void;
   /** What is on the stage as pixels; with a frame, that pose alone on a transparent background. */
@@ -124,6 +124,9 @@ export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander';
 
 /** A frame; a pose by its sequence and the time within it; or the frame of a behaviour that is nearest. */
 export type Target = number | { frame: number } | { sequence: string; seconds?: number } | { behaviour: string };
+
+/** A behaviour that is gone to and held for so many seconds, in a loop where there is one. */
+export type Held = { behaviour: string; hold: number };
 
 export interface PictureOptions {
   frame?: number;

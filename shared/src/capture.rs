@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::pose_source::{PoseError, PoseSource};
 use crate::surface::Surface;
 use crate::timeline::Timeline;
-use crate::topology::Topology;
+use kernels::topology::Topology;
 
 /// Textured mesh sequences of one subject over one topology.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,9 +4,9 @@
 
 use thiserror::Error;
 
-use crate::align::Placement;
 use crate::timeline::Timeline;
 use crate::warp::Warp;
+use kernels::align::Placement;
 
 /// Resolution of alpha: it is rounded to a multiple of this, so that sums of costs are exact in `f64` and comparisons
 /// of paths do not depend on the order of summation.

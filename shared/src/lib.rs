@@ -12,24 +12,16 @@
 //! Conventions: right-handed coordinates, +Y up, metres, seconds, radians; the ground is the XZ plane; vectors are
 //! columns. Frames are counted over the whole capture (all sequences of one subject, one after another), from 0.
 
-pub mod align;
 pub mod appearance;
 pub mod bundle;
 pub mod capture;
-pub mod cholesky;
-pub mod gradients;
 pub mod graph;
-mod kept;
-mod lanes;
-pub mod laplacian;
-pub mod poisson;
 pub mod pose_source;
 pub mod search;
-pub mod sort;
 pub mod surface;
 pub mod synthesis;
 pub mod timeline;
-pub mod topology;
 pub mod warp;
 
 pub use glam::{Quat, Vec2, Vec3};
+pub use kernels::{align, cholesky, gradients, laplacian, poisson, sort, topology};

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A corner of the drawn mesh: a welded vertex with the attributes that seams tell apart.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Corner {
-    /// The welded vertex of [`crate::topology::Topology`] that it follows.
+    /// The welded vertex of [`kernels::topology::Topology`] that it follows.
     pub vertex: u32,
     /// Texture coordinate with the origin at the image's top left corner, v downwards, as in glTF.
     pub uv: [f32; 2],

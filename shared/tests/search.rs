@@ -10,7 +10,7 @@ use shared::align::Placement;
 use shared::search::{
     Anytime, Chain, Curve, Demand, Direction, Found, Goal, KeyLeg, LegEnd, Measure, Optimiser, PathRequest, PathTask,
     PlaceRequest, PlaceTask, Progress, Request, Shape, Spot, Start, State, Target, Task, WanderRequest, Ways,
-    cheapest_walk, components, depth_first, holding_loop, steps_of, to_targets, walk_down,
+    cheapest_walk, components, depth_first, edges_looked_at, holding_loop, steps_of, to_targets, walk_down,
 };
 
 /// Runs a search to its end.
@@ -402,4 +402,58 @@ fn curves_are_followed_by_arc_length() {
     assert!((line.length() - 2.0 - f64::from(circle[0].distance(circle[1]))).abs() < 1e-5);
     assert!((line.length_at_knot(0.0) - 2.0).abs() < 1e-5);
     assert!((line.length_at_knot(1.0) - line.length()).abs() < 1e-5);
+}
+
+/// No call looks at more edges than a graph has a few times over, whatever was asked for: the page goes on drawing meanwhile.
+#[test]
+fn no_slice_is_long() {
+    let scene = random_scene::make(7, &[120, 110, 100], 6000);
+    let all = scene.graph.transitions().len() as u64 + u64::from(scene.timeline.frame_count());
+    let targets = [
+        r#"{"path":{"points":[[0,0],[0,1],[1,1.5]]}}"#,
+        r#"{"behaviour":{"name":"b","hold":5.0}}"#,
+        r#"{"keys":{"poses":[{"pose":30,"time":1.0},{"pose":250,"time":4.5}]}}"#,
+        r#"{"place":{"x":1.0,"z":-0.5,"heading":0.5}}"#,
+        r#"{"wander":{"seconds":20.0}}"#,
+        r#"{"pose":200}"#,
+    ];
+    for target in targets {
+        let request = Request::from_json(&format!(r#"{{"version":1,"target":{target}}}"#)).unwrap();
+        let start = Some(Start { frame: 40, placement: Placement::IDENTITY });
+        let mut before = edges_looked_at();
+        let mut took = || {
+            let now = edges_looked_at();
+            now - std::mem::replace(&mut before, now)
+        };
+        let mut direction = Direction::new(&scene.borrowed(), start, &request, 3000).unwrap();
+        assert!(took() <= 2 * all, "{target} begins with much");
+        let mut slices = 0;
+        while direction.advance(&scene.borrowed(), 20).unwrap() == Progress::Running {
+            slices += 1;
+            let edges = took();
+            assert!(edges <= 2 * all, "slice {slices} of {target} looked at {edges} of {all} edges");
+            if slices % 50 == 1 {
+                let _ = direction.best(&scene.borrowed());
+                let edges = took();
+                assert!(edges <= 4 * all, "the answer to {target} looked at {edges} of {all} edges");
+            }
+            assert!(slices < 100_000, "{target} does not end");
+        }
+    }
+}
+
+/// The first frames of a sequence leave no room for a transition that arrives: their neighbours are shown instead.
+#[test]
+fn unreachable_key_poses_are_replaced_by_their_neighbours() {
+    let scene = random_scene::make(5, &[40, 40, 40], 300);
+    let json = r#"{"version":1,"target":{"keys":{"poses":[{"pose":40,"time":1.0}]}}}"#;
+    let start = Some(Start { frame: 10, placement: Placement::IDENTITY });
+    let mut direction = Direction::new(&scene.borrowed(), start, &Request::from_json(json).unwrap(), 3000).unwrap();
+    while direction.advance(&scene.borrowed(), 100).unwrap() == Progress::Running {}
+    let answer = direction.best(&scene.borrowed());
+    let Goal::Keys { rows, .. } = &answer.parts[0].goal else { panic!("no table") };
+    assert!(cheapest_walk(&scene.graph, &scene.timeline, 10, 40).is_none(), "the test is about nothing");
+    assert!(rows[0].reached.is_some() && rows[0].frame == 40 && (41..50).contains(&rows[0].shown), "{rows:?}");
+    assert_eq!(answer.end_frame, rows[0].shown);
+    assert_eq!(answer.notes().count(), 1);
 }

@@ -175,6 +175,7 @@ export class Player {
     await this.run((player) => player.testing?.stage && player.testing.keepDrawing());
     await this.page.waitForTimeout(300);
     await this.page.screenshot({ path: join(out, `${name}.png`) });
+    await this.run((player) => player.testing?.keepDrawing(false));
   }
 
   /** Closes the page, and fails if anything was amiss on it. */

@@ -70,6 +70,8 @@ async function answer(root, bundle, request, response) {
   response.setHeader('content-security-policy', POLICY);
   if (pathname === '/demo.reprise') return send(response, bundle, '.reprise');
   if (pathname === '/slow.reprise') return trickle(response, bundle, false);
+  if (pathname === '/half.reprise') return half(response, bundle);
+  if (pathname === '/rest') return send(response, (goOn?.(), ''), '.json');
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
   if (Object.hasOwn(VENDOR, pathname)) return send(response, await readFile(join(modules, VENDOR[pathname])), '.js');
@@ -89,6 +91,17 @@ function send(response, bytes, extension) {
 
 /** Milliseconds between the pieces of a slow download. */
 const PAUSE = 100;
+
+let goOn = null;
+
+/** A good half, and the rest when somebody asks for `/rest`. */
+async function half(response, bundle) {
+  response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
+  const middle = Math.ceil(bundle.length * 0.6);
+  response.write(bundle.subarray(0, middle));
+  await new Promise((resolve) => (goOn = resolve));
+  response.end(bundle.subarray(middle));
+}
 
 /** In twenty pieces with pauses; or only the first of them, and then the line goes dead. */
 async function trickle(response, bundle, breaks) {

@@ -22,9 +22,9 @@ export function actionsOf(core, host) {
       const { first, count } = timeline.sequenceOf(cursor());
       look(key === 'Home' ? first : first + count - 1);
     }),
-    go: ready(() => {
+    go: ready((_, { shiftKey }) => {
       if (view.preview.frame < 0) return;
-      core.userGoes(view.preview.frame);
+      core.toolbox.take(view.preview.frame, shiftKey);
       core.look(-1);
     }),
     toggle: ready(() => (host.playing ? host.pause() : host.play())),

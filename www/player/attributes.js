@@ -6,8 +6,6 @@ const Base = globalThis.HTMLElement ?? class {};
 /** Attributes that are words, and the words that they may be; the first one is meant where there is none. */
 const WORDS = { loading: ['eager', 'lazy'], tool: ['pose', 'place', 'path', 'timing', 'wander'], theme: [null, 'light', 'dark'] };
 
-export const TOOLS = WORDS.tool;
-
 export class AttributeElement extends Base {
   get speed() {
     const speed = Number(this.getAttribute('speed') ?? 1);

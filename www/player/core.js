@@ -19,7 +19,7 @@ export class Core {
     this.dirty = false;
     this.frameMs = new Median();
     this.poses = new Poses(() => this.guard(() => this.showGhosts(true)));
-    this.queue = new Queue((target) => this.go(target));
+    this.queue = new Queue((target) => this.toolbox.send(target), () => this.toolbox.isUnderWay);
     this.toolbox = new Toolbox(this);
   }
 
@@ -225,12 +225,6 @@ export class Core {
     this.view.score.setFlag(walk.to);
     this.say(walkSentence(walk).replace('goes there in', 'on its way,'), 'going');
     this.redraw();
-  }
-
-  /** As `go`, but what is wrong is said on the page. */
-  userGoes(frame) {
-    this.queue.clear();
-    this.attempt(() => this.go(frame));
   }
 
   /** Runs what a user asked for; what cannot be is a sentence, what is broken an error. */

@@ -58,6 +58,37 @@ export function icon(name) {
   return svg;
 }
 
+/** A button with words. @param {(event: Event) => void} act */
+export function button(text, title, act, attributes = {}) {
+  const element = h('button', { type: 'button', class: 'chip', title, ...attributes }, text);
+  element.addEventListener('click', act);
+  return element;
+}
+
+/** A button with an icon; what stands in brackets in its title is not part of its name. */
+export function iconButton(name, title, act, attributes = {}) {
+  return button(icon(name), title, act, { class: 'round', 'aria-label': title.split(' (')[0], ...attributes });
+}
+
+/**
+ * Arrow keys lead from one button to the next; the tab key stops once for all of them.
+ * @param {(button: HTMLButtonElement, event: KeyboardEvent, by: number) => void} act
+ */
+export function rove(root, act) {
+  root.addEventListener('focusin', ({ target }) => {
+    for (const one of root.children) one.tabIndex = one === target ? 0 : -1;
+  });
+  root.addEventListener('keydown', (event) => {
+    const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1 }[event.key];
+    const all = [...root.children];
+    const at = all.indexOf(event.target);
+    if (!by || at < 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    act(all[(at + by + all.length) % all.length], event, by);
+  });
+}
+
 /**
  * Sizes a canvas to CSS pixels at the screen's density and returns its context, scaled to CSS pixels.
  * @param {HTMLCanvasElement} canvas

@@ -10,7 +10,7 @@ import { PlayerError } from './errors.js';
 import { handleKey } from './keyboard.js';
 import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
-import { behavioursOf, frameAt, frameOfTarget, groundTarget } from './targets.js';
+import { behavioursOf, frameAt, frameOfTarget, soughtTarget } from './targets.js';
 import { VERSION, requestOf } from './tools/request.js';
 import { fromHash, toHash } from './tools/share.js';
 import { buildView } from './view.js';
@@ -171,8 +171,8 @@ export class ReprisePlayer extends AttributeElement {
 
   goTo(target) {
     this.#ready();
-    const ground = groundTarget(target);
-    if (ground) return this.direct({ version: VERSION, target: ground });
+    const sought = soughtTarget(target);
+    if (sought) return this.direct({ version: VERSION, target: sought });
     this.#core.queue.clear();
     return this.#core.go(target);
   }
@@ -180,7 +180,7 @@ export class ReprisePlayer extends AttributeElement {
   queue(...targets) {
     const director = this.#ready();
     targets.forEach((target) => frameOfTarget(target, director));
-    for (const target of targets) this.#core.queue.add(target, director.state.target !== null);
+    for (const target of targets) this.#core.queue.add(target);
   }
 
   cancel() {

@@ -29,9 +29,14 @@ export function walkSentence(walk) {
   return `goes there in ${duration(walk.seconds)}, ${way}`;
 }
 
-/** A sequence's name as people write it: file names have underscores for spaces. */
-export function title(sequence) {
-  return sequence.name.replaceAll('_', ' ');
+/** A name as people write it: file names have underscores for spaces. */
+export function words(name) {
+  return name.replaceAll('_', ' ');
+}
+
+/** A sequence's name. */
+export function title({ name }) {
+  return words(name);
 }
 
 /** `walk, 3.42 s`: a pose by its sequence and the time within it. */

@@ -12,12 +12,12 @@ const TREMBLE = 6;
  * @property {(x: number, y: number) => void} click CSS pixels from the surface's corner
  * @property {(x: number, y: number) => void} hover
  * @property {() => void} leave
- * @property {(x: number, y: number, event: PointerEvent) => Grab | null} grab offers a press to the tool in use
+ * @property {(event: PointerEvent) => Grab | null} grab offers a press to the tool in use
  */
 
 /**
  * A press that a tool has taken for itself. `drop` is called in place of `end` when a second finger makes it a camera move.
- * @typedef {{move: (x: number, y: number, event: PointerEvent) => void, end: (x: number, y: number) => void, drop?: () => void}} Grab
+ * @typedef {{move: (event: PointerEvent) => void, end: () => void, drop?: () => void}} Grab
  */
 
 /**
@@ -40,7 +40,7 @@ export function attachGestures(surface, camera) {
       grabbed?.drop?.();
       grabbed = null;
     } else if (event.button === 0 && !event.shiftKey && !event.altKey) {
-      grabbed = camera.grab(event.offsetX, event.offsetY, event);
+      grabbed = camera.grab(event);
     }
   });
 
@@ -55,7 +55,7 @@ export function attachGestures(surface, camera) {
     pointers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     travelled += Math.hypot(dx, dy);
     if (grabbed) {
-      grabbed.move(event.offsetX, event.offsetY, event);
+      grabbed.move(event);
       return;
     }
     if (travelled < TREMBLE) return;
@@ -74,7 +74,7 @@ export function attachGestures(surface, camera) {
   const release = (event) => {
     const held = pointers.delete(event.pointerId);
     if (grabbed && held) {
-      if (event.type === 'pointerup') grabbed.end(event.offsetX, event.offsetY);
+      if (event.type === 'pointerup') grabbed.end();
       else grabbed.drop?.();
       grabbed = null;
       return;

@@ -1,13 +1,13 @@
 /** What the keys do, in one table: the handler and the dialog that lists them both read it. */
 
-import { h, icon } from './dom.js';
+import { h, iconButton } from './dom.js';
 
 /** @type {{keys: string[], shown: string, does: string, act: string}[]} */
 export const KEYS = [
   { keys: ['ArrowLeft', 'ArrowRight'], shown: '← →', does: 'move over the frames of a sequence, with shift by half a second', act: 'step' },
   { keys: ['ArrowUp', 'ArrowDown'], shown: '↑ ↓', does: 'move over the sequences', act: 'across' },
   { keys: ['Home', 'End'], shown: 'Home End', does: 'first and last frame of a sequence', act: 'ends' },
-  { keys: ['Enter'], shown: 'Enter', does: 'go to that pose', act: 'go' },
+  { keys: ['Enter'], shown: 'Enter', does: 'go to that pose, with shift after what is under way', act: 'go' },
   { keys: [' '], shown: 'Space', does: 'play or pause', act: 'toggle' },
   { keys: ['Escape'], shown: 'Esc', does: 'stop on the way, or put away what is open', act: 'cancel' },
   { keys: ['1', '2', '3', '4', '5'], shown: '1 to 5', does: 'choose a tool: pose, place, path, timing, wander', act: 'tool' },
@@ -29,10 +29,12 @@ const WITH_TOOLS = [
   { shown: 'Ctrl + Z, Y', does: 'undo, redo' },
   { shown: '← → ↑ ↓', does: 'move the point or the key pose that has the focus' },
   { shown: '+, Delete', does: 'a point after it; without it' },
+  { shown: 'Page ↑ ↓', does: 'lift a path’s point, or lower it; alt and drag does too' },
   { shown: 'alt + drag', does: 'turn the camera while a tool is in use' },
 ];
 
 const POINTER = [
+  { shown: 'shift + click', does: 'go to that pose after what is under way' },
   { shown: 'drag', does: 'turn the camera' },
   { shown: 'shift + drag', does: 'move it; with the right button or two fingers too' },
   { shown: 'wheel, pinch', does: 'come closer, go away' },
@@ -67,7 +69,7 @@ function usesKey(target, key) {
 export class KeysDialog {
   constructor() {
     const rows = (list) => list.map(({ shown, does }) => h('div', {}, h('dt', {}, h('kbd', {}, shown)), h('dd', {}, does)));
-    const close = h('button', { type: 'button', class: 'round', 'aria-label': 'Close' }, icon('close'));
+    const close = iconButton('close', 'Close (Esc)', () => this.root.close());
     this.root = h(
       'dialog',
       { class: 'keys', 'aria-labelledby': 'keys-title' },
@@ -78,7 +80,6 @@ export class KeysDialog {
       h('h3', {}, 'With the tools'),
       h('dl', {}, ...rows(WITH_TOOLS)),
     );
-    close.addEventListener('click', () => this.root.close());
     this.root.addEventListener('click', (event) => {
       if (event.target === this.root) this.root.close();
     });

@@ -3,7 +3,7 @@
  * the reader compare ways of changing it in transitions.
  */
 
-import { h } from './dom.js';
+import { button, h } from './dom.js';
 
 /** Milliseconds of a display frame that go into reading modes. */
 const READING = 4;
@@ -24,16 +24,13 @@ export class Looks {
   constructor(on) {
     this.on = on;
     this.dressed = false;
-    this.chip = h('button', { type: 'button', class: 'chip', title: 'Compare ways of changing the texture (C)', 'aria-expanded': 'false', hidden: true }, 'compare');
+    this.chip = button('compare', 'Compare ways of changing the texture (C)', () => this.toggle(), { 'aria-expanded': 'false', hidden: true });
     this.list = h('div', { class: 'choices', role: 'radiogroup', 'aria-label': 'How the texture changes', hidden: true }, ...WAYS.map((way) => this.choice(way)));
-    this.chip.addEventListener('click', () => this.toggle());
   }
 
   choice({ name, title, missing }) {
-    const button = h('button', { type: 'button', class: 'chip', role: 'radio', title, 'aria-checked': String(name === 'ours') }, missing ? `${name} (missing)` : name);
-    button.disabled = Boolean(missing);
-    button.addEventListener('click', () => this.choose(name));
-    return button;
+    const attributes = { role: 'radio', 'aria-checked': String(name === 'ours'), disabled: Boolean(missing) };
+    return button(missing ? `${name} (missing)` : name, title, () => this.choose(name), attributes);
   }
 
   choose(name) {

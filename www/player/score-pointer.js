@@ -6,7 +6,7 @@
  * @param {() => import('./layout.js').ScoreLayout | null} layout
  * @param {object} act
  * @param {(frame: number) => void} act.preview -1 when there is none
- * @param {(frame: number) => void} act.go
+ * @param {(frame: number, later: boolean) => void} act.go later: with shift, after what is under way
  * @param {(frame: number) => void} act.seek with fractions
  */
 export function attachScorePointer(sheet, handle, layout, act) {
@@ -36,7 +36,7 @@ export function attachScorePointer(sheet, handle, layout, act) {
     pressed = -1;
     const frame = frameAt(event);
     if (event.pointerType === 'touch') act.preview(-1);
-    if (frame >= 0) act.go(frame);
+    if (frame >= 0) act.go(frame, event.shiftKey);
   });
   // The browser takes a finger over for scrolling: then nothing was meant.
   sheet.addEventListener('pointercancel', () => {

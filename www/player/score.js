@@ -15,7 +15,7 @@ export class Score {
   /**
    * @param {object} act what the score asks of the player
    * @param {(frame: number) => void} act.preview -1 when there is none
-   * @param {(frame: number) => void} act.go
+   * @param {(frame: number, later: boolean) => void} act.go
    * @param {(frame: number) => void} act.seek
    * @param {(frame: number, width: number, height: number) => Promise<Uint8ClampedArray> | null} act.thumbnail
    * @param {(frame: number) => boolean} act.loaded
@@ -40,7 +40,7 @@ export class Score {
     this.echo = h('div', { class: 'playhead echo', hidden: true });
     this.flag = h('div', { class: 'flag', hidden: true });
     this.sheet = h('div', { class: 'sheet' });
-    this.hint = h('span', { id: 'score-hint', class: 'unseen' }, 'Arrow keys move over poses and sequences, Enter goes there.');
+    this.hint = h('span', { id: 'score-hint', class: 'unseen' }, 'Arrow keys move over poses and sequences, Enter goes there, with shift after what is under way.');
     this.root = h('div', { class: 'strips', role: 'group', 'aria-label': 'Score: every pose of the capture', part: 'score' }, this.sheet, this.hint);
     attachScorePointer(this.sheet, this.grip, () => this.layout, act);
     this.placeholder();

@@ -45,7 +45,7 @@ export class StageView {
       pan: withStage((stage, dx, dy) => stage.pan(dx, dy)),
       zoom: withStage((stage, factor) => stage.zoom(factor)),
       recentre: withStage((stage) => stage.recentre()),
-      grab: (x, y, event) => (this.stage && this.tool?.grab?.(x, y, event)) || null,
+      grab: (event) => (this.stage && this.tool?.grab?.(event)) || null,
       click: (x, y) => {
         const frame = this.ghostAt(x, y);
         if (frame >= 0) this.events.ghostClicked(frame);
@@ -142,17 +142,42 @@ export class StageView {
     return found.length === 2 ? [found[0], found[1]] : null;
   }
 
-  /** The ground under a pointer event anywhere on the page. */
-  groundUnder(event) {
-    const box = this.root.getBoundingClientRect();
-    return this.groundAt(event.clientX - box.left, event.clientY - box.top);
+  /** The height of the ground, metres. */
+  get floor() {
+    return this.stage?.measures()[0] ?? 0;
   }
 
-  /** Where a point of the ground is seen on the stage. @returns {{x: number, y: number, visible: boolean}} */
-  seen(x, z) {
+  /**
+   * Where a point is seen on the stage: on the ground, or at a height above the world's origin.
+   * @returns {{x: number, y: number, visible: boolean}}
+   */
+  seen(x, z, height = this.floor) {
     if (!this.stage) return { x: 0, y: 0, visible: false };
-    const [left, top, visible] = this.stage.project(x, this.stage.measures()[0], z);
+    const [left, top, visible] = this.stage.project(x, height, z);
     return { x: left, y: top, visible: visible > 0 };
+  }
+
+  /**
+   * The point under a pointer event that is as high as `near`: Newton's method from there, by differences.
+   * @param {number[]} near x, z and, unless it is on the ground, its height
+   * @returns {number[] | null} the same; null where there is none, as above the horizon
+   */
+  under(event, near) {
+    const box = this.root.getBoundingClientRect();
+    const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    const [, , ...height] = near;
+    if (height.length === 0) return this.groundAt(x, y);
+    let [px, pz] = near;
+    for (let round = 0; round < 8; round += 1) {
+      const at = this.seen(px, pz, ...height);
+      const [right, forth] = [this.seen(px + 0.01, pz, ...height), this.seen(px, pz + 0.01, ...height)];
+      const [a, b, c, d] = [right.x - at.x, forth.x - at.x, right.y - at.y, forth.y - at.y].map((by) => by / 0.01);
+      const [dx, dy, det] = [x - at.x, y - at.y, a * d - b * c];
+      px += (d * dx - b * dy) / det;
+      pz += (a * dy - c * dx) / det;
+    }
+    const off = this.seen(px, pz, ...height);
+    return Math.hypot(off.x - x, off.y - y) < 1 ? [px, pz, ...height] : null;
   }
 
   setOptions(options) {

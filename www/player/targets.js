@@ -1,6 +1,7 @@
-/** What `goTo` and `queue` take, checked: a frame, a pose by its sequence and time, or a behaviour. */
+/** What `goTo` and `queue` take, checked, as requests have it, and in words. */
 
 import { PlayerError } from './errors.js';
+import { poseName, words } from './format.js';
 
 /** Frames between those that are tried as the way into a behaviour. */
 const STEP = 5;
@@ -24,13 +25,31 @@ export function frameOfTarget(target, director) {
   return target;
 }
 
-/** Places and paths have to be searched for. @returns {object | null} the request's target, or null for a pose */
-export function groundTarget(target) {
+/**
+ * Places, paths, and behaviours that are to be held have to be searched for.
+ * @returns {object | null} the request's target, or null for a pose
+ */
+export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
-  const { x, z, heading, path, stretches = [], shape = 'spline' } = target;
+  const { x, z, heading, path, stretches = [], shape = 'spline', behaviour, hold } = target;
+  if (behaviour !== undefined && hold) return { behaviour: { name: behaviour, hold } };
   if (path !== undefined) return { path: { points: path, stretches, shape } };
   if (x === undefined && z === undefined) return null;
   return { place: { x, z, ...(heading === undefined || heading === null ? {} : { heading }) } };
+}
+
+/** What a target is in a request. */
+export function requestTarget(target, director) {
+  const { behaviour } = target;
+  return soughtTarget(target) ?? (behaviour === undefined ? { pose: frameOfTarget(target, director) } : { behaviour: { name: behaviour } });
+}
+
+/** @returns {string} a target in a few words */
+export function nameOf(target, director) {
+  const { behaviour, hold } = target;
+  if (behaviour !== undefined) return hold ? `${words(behaviour)} for ${hold} s` : words(behaviour);
+  const frame = frameOfTarget(target, director);
+  return poseName(director.timeline.sequenceOf(frame), frame, director.timeline.fps);
 }
 
 export function frameAt({ info, timeline }, sequence, seconds = 0) {
@@ -66,26 +85,39 @@ function nearestOf(director, behaviour) {
 
 /** Targets one after the other: the next one is told when the actor has arrived. */
 export class Queue {
-  /** @param {(target: object | number) => void} go */
-  constructor(go) {
+  /**
+   * @param {(target: object | number) => void} go
+   * @param {() => boolean} busy whether the actor is on its way to something
+   */
+  constructor(go, busy) {
     this.go = go;
+    this.busy = busy;
     this.targets = [];
+    /** Hears of every change. */
+    this.changed = () => {};
+  }
+
+  set(targets) {
+    this.targets = targets;
+    this.changed();
   }
 
   clear() {
-    this.targets = [];
+    this.set([]);
   }
 
-  /** @param {boolean} busy whether the actor is on its way to something */
-  add(target, busy) {
-    if (busy) this.targets.push(target);
+  /** @returns whether it has to wait for its turn */
+  add(target) {
+    const waits = this.busy();
+    if (waits) this.set([...this.targets, target]);
     else this.go(target);
+    return waits;
   }
 
-  /** @returns whether there was another target */
   next() {
-    if (this.targets.length === 0) return false;
-    this.go(this.targets.shift());
-    return true;
+    const [target, ...rest] = this.targets;
+    if (target === undefined) return;
+    this.set(rest);
+    this.go(target);
   }
 }

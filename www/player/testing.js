@@ -14,6 +14,11 @@ export class Testing {
     return this.inside().view.stage.stage;
   }
 
+  /** Lets time pass without drawing. */
+  tick(seconds) {
+    this.inside().director.tick(seconds);
+  }
+
   /** The pose as drawn, in the world: three numbers a vertex. */
   pose() {
     return Array.from(this.player.pose());
@@ -94,13 +99,16 @@ export class Testing {
     return { x: left + cssX, y: top + cssY, visible: visible > 0 };
   }
 
-  /** Screenshots of a canvas that has just been drawn once can be blank: this draws on and on. */
-  keepDrawing() {
+  /** Screenshots of a canvas that has just been drawn once can be blank: this draws on and on, until it is told to stop. */
+  keepDrawing(on = true) {
     const again = () => {
+      if (!this.drawing) return;
       this.inside().draw();
       requestAnimationFrame(again);
     };
-    again();
+    const began = on && !this.drawing;
+    this.drawing = on;
+    if (began) again();
   }
 
   /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour. */

@@ -22,11 +22,6 @@ export class Timeline {
     return this.sequences[this.indexOf(frame)];
   }
 
-  /** Seconds from the start of its own sequence. */
-  timeOf(frame) {
-    return (frame - this.sequenceOf(frame).first) / this.fps;
-  }
-
   /** `frame` moved by `by` frames, kept inside its sequence. */
   step(frame, by) {
     const { first, count } = this.sequenceOf(frame);

@@ -1,6 +1,6 @@
 /** Play and pause, the time, speed and loop, and the line that says where the actor is going. */
 
-import { h, icon } from './dom.js';
+import { h, icon, iconButton } from './dom.js';
 import { clock, title } from './format.js';
 import { WalkBar } from './walk-bar.js';
 
@@ -11,18 +11,18 @@ export class Transport {
    * @param {object} act
    * @param {() => void} act.toggle play or pause
    * @param {(speed: number) => void} act.speed
-   * @param {(on: boolean) => void} act.loop
+   * @param {() => void} act.loop
    * @param {() => void} act.drawer opens or closes the strips where they are a drawer
    */
   constructor(act) {
-    this.play = h('button', { type: 'button', class: 'round' });
+    this.play = iconButton('play', 'Play (space)', () => act.toggle());
     this.name = h('span', { class: 'name' });
     this.time = h('span', { class: 'time' });
     this.speed = h('select', { class: 'speed', 'aria-label': 'Speed' }, ...SPEEDS.map((speed) => h('option', { value: speed }, `${speed}×`)));
-    this.loop = h('button', { type: 'button', class: 'round', 'aria-label': 'Loop', title: 'Loop', 'aria-pressed': 'false' }, icon('loop'));
+    this.loop = iconButton('loop', 'Loop (L)', () => act.loop(), { 'aria-pressed': 'false' });
     this.status = h('span', { class: 'status', role: 'status', 'aria-live': 'polite' });
     this.walk = new WalkBar();
-    this.drawer = h('button', { type: 'button', class: 'round drawer', 'aria-expanded': 'true', 'aria-label': 'Poses' }, icon('chevron'));
+    this.drawer = iconButton('chevron', 'Poses', () => act.drawer(), { class: 'round drawer', 'aria-expanded': 'true' });
     this.root = h(
       'div',
       { class: 'transport', part: 'transport' },
@@ -34,10 +34,7 @@ export class Transport {
       this.walk.root,
       this.drawer,
     );
-    this.play.addEventListener('click', () => act.toggle());
     this.speed.addEventListener('change', () => act.speed(Number(this.speed.value)));
-    this.loop.addEventListener('click', () => act.loop(this.loop.getAttribute('aria-pressed') !== 'true'));
-    this.drawer.addEventListener('click', () => act.drawer());
     this.setPlaying(false);
     this.setSpeed(1);
   }

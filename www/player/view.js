@@ -1,6 +1,6 @@
 /** Builds the element's shadow tree and puts the parts in their places. */
 
-import { h } from './dom.js';
+import { button, h } from './dom.js';
 import { ErrorCard } from './errors.js';
 import { Facts } from './facts.js';
 import { title } from './format.js';
@@ -50,14 +50,14 @@ class View {
     this.stage = new StageView(() => core.director?.player ?? null, {
       moved: () => core.redraw(),
       lost: () => core.session?.recover(),
-      ghostClicked: (frame) => core.userGoes(frame),
+      ghostClicked: (frame) => core.toolbox.take(frame),
       ghostHovered: (frame, x, y) => core.look(frame, this.onScreen(x, y)),
     });
     const thumbnail = (frame, width, height) => core.session?.thumbnail(frame, width, height) ?? null;
     const loaded = (frame) => core.director?.player.loaded(frame) ?? false;
     this.score = new Score({
       preview: (frame) => core.look(frame),
-      go: (frame) => core.userGoes(frame),
+      go: (frame, later) => core.toolbox.take(frame, later),
       seek: (frame) => host.seek(frame),
       thumbnail,
       loaded,
@@ -76,13 +76,12 @@ class View {
     this.facts = new Facts();
     this.keys = new KeysDialog();
 
-    this.factsChip = chip('facts', 'Cost, duration, deformation, frame time (F)', act.facts);
-    this.posesChip = chip('poses', 'Poses the actor can reach, shown around it (P)', act.poses);
-    this.tintChip = chip('tint', 'Recorded green, synthetic red (T)', act.tint);
-    this.keysChip = chip('keys', 'What the keys do (?)', act.help);
-    this.factsChip.setAttribute('aria-expanded', 'false');
+    this.factsChip = button('facts', 'Cost, duration, deformation, frame time (F)', act.facts, { 'aria-expanded': 'false' });
+    this.posesChip = button('poses', 'Poses the actor can reach, shown around it (P)', act.poses, { 'aria-pressed': 'false' });
+    this.tintChip = button('tint', 'Recorded green, synthetic red (T)', act.tint, { 'aria-pressed': 'false' });
+    this.keysChip = button('keys', 'What the keys do (?)', act.help);
     this.poster = h('img', { class: 'poster', alt: '', hidden: true });
-    this.dock = h('div', { class: 'dock', part: 'dock', hidden: true });
+    this.dock = h('div', { class: 'dock', part: 'dock' });
     this.scoreBox = h('div', { class: 'score' }, this.score.root, this.dock, this.transport.root);
     this.handles = h('div', { class: 'handles' });
     this.bar = h('div', { class: 'bar', part: 'bar' }, slot('bar'), core.toolbox.bar.root);
@@ -228,10 +227,4 @@ class View {
 /** A place that the page may fill; without that it holds our own. */
 function slot(name, ...ours) {
   return h('slot', { name }, ...ours);
-}
-
-function chip(text, title, act) {
-  const button = h('button', { type: 'button', class: 'chip', title, 'aria-pressed': text === 'poses' || text === 'tint' ? 'false' : null }, text);
-  button.addEventListener('click', act);
-  return button;
 }

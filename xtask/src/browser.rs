@@ -5,22 +5,28 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::command::{cargo, root, run, succeeds, target};
+use crate::command::{root, run, succeeds, target};
 
 /// Chromium, and the OpenGL vendor without which it loses its WebGPU device.
 const PACKAGES: [&str; 6] = ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
 
 /// Runs the browser tests on the page in `dist`, which holds the demo; fetches what they need first.
 pub fn test(dist: &Path) -> Result<()> {
-    let walks = target().join("walks");
-    let mut native = cargo();
-    native.args(["run", "-q", "-p", "reprise-tests", "--bin", "native_walk", "--"]).arg(dist.join("demo.reprise"));
-    run("walks, natively", native.arg(&walks))?;
-    let dressed = target().join("dressed");
-    let mut dress = cargo();
-    dress.args(["run", "-q", "-p", "reprise-tests", "--bin", "dress", "--"]).arg(dist.join("demo.reprise"));
-    run("textures, natively", dress.arg(&dressed).arg("512"))?;
+    let (walks, dressed) = (target().join("walks"), target().join("dressed"));
+    let bundle = dist.join("demo.reprise");
+    run("walks, natively", helper("native_walk")?.arg(&bundle).arg(&walks))?;
+    run("textures, natively", helper("dress")?.arg(&bundle).arg(&dressed).arg("512"))?;
     run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks).env("REPRISE_DRESSED", dressed))
+}
+
+/// A program of `tests/src/bin`. It was built along with the tests: to ask cargo for it alone would build its
+/// dependencies anew, with other features.
+fn helper(name: &str) -> Result<Command> {
+    let path = target().join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    if !path.is_file() {
+        bail!("{} is missing; build it with: cargo test --workspace --no-run", path.display());
+    }
+    Ok(Command::new(path))
 }
 
 /// A script of the browser tests' folder, for the page in `dist`.

@@ -7,10 +7,14 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use wasm_bindgen_cli_support::Bindgen;
 
+use crate::bundle::bundle;
 use crate::command::{cargo, root, run, succeeds, target};
 use crate::strip::strip;
 
 const TARGET: &str = "wasm32-unknown-unknown";
+/// The script that a page imports, and the folder of the modules that are joined into it.
+const PLAYER: &str = "reprise-player.js";
+const PARTS: &str = "player";
 
 /// Builds the page and returns the folder that holds it.
 pub fn build() -> Result<PathBuf> {
@@ -21,7 +25,7 @@ pub fn build() -> Result<PathBuf> {
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     run("player to WebAssembly", &mut command)?;
 
-    let dist = root().join("dist");
+    let (www, dist) = (root().join("www"), root().join("dist"));
     let package = dist.join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
     let wasm = target().join(TARGET).join("wasm/web.wasm");
@@ -35,7 +39,14 @@ pub fn build() -> Result<PathBuf> {
         .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
     let bindings = package.join("web.js");
     strip_file(&bindings, &bindings)?;
-    copy_folder(&root().join("www"), &dist)?;
+    copy_folder(&www, &dist)?;
+    // Modules of a build before this one.
+    let parts = dist.join(PARTS);
+    if parts.is_dir() {
+        fs::remove_dir_all(&parts).with_context(|| format!("cannot remove {}", parts.display()))?;
+    }
+    let player = dist.join(PLAYER);
+    fs::write(&player, bundle(&www, PLAYER)?).with_context(|| format!("cannot write {}", player.display()))?;
     Ok(dist)
 }
 
@@ -58,7 +69,9 @@ fn copy_folder(from: &Path, to: &Path) -> Result<()> {
     for entry in fs::read_dir(from).with_context(|| format!("cannot read {}", from.display()))? {
         let entry = entry?;
         let (source, destination) = (entry.path(), to.join(entry.file_name()));
-        if source.is_dir() {
+        if source.file_name().is_some_and(|name| name == PARTS) {
+            continue;
+        } else if source.is_dir() {
             copy_folder(&source, &destination)?;
         } else if source.extension().is_some_and(|extension| extension == "js") {
             strip_file(&source, &destination)?;

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use builder::transitions::TransitionOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use shared::search::{BehaviourRequest, PlaceRequest};
 
-use super::direct::{TypedPose, parse_pose, parse_seconds, parse_size};
+use super::asked::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
 
 /// Turns 4D surface captures into actors that anyone can direct on a web page.
 #[derive(Debug, Parser)]
@@ -186,7 +187,7 @@ pub enum Artefact {
     All,
 }
 
-/// Arguments of `builder direct`. What is asked for is done in the order path, keys, wander, to.
+/// Arguments of `builder direct`. What is asked for is done in the order path, keys, place, behaviour, wander, to.
 #[derive(Debug, Args)]
 pub struct DirectArguments {
     /// The bundle of the actor.
@@ -201,14 +202,20 @@ pub struct DirectArguments {
     /// A TOML file with key poses: [[poses]] with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
+    /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given.
+    #[arg(long, value_name = "X,Z[,HEADING]", value_parser = parse_place, allow_hyphen_values = true)]
+    pub place: Option<PlaceRequest>,
+    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given.
+    #[arg(long, value_name = "NAME[:SECONDS]", value_parser = parse_behaviour)]
+    pub behaviour: Option<BehaviourRequest>,
     /// Wander about for this long, for example 60s.
     #[arg(long, value_name = "DURATION", value_parser = parse_seconds)]
     pub wander: Option<f64>,
     /// Go to a pose: a sequence's name and a time in seconds within it, or a frame's number; may be given again.
     #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
     pub to: Vec<TypedPose>,
-    /// A JSON file with a whole request (docs/directing.md), as the page exports it.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "wander", "to"])]
+    /// A JSON file with a whole request (docs/directing.md), by itself or with where the actor was, as the page saves it.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "place", "behaviour", "wander", "to"])]
     pub request: Option<PathBuf>,
     /// The pose to begin with; whatever suits best where not given.
     #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
@@ -219,6 +226,9 @@ pub struct DirectArguments {
     /// States that the search expands for each target at most.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub effort: u32,
+    /// Write the table of key poses, wanted and reached, as .csv or .json.
+    #[arg(long, value_name = "FILE")]
+    pub times: Option<PathBuf>,
     /// Write only every so many frames.
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
     pub every: u32,

@@ -6,20 +6,20 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use builder::export::{Actor, ExportError, ExportOptions, Output, export, play};
 use builder::progress::Progress as Step;
-use glam::Vec3;
 use serde::Serialize;
 use shared::align::Placement;
 use shared::bundle::BundleReader;
 use shared::search::{
-    Answer, Curve, Direction, FrameRef, Goal, KeysRequest, Motion, PathRequest, Progress, Request, RequestError, Scene,
-    Shape, Start, Survey, Target, WanderRequest, Ways, WithinSequence, measure_group,
+    Answer, Direction, Goal, Motion, Progress, Request, RequestError, Scene, Start, Survey, Target, Ways, measure_group,
 };
 use shared::timeline::Timeline;
 
 use super::args::DirectArguments;
+use super::asked::{Asked, asked};
 use super::failure::Failure;
 use super::output::print_json;
 use super::terminal::Terminal;
+use super::walked::{Walked, walked, write_times};
 
 /// States expanded between two looks at the progress bar.
 const SLICE: u32 = 500;
@@ -41,25 +41,10 @@ struct DirectReport {
     output: String,
 }
 
-/// A path as it was walked: centres of mass of the frames that were made against the point of equal arc length.
-#[derive(Serialize)]
-struct Walked {
-    /// Index of the part.
-    part: usize,
-    /// Mean distance in metres.
-    mean: f64,
-    /// Largest distance in metres.
-    max: f64,
-    /// Mean distance in metres to the nearest point of the path.
-    mean_aside: f64,
-    /// The largest such distance.
-    max_aside: f64,
-}
-
 /// Plans, makes and writes.
 pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failure> {
     let output = Output::parse(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
-    let request = request(arguments)?;
+    let Asked { request, start } = asked(arguments)?;
     let mut reader = read_bundle(&arguments.bundle)?;
     let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
@@ -67,8 +52,11 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     let ways = ways(&mut reader, &timeline, &request)?;
     let scene = Scene { graph: &graph, timeline: &timeline, ways: &ways };
     let began = Instant::now();
-    let answer = search(&scene, arguments, &request, terminal)?;
+    let answer = search(&scene, arguments, start, &request, terminal)?;
     let search_seconds = began.elapsed().as_secs_f64();
+    if let Some(path) = &arguments.times {
+        write_times(&answer, scene.ways.fps, path)?;
+    }
     answer.notes().for_each(|note| terminal.log(&format!("note: {note}")));
 
     let [heading, x, z] = answer.start_placement;
@@ -100,42 +88,6 @@ fn read_bundle(path: &Path) -> Result<BundleReader, Failure> {
     let bytes =
         std::fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
     BundleReader::from_bytes(&bytes).with_context(|| path.display().to_string()).map_err(Failure::Input)
-}
-
-/// What was asked for, by whichever option.
-fn request(arguments: &DirectArguments) -> Result<Request, Failure> {
-    let file = |path: &Path| {
-        let text = std::fs::read_to_string(path);
-        text.with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)
-    };
-    let wrong = |path: &Path, error: &dyn std::fmt::Display| Failure::Input(anyhow!("{}: {error}", path.display()));
-    let mut targets = Vec::new();
-    if let Some(path) = &arguments.request {
-        let request = Request::from_json(&file(path)?).map_err(|error| wrong(path, &error))?;
-        return Ok(Request { seed: arguments.seed.unwrap_or(request.seed), ..request });
-    }
-    if let Some(path) = &arguments.path {
-        let request: PathRequest = serde_json::from_str(&file(path)?).map_err(|error| wrong(path, &error))?;
-        targets.push(Target::Path(request));
-    }
-    if let Some(path) = &arguments.keys {
-        let request: KeysRequest = toml::from_str(&file(path)?).map_err(|error| wrong(path, &error))?;
-        targets.push(Target::Keys(request));
-    }
-    if let Some(seconds) = arguments.wander {
-        targets.push(Target::Wander(WanderRequest { seconds, ..WanderRequest::default() }));
-    }
-    targets.extend(arguments.to.iter().map(|to| Target::Pose(to.0.clone())));
-    let target = match (targets.len(), targets.pop()) {
-        (1, Some(target)) => target,
-        (_, Some(last)) => Target::Queue(targets.into_iter().chain([last]).collect()),
-        (_, None) => {
-            return Err(Failure::Usage("say what to do: --path, --keys, --wander, --to or --request".into()));
-        }
-    };
-    let request = Request { seed: arguments.seed.unwrap_or(0), ..Request::new(target) };
-    request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
-    Ok(request)
 }
 
 /// The ways of the centre of mass, or of the vertices that the request wants to follow its path.
@@ -176,6 +128,7 @@ fn ways(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Re
 fn search(
     scene: &Scene,
     arguments: &DirectArguments,
+    start: Option<Start>,
     request: &Request,
     terminal: &Terminal,
 ) -> Result<Answer, Failure> {
@@ -185,7 +138,7 @@ fn search(
             let frame = start.0.find(scene.timeline).map_err(input)?;
             Some(Start { frame, placement: Placement::IDENTITY })
         }
-        None => None,
+        None => start,
     };
     let mut direction = Direction::new(scene, start, request, arguments.effort).map_err(input)?;
     let mut done = 0;
@@ -198,34 +151,6 @@ fn search(
         });
     }
     Ok(direction.best(scene))
-}
-
-/// Deviations of the centres of mass that were really walked from each path.
-fn walked(answer: &Answer, centres: &[Vec3], is_centre: bool) -> Vec<Walked> {
-    let mut walked = Vec::new();
-    for (part, planned) in answer.parts.iter().enumerate() {
-        let Goal::Path(report) = &planned.goal else { continue };
-        let first = planned.first_step as usize;
-        let Some(frames) = centres.get(first..=first + planned.steps as usize) else { continue };
-        if !is_centre {
-            continue;
-        }
-        let points: Vec<Vec3> = report.curve.iter().map(|&point| point.into()).collect();
-        let curve = Curve::new(&points, Shape::Polyline, report.flat, None);
-        let mut sums = Walked { part, mean: 0.0, max: 0.0, mean_aside: 0.0, max_aside: 0.0 };
-        let mut travelled = 0.0;
-        for pair in frames.windows(2) {
-            let step = pair[1] - pair[0];
-            travelled += f64::from(if report.flat { step.x.hypot(step.z) } else { step.length() });
-            let (off, aside) = (curve.distance(pair[1], travelled), curve.nearest(pair[1], travelled));
-            (sums.mean, sums.max) = (sums.mean + off, sums.max.max(off));
-            (sums.mean_aside, sums.max_aside) = (sums.mean_aside + aside, sums.max_aside.max(aside));
-        }
-        let count = (frames.len() - 1).max(1) as f64;
-        (sums.mean, sums.mean_aside) = (sums.mean / count, sums.mean_aside / count);
-        walked.push(sums);
-    }
-    walked
 }
 
 fn summary(answer: &Answer, walked: &[Walked], seconds: f64, frames: u32, output: &str) -> String {
@@ -260,38 +185,4 @@ fn summary(answer: &Answer, walked: &[Walked], seconds: f64, frames: u32, output
     }
     lines.push(format!("{output}: {frames} frames"));
     lines.join("\n")
-}
-
-/// A pose as it is typed: a frame's number, or `NAME:SECONDS`.
-#[derive(Clone, Debug)]
-pub struct TypedPose(FrameRef);
-
-/// Reads a pose as it is typed.
-pub fn parse_pose(text: &str) -> Result<TypedPose, String> {
-    if let Ok(number) = text.parse() {
-        return Ok(TypedPose(FrameRef::Number(number)));
-    }
-    let (name, time) = text.rsplit_once(':').unwrap_or((text, "0"));
-    let time: f64 = time.parse().map_err(|_| format!("{time:?} is no time in seconds"))?;
-    let within = WithinSequence { sequence: name.into(), frame: None, time: Some(time) };
-    Ok(TypedPose(FrameRef::Within(within)))
-}
-
-/// Reads a duration as it is typed: `60`, `60s` or `2min`.
-pub fn parse_seconds(text: &str) -> Result<f64, String> {
-    let (number, unit) = match text {
-        text if text.ends_with("min") => (&text[..text.len() - 3], 60.0),
-        text if text.ends_with('s') => (&text[..text.len() - 1], 1.0),
-        text => (text, 1.0),
-    };
-    let seconds: f64 = number.trim().parse().map_err(|_| format!("{text:?} is no duration, such as 60s"))?;
-    if seconds.is_finite() && seconds >= 0.0 { Ok(seconds * unit) } else { Err("a duration is not negative".into()) }
-}
-
-/// Reads a size in pixels as it is typed: `720x720`.
-pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let wrong = || format!("{text:?} is no size, such as 720x720, of 16 to 4096 pixels");
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |side: &str| side.parse().ok().filter(|side| (16..=4096).contains(side)).ok_or_else(wrong);
-    Ok((side(width)?, side(height)?))
 }

@@ -1,6 +1,7 @@
 //! The command line: arguments, terminal, exit codes. The work itself is the library's.
 
 mod args;
+mod asked;
 mod direct;
 mod evaluate;
 mod failure;
@@ -11,6 +12,7 @@ mod performer;
 mod report;
 mod terminal;
 mod validate;
+mod walked;
 
 use std::process::ExitCode;
 

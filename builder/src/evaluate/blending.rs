@@ -39,7 +39,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         let of_graph = draw(graph.transitions().len(), subject.options.seam_transitions, subject.options.seed);
         let walks = walks(subject, &graph, report);
         for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
-            for ease in [Ease::Linear, Ease::Smooth] {
+            for ease in [Ease::Smooth, Ease::Linear] {
                 let told = told(report, "seams");
                 let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &told)?;
                 reports.push(SeamReport { choice, population, ease, seams });
@@ -397,23 +397,28 @@ fn seam_tables(subject: &Subject, reports: &[SeamReport], own: &Own, limit: Chan
         ]);
     }
     section.tables.push(table);
-    let walked = reports.iter().zip(&summaries).filter(|(report, _)| report.population == "walks");
-    let Some((_, first)) = walked.into_iter().next() else { return };
+    let walked = |ease: Ease| {
+        let mut reports = reports.iter().zip(&summaries);
+        reports.find(|(report, _)| report.population == "walks" && report.ease == ease).map(|(_, summary)| summary)
+    };
+    let (Some(first), papers) = (walked(Ease::Smooth), walked(Ease::Linear)) else { return };
     section.agreements.push(Agreement {
         papers: "Our own mark: no seam above the capture\u{2019}s 99th percentile in geometry and velocity".into(),
         found: format!(
-            "{} of {} seams on walks above in geometry, {} in velocity, with the linear weight and lengths by the sum",
-            first.above[0], first.count, first.above[1]
+            "{} of {} seams on walks above in geometry, {} in velocity, with our weight and lengths by the sum; the papers\u{2019}: {} and {}",
+            first.above[0],
+            first.count,
+            first.above[1],
+            papers.map_or(0, |papers| papers.above[0]),
+            papers.map_or(0, |papers| papers.above[1])
         ),
         verdict: Verdict::of(first.above[0] == 0, first.above == [0, 0]),
-        why:
-            "A linear weight sets in at once: at the first synthetic frame the surface gains the velocity (destination \
-              minus source) over L, whatever the warp."
-                .into(),
+        why: "Between shapes far apart a blend has to move faster than the capture does, whatever its weight.".into(),
     });
     section.text.push(
-        "The papers blend with a weight that grows linearly from 0 to 1; the rows with a smooth weight (3 t\u{b2} minus \
-         2 t\u{b3}) show what a weight that begins and ends at rest would change."
+        "Our weight begins and ends at rest (3 t\u{b2} minus 2 t\u{b3}); the papers\u{2019} grows evenly, so that at the \
+         first synthetic frame the surface takes on the velocity (destination minus source) over L at once. The rows \
+         named linear show the papers\u{2019}, along our paths on the ground."
             .into(),
     );
     let velocities = |seams: &[Seams]| -> Vec<f64> {

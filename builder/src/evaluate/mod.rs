@@ -30,6 +30,7 @@ mod subject;
 mod trajectories;
 mod transitions;
 pub mod truth;
+mod walks;
 
 use thiserror::Error;
 
@@ -180,7 +181,7 @@ pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateE
             Section::Graphs => graphs::section(subject, report),
             Section::Blending => blending::section(subject, report),
             Section::Interpolation => interpolation::section(subject, report),
-            Section::Walks => Ok(missing("This version does not evaluate it yet.")),
+            Section::Walks => walks::section(subject, report),
             Section::Scaling => scaling::section(subject, report),
             Section::Appearance => appearance::section(subject, report),
         };

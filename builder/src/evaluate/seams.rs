@@ -7,6 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use shared::graph::Transition;
+use shared::synthesis::ease;
 
 use super::EvaluateError;
 use super::stage::{Recordings, Stage};
@@ -80,17 +81,17 @@ impl Own {
 pub enum Ease {
     /// Evenly, as in the papers (thesis algorithm 2).
     Linear,
-    /// From rest to rest: 3 t^2 - 2 t^3.
+    /// From rest to rest, as in ours.
     Smooth,
 }
 
 impl Ease {
-    /// The weight where the papers have `lambda`.
+    /// The destination's weight at `t` of a blend, from 0 to 1.
     #[must_use]
-    pub fn weight(self, lambda: f32) -> f32 {
+    pub fn weight(self, t: f32) -> f32 {
         match self {
-            Self::Linear => lambda,
-            Self::Smooth => lambda * lambda * (3.0 - 2.0 * lambda),
+            Self::Linear => t,
+            Self::Smooth => ease(t),
         }
     }
 }
@@ -148,14 +149,15 @@ fn seams_of(stage: &mut Stage, index: usize, transition: &Transition, ease: Ease
     let mut seams = Seams { transition: index, start: None, end: None };
     let [.., before_last, last] = blends.as_slice() else { return Ok(seams) };
     let (first, second) = (&blends[0], &blends[1]);
+    let part = 1.0 / last.node as f32;
     let inner = |frame: u32, step: i64| recordings.timeline.offset(frame, step).filter(|&f| f.abs_diff(frame) == 1);
     if let Some(frame) = inner(transition.from, -1) {
-        let after = stage.pose(second, ease.weight(second.lambda))?;
+        let after = stage.pose(second, ease.weight(part))?;
         let (before, at) = (recordings.placed(frame, first.placements[0]), stage.pose(first, 0.0)?);
         seams.start = Some(Change::of(&before, &at, &after));
     }
     if let Some(frame) = inner(transition.to, 1) {
-        let before = stage.pose(before_last, ease.weight(before_last.lambda))?;
+        let before = stage.pose(before_last, ease.weight(1.0 - part))?;
         let (at, after) = (stage.pose(last, 1.0)?, recordings.placed(frame, last.placements[1]));
         seams.end = Some(Change::of(&before, &at, &after));
     }

@@ -295,7 +295,7 @@ fn seam_section(actor: &Actor, report: Report) -> Result<SectionReport, ReportEr
     let mut chosen: Vec<usize> = keyed.into_iter().take(SEAM_TRANSITIONS).map(|(_, index)| index).collect();
     chosen.sort_unstable();
     let told = told(report, "seams");
-    let mut seams = seams::measure(recordings, &order, actor.graph.transitions(), &chosen, Ease::Linear, &told)?;
+    let mut seams = seams::measure(recordings, &order, actor.graph.transitions(), &chosen, Ease::Smooth, &told)?;
     let summary = SeamSummary::of(&seams, limit);
     section.text.push(format!(
         "{} seams of {} of {count} transitions, against the capture\u{2019}s own change from frame to frame: {} change \

@@ -6,10 +6,10 @@ use super::entropy::binary::{Bit, Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::error::BundleError;
 use super::header::Kind;
-use crate::align::Placement;
 use crate::graph::{EssentialGraph, Transition};
 use crate::timeline::Timeline;
 use crate::warp::{Move, Warp};
+use kernels::align::Placement;
 
 /// Headings are multiples of this many radians.
 pub(super) const HEADING_STEP: f32 = 1.0 / 65536.0;

@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3};
 use super::entropy::binary::{Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::graph::{HEADING_STEP, TRANSLATION_STEP};
-use crate::align::Placement;
 use crate::search::Motion;
 use crate::timeline::Timeline;
+use kernels::align::Placement;
 
 /// Numbers of a frame: its centre and its facing.
 const PER_FRAME: usize = 4;

@@ -16,7 +16,7 @@ use crate::pose_source::{PoseError, PoseSource};
 use crate::search::Motion;
 use crate::surface::{Image, Surface};
 use crate::timeline::Timeline;
-use crate::topology::Topology;
+use kernels::topology::Topology;
 
 /// A bundle, or as much of it as has arrived.
 ///

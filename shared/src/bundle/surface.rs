@@ -10,7 +10,7 @@ use super::limits::{MAX_IMAGES, MAX_MATERIALS};
 use super::meta::Meta;
 use super::triangles;
 use crate::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
-use crate::topology::Topology;
+use kernels::topology::Topology;
 
 /// Texture coordinates and weights are rounded to this many steps of their range.
 const STEPS: f64 = 65535.0;

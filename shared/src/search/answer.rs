@@ -62,6 +62,8 @@ pub enum Goal {
     Pose {
         /// Its frame.
         frame: u32,
+        /// The frame that is shown in its place: the same, or the nearest that the actor can get to.
+        shown: u32,
         /// Whether the walk arrives there.
         reached: bool,
     },
@@ -99,6 +101,8 @@ pub enum Goal {
 pub struct KeyRow {
     /// Its frame.
     pub frame: u32,
+    /// The frame that is shown in its place: the same, or the nearest that the actor can get to.
+    pub shown: u32,
     /// Steps after which it is wanted.
     pub wanted: u32,
     /// Steps after which it is reached; `None` where it is not.

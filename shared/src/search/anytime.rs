@@ -1,31 +1,28 @@
 //! The tool's search: an answer at once, a better one with time, the best one where time suffices.
 //!
 //! States are kept by layers (how far they have come) and each layer is expanded in the order of cost so far plus the
-//! admissible bound and a guess. The first pass expands a few states a layer, no more of one sequence than its share (or what is cheap
-//! now would crowd out what can still turn), of states that are alike only one, and takes transitions from every eighth
-//! frame only; it answers quickly. Each later pass is wider and finer. A pass that left nothing out but what the bound
-//! prunes is branch-and-bound: its answer is proven to be the best. Work is cut into slices by counting expanded states, so
-//! that the result depends on nothing but the input.
+//! task's guess of what is to come, which learns from the best walk so far ([`Outlook`]). The first pass expands a few states
+//! a layer, no more of one crowd than its share, of states that
+//! are alike only one, and takes transitions from every eighth frame only, of those that resemble each other the cheapest;
+//! it answers quickly. Each later pass is wider, every other one finer. A pass that left nothing out but what the admissible
+//! bound prunes is branch-and-bound: its answer is proven to be the best. Work is cut into slices by counting expanded
+//! states, so that the result depends on nothing but the input.
 
-use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashSet};
-
-use super::task::{Found, State, Task};
+use super::meter;
+use super::queue::Queue;
+use super::task::{Found, Outlook, State, Task};
 use super::ways::Ways;
 
 /// States expanded in a layer of the first pass.
 const FIRST_WIDTH: usize = 96;
-/// A later pass is wider than the one before by this power of two.
-const WIDER: u32 = 1;
 /// States expanded in a layer of the last pass: bounds memory.
 const LAST_WIDTH: usize = 96 << 9;
-/// A sequence gets this part of a layer's width.
-const SHARE: usize = 4;
 /// Passes in which states that are alike are left out, and the last in which transitions of some frames are.
-const COARSE_PASSES: u32 = 5;
-
-/// How much each pass trusts the task's guess: passes that err in different ways find what the others miss.
-const GUESS_TRUST: [f64; 4] = [1.0, 3.0, 0.5, 2.0];
+const COARSE_PASSES: u32 = 8;
+/// States that wait in a layer: sorting twice as many has to fit in a slice.
+const MOST_OPEN: usize = 24_000;
+/// Cells that are remembered in a pass.
+const CELLS: usize = 1 << 17;
 
 /// How far a search is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -43,11 +40,16 @@ pub enum Progress {
 #[derive(Clone, Debug)]
 pub struct Anytime {
     pass: u32,
-    layers: Vec<BinaryHeap<Open>>,
+    layers: Vec<Queue>,
     layer: usize,
     expanded_in_layer: usize,
-    cells: HashSet<u64>,
-    expanded_by_sequence: Vec<usize>,
+    expanded_by_crowd: Vec<usize>,
+    /// States that wait, by the number that their layer's queue holds, and numbers that are free again.
+    open: Vec<Open>,
+    free: Vec<u32>,
+    /// The least order of each cell, as far as it is remembered: a cell has one place, and the last one stays.
+    cells: Vec<(u64, f64)>,
+    outlook: Outlook,
     trail: Vec<Trail>,
     starts: Vec<State>,
     left_out: bool,
@@ -62,15 +64,14 @@ pub struct Anytime {
 struct Open {
     /// Cost so far and lower bound of what is to come.
     bound: f64,
-    /// The same with a guess: the order of expansion.
+    /// Cost so far and what is likely to come.
     order: f64,
-    serial: u32,
+    /// What it is alike with; 0 where it is not compared.
+    cell: u64,
     state: State,
     /// Index in the trail of the state before, and the way from it; for a start, [`NONE`] and its number.
     before: u32,
     way: u32,
-    /// Whether it has just come to its layer, or to its frame by a transition.
-    is_fresh: bool,
 }
 
 /// How an expanded state was reached.
@@ -82,27 +83,6 @@ struct Trail {
 
 const NONE: u32 = u32::MAX;
 
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Open {}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Open {
-    /// The least order is the greatest, then the earliest.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.order.total_cmp(&self.order).then(other.serial.cmp(&self.serial))
-    }
-}
-
 impl Anytime {
     /// A search that has not begun.
     #[must_use]
@@ -112,8 +92,11 @@ impl Anytime {
             layers: Vec::new(),
             layer: 0,
             expanded_in_layer: 0,
-            cells: HashSet::new(),
-            expanded_by_sequence: Vec::new(),
+            expanded_by_crowd: Vec::new(),
+            open: Vec::new(),
+            free: Vec::new(),
+            cells: vec![(0, 0.0); CELLS],
+            outlook: Outlook::default(),
             trail: Vec::new(),
             starts: task.starts(ways),
             left_out: false,
@@ -126,7 +109,7 @@ impl Anytime {
         search
     }
 
-    /// Expands up to `budget` states: about 5 microseconds each. `task` and `ways` are those that it was made with.
+    /// Expands up to `budget` states: 1 to 2 microseconds each in early passes, up to 20 in the last. `task` and `ways` are those that it was made with.
     pub fn advance(&mut self, task: &impl Task, ways: &Ways, budget: u32) -> Progress {
         let mut left = budget;
         while self.progress == Progress::Running && left > 0 {
@@ -136,7 +119,7 @@ impl Anytime {
                     left -= 1;
                 }
                 None if self.layer + 1 < self.layers.len() => {
-                    self.layers[self.layer] = BinaryHeap::new();
+                    self.layers[self.layer] = Queue::default();
                     self.layer += 1;
                     self.begin_layer();
                 }
@@ -165,14 +148,23 @@ impl Anytime {
     }
 
     fn width(&self) -> usize {
-        FIRST_WIDTH << (WIDER * self.pass)
+        FIRST_WIDTH << self.pass
+    }
+
+    /// How fine a pass is: two passes of the same fineness err in different ways.
+    fn level(&self) -> u32 {
+        self.pass / 2
     }
 
     fn begin_pass(&mut self, task: &impl Task, ways: &Ways) {
         self.layers.clear();
+        self.open.clear();
+        self.free.clear();
+        self.cells.fill((0, 0.0));
         (self.layer, self.serial, self.left_out) = (0, 0, false);
         self.begin_layer();
         self.trail.clear();
+        self.outlook = Outlook::new(task, ways, self.best.as_ref(), self.pass);
         for index in 0..self.starts.len() {
             let start = self.starts[index];
             self.reach(task, ways, start, NONE, index as u32);
@@ -181,8 +173,7 @@ impl Anytime {
 
     fn begin_layer(&mut self) {
         self.expanded_in_layer = 0;
-        self.expanded_by_sequence.fill(0);
-        self.cells.clear();
+        self.expanded_by_crowd.fill(0);
     }
 
     fn end_pass(&mut self, task: &impl Task, ways: &Ways) {
@@ -197,6 +188,7 @@ impl Anytime {
         }
         self.layers = Vec::new();
         self.trail = Vec::new();
+        self.open = Vec::new();
     }
 
     /// The next state of this layer that is worth expanding.
@@ -204,7 +196,9 @@ impl Anytime {
         // All starts get their chance.
         let width = self.width() + if self.layer == 0 { self.starts.len() } else { 0 };
         loop {
-            let open = self.layers.get_mut(self.layer)?.pop()?;
+            let (_, number) = self.layers.get_mut(self.layer)?.pop()?;
+            let open = self.open[number as u32 as usize];
+            self.free.push(number as u32);
             if self.is_hopeless(open.bound) {
                 continue;
             }
@@ -225,13 +219,13 @@ impl Anytime {
         if self.pass >= COARSE_PASSES {
             return true;
         }
-        let sequence = ways.sequence(open.state.frame);
-        if sequence >= self.expanded_by_sequence.len() {
-            self.expanded_by_sequence.resize(sequence + 1, 0);
+        let (crowd, parts) = task.crowd(ways, &open.state);
+        if crowd >= self.expanded_by_crowd.len() {
+            self.expanded_by_crowd.resize(crowd + 1, 0);
         }
-        let expanded = &mut self.expanded_by_sequence[sequence];
-        // A state that goes on from one of this layer by a recorded step is not compared with it.
-        if *expanded >= width / SHARE || open.is_fresh && !self.cells.insert(task.cell(ways, &open.state, self.pass)) {
+        let expanded = &mut self.expanded_by_crowd[crowd];
+        let (cell, order) = self.cells[open.cell as usize % CELLS];
+        if *expanded >= width / parts.max(1) || open.cell != 0 && cell == open.cell && order < open.order {
             return false;
         }
         *expanded += 1;
@@ -242,22 +236,25 @@ impl Anytime {
         self.expanded += 1;
         let here = self.trail.len() as u32;
         self.trail.push(Trail { before: open.before, way: open.way });
-        let stride = 8_u32 >> self.pass.min(3);
+        let level = self.level();
+        meter::count(ways.from(open.state.frame).len());
+        let stride = 8_u32 >> level.min(3);
         let recorded_only = !open.state.frame.is_multiple_of(stride);
         for way in ways.from(open.state.frame) {
-            if recorded_only && ways.way(way).transition.is_some() {
+            let taken = ways.way(way);
+            if taken.transition.is_some() && (recorded_only || taken.rank > level) {
                 self.left_out = true;
-                break;
+                continue;
             }
             if let Some(next) = task.follow(ways, &open.state, way) {
                 self.reach(task, ways, next, here, way);
             }
         }
-        self.trim();
     }
 
     fn reach(&mut self, task: &impl Task, ways: &Ways, state: State, before: u32, way: u32) {
-        let bound = state.cost + task.remaining(ways, &state);
+        let remaining = task.remaining(ways, &state);
+        let bound = state.cost + remaining;
         if self.is_hopeless(bound) {
             return;
         }
@@ -270,33 +267,50 @@ impl Anytime {
         if task.halts(ways, &state) {
             return;
         }
-        let trust = GUESS_TRUST[self.pass as usize % GUESS_TRUST.len()];
-        let order = bound + trust * task.guess(ways, &state);
+        let order = state.cost + remaining.max(task.guess(ways, &state, &self.outlook));
         let layer = task.layer(&state).max(self.layer);
+        let mut cell = 0;
+        // A state that goes on from one of this layer by a recorded step is not compared with it.
         let is_fresh = layer > self.layer || before == NONE || ways.way(way).transition.is_some();
-        if layer >= self.layers.len() {
-            self.layers.resize_with(layer + 1, BinaryHeap::new);
+        if is_fresh && self.pass < COARSE_PASSES {
+            cell = task.cell(ways, &state, self.level()) ^ (layer as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let known = &mut self.cells[cell as usize % CELLS];
+            if known.0 == cell && known.1 <= order {
+                self.left_out = true;
+                return;
+            }
+            *known = (cell, order);
         }
-        self.layers[layer].push(Open { bound, order, serial: self.serial, state, before, way, is_fresh });
+        self.push(layer, Open { bound, order, cell, state, before, way });
+    }
+
+    /// A layer with many times more states than will be expanded loses its worst, to bound memory.
+    fn push(&mut self, layer: usize, open: Open) {
+        let number = match self.free.pop() {
+            Some(number) => {
+                self.open[number as usize] = open;
+                number
+            }
+            None => {
+                self.open.push(open);
+                self.open.len() as u32 - 1
+            }
+        };
+        let most = (4 * self.width() + 2048).min(MOST_OPEN);
+        if layer >= self.layers.len() {
+            self.layers.resize_with(layer + 1, Queue::default);
+        }
+        let queue = &mut self.layers[layer];
+        queue.push(open.order, u64::from(self.serial) << 32 | u64::from(number));
         self.serial = self.serial.wrapping_add(1);
+        if queue.len() > 2 * most {
+            self.free.extend(queue.cut(most).into_iter().map(|number| number as u32));
+            self.left_out = true;
+        }
     }
 
     fn is_hopeless(&self, bound: f64) -> bool {
         self.best.as_ref().is_some_and(|best| bound >= best.cost)
-    }
-
-    /// Bounds memory: a layer with many times more states than will be expanded loses its worst.
-    fn trim(&mut self) {
-        let most = 16 * self.width() + 4096;
-        for heap in self.layers.iter_mut().skip(self.layer) {
-            if heap.len() > 2 * most {
-                let mut open = std::mem::take(heap).into_vec();
-                open.select_nth_unstable_by(most, |a, b| b.cmp(a));
-                open.truncate(most);
-                *heap = open.into();
-                self.left_out = true;
-            }
-        }
     }
 
     fn trace(&self, cost: f64, end: State, before: u32, way: u32) -> Found {

@@ -1,9 +1,8 @@
 //! Going to a behaviour, and holding it.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
-use super::shortest::{Measure, to_targets, walk_down};
+use super::meter;
+use super::queue::Queue;
+use super::shortest::cheapest_walk_to;
 use super::walk::{Leg, Walk, steps_of};
 use super::ways::Ways;
 use crate::graph::EssentialGraph;
@@ -17,7 +16,13 @@ const SHORTEST_LOOP: f64 = 0.8;
 /// The cheapest walk from `from` to any of `targets`; `None` where there is none.
 #[must_use]
 pub fn walk_to_any(graph: &EssentialGraph, timeline: &Timeline, from: u32, targets: &[u32]) -> Option<Walk> {
-    walk_down(graph, timeline, &to_targets(graph, timeline, targets, Measure::Cost), from)
+    let mut is_target = vec![false; timeline.frame_count() as usize];
+    for &target in targets {
+        if let Some(mark) = is_target.get_mut(target as usize) {
+            *mark = true;
+        }
+    }
+    cheapest_walk_to(graph, timeline, from, &|frame| is_target[frame as usize])
 }
 
 /// The cheapest walk to frames that show a behaviour, by its number in [`Ways`], and that it can be seen from: half a second
@@ -98,30 +103,60 @@ impl Hold {
     }
 }
 
-/// The loop within a behaviour with the least cost a step, of at least 0.8 s where there is one.
-///
-/// For up to 128 of its frames one Dijkstra inside the behaviour, each closed by the transitions and steps that lead back.
-/// `None` where the behaviour has no loop of its own.
+/// The loop within a behaviour with the least cost a step, of at least 0.8 s where there is one, all at once
+/// ([`LoopSearch`]). `None` where the behaviour has no loop of its own.
 #[must_use]
 pub fn holding_loop(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, behaviour: usize) -> Option<Hold> {
-    let inside: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.shows(behaviour, frame)).collect();
-    let stride = inside.len().div_ceil(MOST_SOURCES).max(1);
-    let mut search = Inside::new(graph, timeline, &inside);
-    let mut best: Option<(bool, f64, Hold)> = None;
-    for &source in inside.iter().step_by(stride) {
+    let mut search = LoopSearch::new(ways, behaviour);
+    while !search.advance(graph, timeline) {}
+    search.best
+}
+
+/// The search for the loop within a behaviour, a frame at a time: for up to 128 of its frames one Dijkstra inside the
+/// behaviour, each closed by the transitions and steps that lead back.
+#[derive(Clone, Debug)]
+pub struct LoopSearch {
+    inside: Vec<u32>,
+    next: usize,
+    stride: usize,
+    /// The best loop so far; final once [`Self::advance`] says so.
+    pub best: Option<Hold>,
+    /// Whether that is too short, and what a step of it costs.
+    price: (bool, f64),
+    fps: f64,
+}
+
+impl LoopSearch {
+    /// The search among the frames of a behaviour, by its number in [`Ways`].
+    #[must_use]
+    pub fn new(ways: &Ways, behaviour: usize) -> Self {
+        let inside: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.shows(behaviour, frame)).collect();
+        let stride = inside.len().div_ceil(MOST_SOURCES).max(1);
+        Self { inside, next: 0, stride, best: None, price: (true, f64::INFINITY), fps: ways.fps }
+    }
+
+    /// Looks for no more.
+    pub fn skip(&mut self) {
+        self.next = self.inside.len();
+    }
+
+    /// Looks for loops through one more frame; whether that was the last.
+    pub fn advance(&mut self, graph: &EssentialGraph, timeline: &Timeline) -> bool {
+        let Some(&source) = self.inside.get(self.next) else { return true };
+        let mut search = Inside::new(graph, timeline, &self.inside);
         search.from(source);
         for (frame, cost, steps, edge) in search.closing(source) {
-            let short = f64::from(steps) < SHORTEST_LOOP * ways.fps;
-            let mean = cost / f64::from(steps.max(1));
-            if best.as_ref().is_some_and(|best| (best.0, best.1) <= (short, mean)) {
+            let price = (f64::from(steps) < SHORTEST_LOOP * self.fps, cost / f64::from(steps.max(1)));
+            if self.price <= price {
                 continue;
             }
             if let Some(walk) = search.walk(source, frame, edge) {
-                best = Some((short, mean, Hold { frame: source, walk, steps }));
+                (self.price, self.best) = (price, Some(Hold { frame: source, walk, steps }));
             }
         }
+        self.next += self.stride;
+        self.next >= self.inside.len()
     }
-    best.map(|(_, _, hold)| hold)
 }
 
 /// Dijkstra's algorithm among some frames only.
@@ -161,19 +196,21 @@ impl<'a> Inside<'a> {
             self.before[frame as usize] = None;
         }
         (self.cost[source as usize], self.steps[source as usize]) = (0.0, 0);
-        let mut queue = BinaryHeap::from([Reverse((0.0_f64.to_bits(), source))]);
-        while let Some(Reverse((bits, frame))) = queue.pop() {
-            let cost = f64::from_bits(bits);
+        let mut queue = Queue::default();
+        queue.push(0.0, u64::from(source));
+        while let Some((cost, frame)) = queue.pop() {
+            let frame = frame as u32;
             if cost > self.cost[frame as usize] {
                 continue;
             }
+            meter::count(self.graph.transitions_from(frame).len() + 1);
             let edges: Vec<_> = self.edges(frame).collect();
             for (to, more, steps, edge) in edges {
                 if cost + more < self.cost[to as usize] {
                     self.cost[to as usize] = cost + more;
                     self.steps[to as usize] = self.steps[frame as usize] + steps;
                     self.before[to as usize] = Some((frame, edge));
-                    queue.push(Reverse(((cost + more).to_bits(), to)));
+                    queue.push(cost + more, u64::from(to));
                 }
             }
         }

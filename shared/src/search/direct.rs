@@ -2,41 +2,22 @@
 
 use std::collections::VecDeque;
 
-use glam::Vec3Swizzles;
-
-use super::answer::{Answer, Goal, KeyRow, Part};
-use super::anytime::{Anytime, Progress};
-use super::behaviour::{holding_loop, walk_to_behaviour};
-use super::curve::Curve;
-use super::keys::{KeyLeg, LegEnd};
-use super::path::{Demand, PathReport, PathTask};
-use super::place::{PlaceReport, PlaceTask};
-use super::request::{
-    BehaviourRequest, KeysRequest, PathRequest, PlaceRequest, Request, RequestError, Target, VERSION, WanderRequest,
-    behaviour,
-};
-use super::shortest::cheapest_walk;
+use super::answer::{Answer, Goal, Part};
+use super::anytime::Progress;
+use super::request::{Request, RequestError, Target, VERSION, behaviour};
 use super::spot::Spot;
 use super::task::State;
 use super::walk::{Leg, Walk};
-use super::wander::Wander;
 use super::ways::Ways;
-use crate::align::Placement;
+use super::work::Work;
 use crate::graph::EssentialGraph;
 use crate::timeline::Timeline;
+use kernels::align::Placement;
 
 /// States that are expanded for a target unless told otherwise: about two seconds in a browser.
-pub const DEFAULT_EFFORT: u32 = 150_000;
-/// Most frames at which a path with a free start may begin.
-const MOST_STARTS: usize = 192;
-/// Metres from the actor to the beginning of a path that are no approach.
-const NEAR: f32 = 0.1;
-/// Frames of the table of key poses that count as an expanded state.
-const CELLS_A_STATE: u32 = 2;
-/// Expanded states that a round of the random walk's optimisation counts as.
-const STATES_A_ROUND: u32 = 100;
+pub const DEFAULT_EFFORT: u32 = 600_000;
 /// Most steps of an answer.
-const MOST_STEPS: u32 = 1 << 20;
+pub(super) const MOST_STEPS: u32 = 1 << 20;
 
 /// What searches read. It must be the same for all calls of a [`Direction`].
 #[derive(Clone, Copy, Debug)]
@@ -76,32 +57,11 @@ pub struct Direction {
 
 /// What has been decided.
 #[derive(Clone, Debug)]
-struct Done {
-    frame: u32,
-    spot: Spot,
-    walk: Walk,
-    parts: Vec<Part>,
-}
-
-/// What is being done for a target.
-#[derive(Clone, Debug)]
-enum Work {
-    Path(Box<(PathTask, Anytime, Vec<String>)>),
-    Place(Box<(PlaceTask, Anytime)>),
-    Keys(Box<Keys>),
-    Wander(Box<(Wander, u32)>),
-}
-
-/// Key poses that are being worked on.
-#[derive(Clone, Debug)]
-struct Keys {
-    /// Frame and step of those to come; a step without a row is only a stop on a long way.
-    to_do: VecDeque<(u32, u32, bool)>,
-    leg: Option<KeyLeg>,
-    walk: Walk,
-    frame: u32,
-    taken: u32,
-    rows: Vec<KeyRow>,
+pub(super) struct Done {
+    pub frame: u32,
+    pub spot: Spot,
+    pub walk: Walk,
+    pub parts: Vec<Part>,
 }
 
 impl Direction {
@@ -151,7 +111,7 @@ impl Direction {
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> Result<Progress, RequestError> {
         let mut budget = budget;
         while budget > 0 {
-            let is_search = matches!(self.work, Some(Work::Path(_) | Work::Place(_)));
+            let is_search = self.work.as_ref().is_some_and(|work| work.search_progress().is_some());
             if is_search && self.progress() != Progress::Running {
                 // The last search keeps its answer, and what it has proven.
                 return Ok(self.progress());
@@ -174,10 +134,9 @@ impl Direction {
     /// Whether there may be a better answer.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        match &self.work {
+        match self.work.as_ref().map(Work::search_progress) {
             None => Progress::Ended,
-            Some(Work::Path(work)) if self.to_do.is_empty() => self.limited(work.1.progress()),
-            Some(Work::Place(work)) if self.to_do.is_empty() => self.limited(work.1.progress()),
+            Some(Some(progress)) if self.to_do.is_empty() => self.limited(progress),
             Some(_) => Progress::Running,
         }
     }
@@ -227,86 +186,15 @@ impl Direction {
     fn begin_next(&mut self, scene: &Scene) -> Result<(), RequestError> {
         while self.work.is_none() && self.done.walk.duration < MOST_STEPS {
             let Some(target) = self.to_do.pop_front() else { return Ok(()) };
-            match target {
-                Target::Pose(frame) => go_to_pose(scene, &mut self.done, frame.find(scene.timeline)?),
-                Target::Behaviour(request) => go_to_behaviour(scene, &mut self.done, &request)?,
-                Target::Place(request) => self.work = Some(place_work(scene, &self.done, &request)),
-                Target::Path(request) => self.work = Some(path_work(scene, &self.done, &request, self.is_free)?),
-                Target::Keys(request) => self.work = Some(keys_work(scene, &self.done, &request)?),
-                Target::Wander(request) => self.work = wander_work(scene, &mut self.done, &request, self.seed)?,
-                Target::Queue(_) => return Err(RequestError::Nested),
-            }
+            self.work = Work::begin(scene, &mut self.done, target, self.seed, self.is_free)?;
             self.seed = self.seed.wrapping_add(1);
         }
         Ok(())
     }
 }
 
-impl Work {
-    /// Expands up to `budget` states; whether it has ended, and how many it took.
-    fn advance(&mut self, scene: &Scene, budget: u32) -> (bool, u32) {
-        match self {
-            Self::Path(work) => {
-                let before = work.1.expanded();
-                let progress = work.1.advance(&work.0, scene.ways, budget);
-                (progress != Progress::Running, (work.1.expanded() - before) as u32)
-            }
-            Self::Place(work) => {
-                let before = work.1.expanded();
-                let progress = work.1.advance(&work.0, scene.ways, budget);
-                (progress != Progress::Running, (work.1.expanded() - before) as u32)
-            }
-            Self::Keys(keys) => (keys.advance(scene, budget.saturating_mul(CELLS_A_STATE)), budget),
-            Self::Wander(work) => {
-                let rounds = (budget / STATES_A_ROUND).max(1);
-                (work.0.advance(rounds), budget)
-            }
-        }
-    }
-
-    /// Adds what it has found to what is done.
-    fn apply(&self, scene: &Scene, done: &mut Done, start: &mut Start, is_free: bool) {
-        match self {
-            Self::Path(work) => {
-                let (task, search, notes) = work.as_ref();
-                let Some(found) = search.best() else { return };
-                if is_free {
-                    *start = Start { frame: found.start.frame, placement: found.start.spot.into() };
-                    (done.frame, done.spot) = (found.start.frame, found.start.spot);
-                }
-                let report = task.judge(scene.ways, found);
-                let notes = [notes.clone(), path_notes(&report)].concat();
-                done.push(scene, &found.walk(scene.ways), Goal::Path(report), notes);
-            }
-            Self::Place(work) => {
-                let (task, search) = work.as_ref();
-                let Some(found) = search.best() else { return };
-                let report = task.judge(scene.ways, found);
-                done.push(scene, &found.walk(scene.ways), Goal::Place(report), place_notes(&report));
-            }
-            Self::Keys(keys) => {
-                let errors: Vec<f64> = keys.rows.iter().filter_map(error_of).collect();
-                let mean_error = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-                let goal = Goal::Keys { rows: keys.rows.clone(), mean_error };
-                done.push(scene, &keys.walk, goal, keys_notes(scene, &keys.rows));
-            }
-            Self::Wander(work) => {
-                let (mut wander, steps) = work.as_ref().clone();
-                let walk = wander.walk(scene.graph, scene.timeline, done.frame, steps);
-                let notes = match walk {
-                    Some(_) => Vec::new(),
-                    None => vec!["From here the actor cannot get to where it could wander.".into()],
-                };
-                let goal =
-                    Goal::Wander { objectives: wander.optimiser().objectives(), frames: wander.frames().len() as u32 };
-                done.push(scene, &walk.unwrap_or_default(), goal, notes);
-            }
-        }
-    }
-}
-
 impl Done {
-    fn push(&mut self, scene: &Scene, walk: &Walk, goal: Goal, notes: Vec<String>) {
+    pub fn push(&mut self, scene: &Scene, walk: &Walk, goal: Goal, notes: Vec<String>) {
         let first_step = self.walk.steps(scene.graph);
         for leg in &walk.legs {
             self.follow(scene, leg);
@@ -336,7 +224,7 @@ impl Done {
         }
     }
 
-    fn state(&self) -> State {
+    pub fn state(&self) -> State {
         State::start(self.frame, self.spot)
     }
 }
@@ -374,229 +262,4 @@ fn usual_start(scene: &Scene, first: Option<&Target>) -> Result<u32, RequestErro
         return key.pose.find(scene.timeline);
     }
     Ok(scene.ways.main.iter().position(|&main| main).unwrap_or(0) as u32)
-}
-
-fn go_to_pose(scene: &Scene, done: &mut Done, frame: u32) {
-    let walk = cheapest_walk(scene.graph, scene.timeline, done.frame, frame);
-    let notes = match walk {
-        Some(_) => Vec::new(),
-        None => vec!["No walk leads from here to that pose; the actor stays.".to_owned()],
-    };
-    let goal = Goal::Pose { frame, reached: walk.is_some() };
-    done.push(scene, &walk.unwrap_or_default(), goal, notes);
-}
-
-fn go_to_behaviour(scene: &Scene, done: &mut Done, request: &BehaviourRequest) -> Result<(), RequestError> {
-    let number = behaviour(scene.ways, &request.name)?;
-    let Scene { graph, timeline, ways } = *scene;
-    let mut notes = Vec::new();
-    let wanted = ((request.hold * ways.fps).round() as u32).min(MOST_STEPS);
-    let hold = if wanted > 0 { holding_loop(graph, timeline, ways, number) } else { None };
-    let entered = hold.and_then(|hold| {
-        let walk = super::behaviour::walk_to_any(graph, timeline, done.frame, &hold.entries(timeline))?;
-        let frame = walk.end(graph).unwrap_or(done.frame);
-        Some((walk, hold.entered_at(timeline, frame)))
-    });
-    let mut held = 0;
-    let walk = match entered {
-        Some((mut walk, hold)) => {
-            while held < wanted && hold.steps > 0 {
-                walk.append(&hold.walk);
-                held += hold.steps;
-            }
-            Some(walk)
-        }
-        None => {
-            let mut walk = walk_to_behaviour(graph, timeline, ways, done.frame, number);
-            if let Some(walk) = walk.as_mut().filter(|_| wanted > 0) {
-                held = play_on(scene, walk, done.frame, number, wanted);
-                notes.push(format!("{:?} has no loop: it is played once.", request.name));
-            }
-            walk
-        }
-    };
-    if walk.is_none() {
-        notes.push(format!("No walk leads from here to {:?}; the actor stays.", request.name));
-    }
-    let goal = Goal::Behaviour { name: request.name.clone(), reached: walk.is_some(), held };
-    done.push(scene, &walk.unwrap_or_default(), goal, notes);
-    Ok(())
-}
-
-/// Appends recorded frames for as long as they show a behaviour and do not lead into a dead end.
-fn play_on(scene: &Scene, walk: &mut Walk, start: u32, number: usize, wanted: u32) -> u32 {
-    let mut frame = walk.end(scene.graph).unwrap_or(start);
-    let mut held = 0;
-    let shows = |next: &u32| scene.ways.shows(number, *next) && scene.ways.live[*next as usize];
-    while let Some(next) = scene.timeline.next(frame).filter(shows).filter(|_| held < wanted) {
-        walk.push_recorded(frame, next, 1);
-        (frame, held) = (next, held + 1);
-    }
-    walk.cost += f64::from(held) * scene.graph.alpha();
-    walk.duration += held;
-    held
-}
-
-fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Work {
-    let place = glam::Vec2::new(request.x, request.z);
-    let task = PlaceTask::new(scene.ways, done.state(), place, request.heading, request.realism);
-    let search = Anytime::new(&task, scene.ways);
-    Work::Place(Box::new((task, search)))
-}
-
-fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -> Result<Work, RequestError> {
-    let ways = scene.ways;
-    let points = request.points();
-    let is_free = is_free || request.free_start && done.walk.legs.is_empty();
-    let here = ways.point_at(done.frame, done.spot);
-    let first = points.first().copied().unwrap_or_default();
-    let gap = if request.is_flat() { here.xz().distance(first.xz()) } else { here.distance(first) };
-    let approach = (!is_free && gap > NEAR).then_some(here);
-    let curve = Curve::new(&points, request.shape, request.is_flat(), approach);
-    let mut demands = Vec::with_capacity(request.stretches.len());
-    for stretch in &request.stretches {
-        demands.push(Demand {
-            from: curve.length_at_knot(stretch.from),
-            to: curve.length_at_knot(stretch.to),
-            behaviour: behaviour(ways, &stretch.behaviour)?,
-        });
-    }
-    let starts = if is_free { free_starts(ways, &curve) } else { vec![done.state()] };
-    let notes = match approach {
-        Some(_) => vec![format!("The path begins {gap:.1} m away: the actor goes there first.")],
-        None => Vec::new(),
-    };
-    let task = PathTask::new(ways, curve, demands, starts, request.realism);
-    let search = Anytime::new(&task, ways);
-    Ok(Work::Path(Box::new((task, search, notes))))
-}
-
-/// Frames from all over the capture, standing on the path's first point and facing along it.
-fn free_starts(ways: &Ways, curve: &Curve) -> Vec<State> {
-    let live: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.live[frame as usize]).collect();
-    let stride = live.len().div_ceil(MOST_STARTS).max(1);
-    live.iter().step_by(stride).filter_map(|&frame| PathTask::start_on(ways, curve, frame)).collect()
-}
-
-fn keys_work(scene: &Scene, done: &Done, request: &KeysRequest) -> Result<Work, RequestError> {
-    let mut keys: Vec<(u32, u32)> = Vec::new();
-    for key in &request.poses {
-        keys.push((key.pose.find(scene.timeline)?, (key.time * scene.ways.fps).round() as u32));
-    }
-    keys.sort_by_key(|&(_, step)| step);
-    let longest = KeyLeg::longest(scene.timeline.frame_count());
-    let mut to_do = VecDeque::new();
-    let mut before = 0;
-    for (frame, step) in keys {
-        // A long leg is cut: the actor comes by its goal on the way.
-        while step - before > longest && scene.ways.main[frame as usize] {
-            before += longest;
-            to_do.push_back((frame, before, false));
-        }
-        to_do.push_back((frame, step, true));
-        before = step;
-    }
-    let (frame, taken) = (done.frame, 0);
-    Ok(Work::Keys(Box::new(Keys { to_do, leg: None, walk: Walk::default(), frame, taken, rows: Vec::new() })))
-}
-
-impl Keys {
-    /// Looks at up to `budget` frames at a time; whether all legs are done.
-    fn advance(&mut self, scene: &Scene, budget: u32) -> bool {
-        let Some(&(frame, step, has_row)) = self.to_do.front() else { return true };
-        let (graph, timeline) = (scene.graph, scene.timeline);
-        // The error of the leg before is handed on: what is wanted is the time, not the duration.
-        let wanted = step.saturating_sub(self.taken);
-        let leg = self.leg.get_or_insert_with(|| KeyLeg::new(graph, timeline, self.frame, frame, wanted));
-        if !leg.advance(graph, timeline, budget) {
-            return false;
-        }
-        let end = leg.finish(graph, timeline);
-        self.leg = None;
-        self.to_do.pop_front();
-        let reached = match end {
-            LegEnd::Walk(walk, steps) => {
-                self.walk.append(&walk);
-                self.taken += steps;
-                self.frame = frame;
-                Some(self.taken)
-            }
-            LegEnd::NoWay => None,
-        };
-        if has_row {
-            self.rows.push(KeyRow { frame, wanted: step, reached });
-        }
-        self.to_do.is_empty()
-    }
-}
-
-fn wander_work(
-    scene: &Scene,
-    done: &mut Done,
-    request: &WanderRequest,
-    seed: u64,
-) -> Result<Option<Work>, RequestError> {
-    let mut weights = Vec::with_capacity(request.weights.len());
-    for (name, &weight) in &request.weights {
-        weights.push((behaviour(scene.ways, name)?, weight));
-    }
-    let steps = ((request.seconds * scene.ways.fps).round() as u32).min(MOST_STEPS);
-    let wander = Wander::new(scene.graph, scene.timeline, scene.ways, &weights, seed);
-    if wander.is_none() {
-        let notes = vec!["The graph has no loop to wander in; the actor stays.".into()];
-        done.push(scene, &Walk::default(), Goal::Wander { objectives: [0.0; 3], frames: 0 }, notes);
-    }
-    Ok(wander.map(|wander| Work::Wander(Box::new((wander, steps)))))
-}
-
-fn path_notes(report: &PathReport) -> Vec<String> {
-    let mut notes = Vec::new();
-    if report.travelled + 0.05 < report.length {
-        let (travelled, length) = (report.travelled, report.length);
-        notes.push(format!("The motion does not get to the path's end: it travels {travelled:.1} of {length:.1} m."));
-    }
-    if report.max_aside > 0.5 {
-        let aside = report.max_aside;
-        notes.push(format!(
-            "The walk strays up to {aside:.1} m from the path: no motion of this capture turns like it."
-        ));
-    }
-    if let Some(kept) = report.demands_kept.filter(|&kept| kept < 0.95) {
-        notes.push(format!("{:.0} % of the painted stretches show what they demand.", 100.0 * kept));
-    }
-    notes
-}
-
-fn place_notes(report: &PlaceReport) -> Vec<String> {
-    let mut notes = Vec::new();
-    if report.distance > 0.3 {
-        notes.push(format!(
-            "The walk ends {:.1} m from the place: no motion of this capture gets closer.",
-            report.distance
-        ));
-    }
-    if let Some(turn) = report.turn.filter(|&turn| turn > 0.35) {
-        notes.push(format!("It faces {:.0} degrees away from the heading asked for.", turn.to_degrees()));
-    }
-    notes
-}
-
-fn keys_notes(scene: &Scene, rows: &[KeyRow]) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (index, row) in rows.iter().enumerate() {
-        match row.reached {
-            None => notes.push(format!("No walk leads to key pose {}; it is left out.", index + 1)),
-            Some(reached) if f64::from(reached.abs_diff(row.wanted)) > 0.25 * scene.ways.fps => {
-                let seconds = f64::from(reached.abs_diff(row.wanted)) / scene.ways.fps;
-                let how = if reached > row.wanted { "late" } else { "early" };
-                notes.push(format!("Key pose {} comes {seconds:.2} s {how}: it cannot be closer in time.", index + 1));
-            }
-            Some(_) => {}
-        }
-    }
-    notes
-}
-
-fn error_of(row: &KeyRow) -> Option<f64> {
-    row.reached.map(|reached| f64::from(reached.abs_diff(row.wanted)))
 }

@@ -4,6 +4,7 @@
 //! filled from the start and pruned from the end, as both ends are known. Time errors are handed on by the caller, who
 //! knows when the leg before arrived.
 
+use super::meter;
 use super::shortest::{Measure, to_targets};
 use super::walk::{Leg, Walk, steps_of};
 use crate::graph::EssentialGraph;
@@ -13,6 +14,8 @@ use crate::timeline::Timeline;
 pub(super) const STEP_OFF: f64 = 0.5;
 /// Steps beyond the wanted time that are looked at.
 const LATEST: u32 = 25;
+/// Cells that nothing leads to which count as one that is looked at.
+const EMPTY_CELLS: usize = 256;
 /// Most cells of the table: 8 bytes each.
 const MOST_CELLS: usize = 8 << 20;
 
@@ -21,7 +24,7 @@ const MOST_CELLS: usize = 8 << 20;
 pub enum LegEnd {
     /// The best walk, and the steps it takes.
     Walk(Walk, u32),
-    /// No walk leads there, in whatever time.
+    /// No walk leads there, in whatever time; an actor can be in the first frames of a sequence only where it begins there.
     NoWay,
 }
 
@@ -84,7 +87,9 @@ impl KeyLeg {
     /// Looks at up to `budget` frames at a time; whether the table is full.
     pub fn advance(&mut self, graph: &EssentialGraph, timeline: &Timeline, budget: u32) -> bool {
         let mut left = budget;
-        while self.cell < self.costs.len() && left > 0 {
+        // Cells that nothing leads to cost little, but there are many.
+        let end = self.cell.saturating_add(budget as usize * EMPTY_CELLS).min(self.costs.len());
+        while self.cell < end && left > 0 {
             let (step, frame) = (self.cell / self.frames, (self.cell % self.frames) as u32);
             let cost = self.costs[self.cell];
             self.cell += 1;
@@ -92,6 +97,7 @@ impl KeyLeg {
                 continue;
             }
             left -= 1;
+            meter::count(graph.transitions_from(frame).len() + 1);
             if let Some(next) = timeline.next(frame) {
                 self.reach(step + 1, next, cost + graph.alpha() as f32, 0);
             }

@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
-use crate::align::{Placement, align_heading, centre_of_mass};
 use crate::pose_source::{PoseError, PoseSource};
 use crate::synthesis::{Ground, PoseMemory, PosesOnGround, recorded_step};
 use crate::timeline::Timeline;
+use kernels::align::{Placement, align_heading, centre_of_mass};
 
 /// What is known about the motion of a capture without its poses. The builder measures it and stores it in the bundle; for
 /// a bundle that has none, [`MotionMeter`] measures it from the poses, some frames at a time.
@@ -133,7 +133,7 @@ impl MotionMeter {
                 continue;
             }
             let step = (self.centres[frame] - self.centres[frame - 1]).xz();
-            sum += step.length() * crate::align::rotate(self.onto_first[frame], step);
+            sum += step.length() * kernels::align::rotate(self.onto_first[frame], step);
         }
         // Less than a millimetre a frame is no travel.
         if sum.length() > 1e-6 * self.centres.len() as f32 { sum.x.atan2(sum.y) } else { 0.0 }

@@ -3,8 +3,8 @@
 
 use super::curve::Curve;
 use super::spot::{Spot, half_turn};
-use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
-use super::ways::{AHEAD, SAMPLE_STRIDE, Ways};
+use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
+use super::ways::{SAMPLE_STRIDE, Ways};
 
 /// Metre-seconds that each metre costs by which a walk ends before the path does.
 const LEFT_OVER: f64 = 20.0;
@@ -16,6 +16,16 @@ const WRONG_BEHAVIOUR: f64 = 3.0;
 /// [`PATIENCE`] seconds more.
 const SLOWEST: f64 = 0.1;
 const PATIENCE: f64 = 10.0;
+/// How much each pass trusts the walk found so far, and how many seconds of a distance it takes to come back from it: passes
+/// that err in different ways find what the others miss.
+const TRUST: [f64; 4] = [1.0, 0.7, 1.0, 0.85];
+const OFF: [f64; 4] = [1.0, 0.7, 1.5, 1.0];
+/// What a metre of path costs where nothing is known yet, in metre-seconds, and the usual J of a transition.
+const A_METRE: f64 = 0.3;
+const A_TRANSITION: f64 = 4.0;
+/// Looks ahead along the recording a second, and how many.
+const GLANCES: f64 = 5.0;
+const MOST_GLANCES: u32 = 12;
 /// Metres of path in a layer.
 const LAYER: f64 = 0.1;
 /// Most layers of a path.
@@ -194,11 +204,37 @@ impl Task for PathTask {
         walked.min(given_up).min(left * LEFT_OVER)
     }
 
-    /// Where the recording is about to lead, against where the path leads: what cannot turn is found out early.
-    fn guess(&self, ways: &Ways, state: &State) -> f64 {
-        let (point, [on_ground, in_space]) = ways.ahead(state.frame, state.spot);
-        let travelled = state.travelled + f64::from(if self.curve.is_flat() { on_ground } else { in_space });
-        self.curve.distance(point, travelled) * AHEAD
+    /// The recording is followed for as long as that pays, then a transition is taken, and the rest costs what it did on the
+    /// best walk so far. What cannot turn is found out early, and what follows the path for long is preferred.
+    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+        let pass = outlook.pass as usize % TRUST.len();
+        let rest = |travelled: f64, off: f64| {
+            let left = (self.curve.length() - travelled).max(0.0);
+            let rest = outlook.after(travelled / self.layer_length).unwrap_or(left * A_METRE);
+            self.realism * A_TRANSITION + OFF[pass] * off + TRUST[pass] * rest
+        };
+        let stride = ((ways.fps / GLANCES) as u32).max(1);
+        let (mut error, mut least) = (0.0, f64::INFINITY);
+        for glance in 1..=MOST_GLANCES {
+            let Some((point, [on_ground, in_space])) = ways.ahead(state.frame, state.spot, glance * stride) else {
+                break;
+            };
+            let travelled = state.travelled + f64::from(if self.curve.is_flat() { on_ground } else { in_space });
+            let off = self.curve.distance(point, travelled);
+            error += off * f64::from(stride) * self.seconds_per_step;
+            let is_over = travelled >= self.curve.length();
+            // A transition goes on like the recording at first.
+            if glance > 1 || is_over {
+                least = least.min(error + rest(travelled, off));
+            }
+            if is_over {
+                break;
+            }
+        }
+        if least.is_finite() {
+            return least;
+        }
+        rest(state.travelled, self.curve.distance(ways.point_at(state.frame, state.spot), state.travelled))
     }
 
     fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {

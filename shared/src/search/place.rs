@@ -1,19 +1,30 @@
 //! Going to a place, and facing a way there.
 
-use glam::{Vec2, Vec3Swizzles};
+use glam::{Vec2, Vec2Swizzles, Vec3Swizzles};
 
-use super::spot::half_turn;
-use super::task::{Found, LEAST_STEP_COST, State, Task, cell_of};
+use super::detour::Detour;
+use super::spot::{angle, turn_of};
+use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
 use super::ways::Ways;
 
 /// Seconds that a metre off the place is worth.
 const METRE_OFF: f64 = 20.0;
 /// Seconds that a radian off the heading is worth.
-const RADIAN_OFF: f64 = 4.0;
+const RADIAN_OFF: f64 = 8.0;
 /// A walk gives up when it has been under way for as long as it takes at this speed, in metres a second, and
 /// [`PATIENCE`] seconds more.
 const SLOWEST: f64 = 0.4;
 const PATIENCE: f64 = 8.0;
+/// What walking a metre, turning by a radian on the way and a transition's J usually cost: only for [`Task::guess`].
+const A_METRE: f64 = 1.2;
+const A_RADIAN: f64 = 1.0;
+/// How much more is left than if any motion could follow any other: passes that err in different ways find what the others
+/// miss.
+const TRUST: [f64; 4] = [1.5, 1.1, 2.0, 1.3];
+const A_TRANSITION: f64 = 4.0;
+/// Looks ahead a second, and how many.
+const GLANCES: f64 = 4.0;
+const MOST_GLANCES: u32 = 8;
 /// Layers a second.
 const LAYERS: f64 = 8.0;
 
@@ -27,6 +38,10 @@ pub struct PlaceTask {
     pub place: Vec2,
     /// Which way the body shall face: radians about +Y from +Z.
     pub heading: Option<f32>,
+    /// The same as a unit vector along (X, Z).
+    wanted: Option<Vec2>,
+    /// What coming there that way takes, once [`Self::prepare`] is done.
+    detour: Option<Detour>,
     /// Where the actor is.
     pub start: State,
     /// Weight of the graph's cost against seconds.
@@ -51,24 +66,35 @@ impl PlaceTask {
     /// Going from `start` to `place`.
     #[must_use]
     pub fn new(ways: &Ways, start: State, place: Vec2, heading: Option<f32>, realism: f64) -> Self {
+        let wanted = heading.map(|heading| turn_of(heading).yx());
+        let a_step = 1.0 / ways.fps + (realism * ways.alpha).max(LEAST_STEP_COST);
         let distance = f64::from(ways.point_at(start.frame, start.spot).xz().distance(place));
         Self {
             place,
             heading,
+            wanted,
+            detour: wanted.map(|wanted| Detour::new(ways, place, wanted, a_step)),
             start,
             realism,
             seconds_per_step: 1.0 / ways.fps,
-            step_cost: 1.0 / ways.fps + (realism * ways.alpha).max(LEAST_STEP_COST),
+            step_cost: a_step,
             most_steps: ((PATIENCE + distance / SLOWEST) * ways.fps).min(1e6) as u32,
             steps_in_layer: ((ways.fps / LAYERS) as u32).max(1),
         }
     }
 
+    /// Learns what detours facing a way takes, for about as long as expanding so many `states` does; whether that is done. A
+    /// search that begins before finds the way all the same, later.
+    pub fn prepare(&mut self, states: u32) -> bool {
+        self.detour.as_mut().is_none_or(|detour| detour.advance(states))
+    }
+
     /// Metres off the place and radians off the heading.
     fn missing(&self, ways: &Ways, state: &State) -> (f64, f64) {
         let off = f64::from(ways.point_at(state.frame, state.spot).xz().distance(self.place));
-        let turn = self.heading.map_or(0.0, |heading| {
-            f64::from(half_turn(heading - state.spot.heading() - ways.facings[state.frame as usize]).abs())
+        let turn = self.wanted.map_or(0.0, |wanted| {
+            let face = ways.face_at(state.frame, state.spot);
+            f64::from(angle(face.perp_dot(wanted), face.dot(wanted)).abs())
         });
         (off, turn)
     }
@@ -109,6 +135,31 @@ impl Task for PlaceTask {
         price(off, METRE_OFF, ways.best_speed).max(price(turn, RADIAN_OFF, ways.best_turn))
     }
 
+    /// The recording goes on for as long as that pays; what is then left takes what it takes if any motion could follow any
+    /// other, and a little more.
+    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+        let trust = TRUST[outlook.pass as usize % TRUST.len()];
+        let stride = ((ways.fps / GLANCES) as u32).max(1);
+        let mut least = f64::INFINITY;
+        for glance in 0..=MOST_GLANCES {
+            let steps = glance * stride;
+            let Some((point, _)) = ways.ahead(state.frame, state.spot, steps) else { break };
+            let (point, face) = (point.xz(), ways.face_at(state.frame + steps, state.spot));
+            let left = match &self.detour {
+                Some(detour) => detour.from(point, face, A_METRE),
+                None => {
+                    let away = self.place - point;
+                    let off = f64::from(away.length());
+                    // Up to pi as the angle does, without its arc tangent.
+                    let turn = (1.0 - f64::from(face.dot(away.normalize_or_zero()))) * std::f64::consts::FRAC_PI_2;
+                    off * A_METRE + off.min(1.0) * turn * A_RADIAN
+                }
+            };
+            least = least.min(f64::from(steps) * self.step_cost + trust * left);
+        }
+        least + self.realism * A_TRANSITION
+    }
+
     fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
         let (off, turn) = self.missing(ways, state);
         Some(off * METRE_OFF + turn * RADIAN_OFF)
@@ -120,6 +171,13 @@ impl Task for PlaceTask {
 
     fn layer(&self, state: &State) -> usize {
         (state.steps / self.steps_in_layer) as usize
+    }
+
+    /// The eighths of the compass that bodies face: who stands at the place the wrong way round must not crowd out who turns.
+    fn crowd(&self, ways: &Ways, state: &State) -> (usize, usize) {
+        let face = ways.face_at(state.frame, state.spot);
+        let eighth = [face.x > 0.0, face.y > 0.0, face.x.abs() > face.y.abs()];
+        (eighth.iter().fold(0, |number, &bit| 2 * number + usize::from(bit)), 3)
     }
 
     fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {

@@ -5,6 +5,12 @@
 //! is minimised by accelerated projected gradients. Where the paper then searches for patterns, the true objective is
 //! minimised by projected gradients too: its derivative by P(i, j) is S(i) g(j), where g solves (I - P) g = r - (S r) for the
 //! derivative r by S.
+//!
+//! Both linear systems are solved by damped Gauss-Seidel sweeps in the order of the frames: as most edges lead to the next
+//! frame, a sweep carries what it has through whole sequences, and a few dozen do what thousands of steps of the chain would.
+//! Work is counted in sweeps.
+
+use super::meter;
 
 /// The weight of the distribution against the evenness of choices: the paper's.
 const EVENNESS: f64 = 0.08;
@@ -12,8 +18,12 @@ const EVENNESS: f64 = 0.08;
 const PROXY_ROUNDS: u32 = 150;
 /// Rounds of the true objective.
 const TRUE_ROUNDS: u32 = 40;
-/// Most sweeps for a stationary distribution.
-const SWEEPS: u32 = 2000;
+/// Most sweeps for a linear system.
+const SWEEPS: u32 = 400;
+/// The share of the new value that a sweep takes: below 1, so that it converges on chains with a period too.
+const DAMPING: f64 = 0.9;
+/// The sum of all changes below which a sweep was the last.
+const STILL: f64 = 1e-10;
 
 /// A Markov chain over the states of a graph.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +34,9 @@ pub struct Chain {
     ends: Vec<u32>,
     /// Probability of each edge; those of a state have the sum 1.
     probabilities: Vec<f64>,
+    /// First arrival of each state, and the number of arrivals: (state that it comes from, edge).
+    first_arrival: Vec<u32>,
+    arrivals: Vec<(u32, u32)>,
 }
 
 impl Chain {
@@ -44,13 +57,14 @@ impl Chain {
         for state in 0..states as usize {
             first[state + 1] += first[state];
         }
-        let ends = edges.iter().map(|&(_, to)| to).collect();
+        let ends: Vec<u32> = edges.iter().map(|&(_, to)| to).collect();
+        let (first_arrival, arrivals) = arrivals(states, edges);
         let rows = first.windows(2).flat_map(|pair| {
             let count = (pair[1] - pair[0]) as usize;
             std::iter::repeat_n(1.0 / count as f64, count)
         });
         let probabilities = rows.collect();
-        Some(Self { first, ends, probabilities })
+        Some(Self { first, ends, probabilities, first_arrival, arrivals })
     }
 
     /// Number of states.
@@ -80,20 +94,47 @@ impl Chain {
         after
     }
 
-    /// The stationary distribution of an irreducible chain: steps of the lazy chain (which has the same one, and no period)
-    /// from `guess` until nothing moves.
+    /// The stationary distribution of an irreducible chain, from `guess` on.
     #[must_use]
     pub fn stationary(&self, guess: &[f64]) -> Vec<f64> {
         let mut now = guess.to_vec();
         for _ in 0..SWEEPS {
-            let after = self.step(&now);
-            let moved: f64 = after.iter().zip(&now).map(|(a, b)| (a - b).abs()).sum();
-            now.iter_mut().zip(&after).for_each(|(now, after)| *now = 0.5 * (*now + after));
-            if moved < 1e-9 {
+            if self.settle(&mut now) < STILL {
                 break;
             }
         }
         now
+    }
+
+    /// A sweep towards the stationary distribution; the sum of the changes.
+    fn settle(&self, now: &mut [f64]) -> f64 {
+        let (mut moved, mut sum) = (0.0, 0.0);
+        for state in 0..self.states() {
+            let arrivals = self.first_arrival[state] as usize..self.first_arrival[state + 1] as usize;
+            let arriving: f64 = self.arrivals[arrivals]
+                .iter()
+                .map(|&(from, edge)| now[from as usize] * self.probabilities[edge as usize])
+                .sum();
+            let change = DAMPING * (arriving - now[state]);
+            now[state] += change;
+            moved += change.abs();
+            sum += now[state];
+        }
+        now.iter_mut().for_each(|mass| *mass /= sum);
+        moved
+    }
+
+    /// A sweep towards g with (I - P) g = `source`; the sum of the changes.
+    fn settle_potential(&self, potential: &mut [f64], source: &[f64]) -> f64 {
+        let mut moved = 0.0;
+        for state in (0..self.states()).rev() {
+            let ahead: f64 =
+                self.row(state).map(|edge| self.probabilities[edge] * potential[self.ends[edge] as usize]).sum();
+            let change = DAMPING * (ahead + source[state] - potential[state]);
+            potential[state] += change;
+            moved += change.abs();
+        }
+        moved
     }
 
     /// The square of |P|_F.
@@ -117,6 +158,15 @@ impl Chain {
         (1.0 - EVENNESS) * self.ends.len() as f64 / (self.states() as f64 * self.states() as f64)
     }
 
+    /// Mixes a share of equal probabilities in.
+    fn open(&mut self, share: f64) {
+        for state in 0..self.states() {
+            let row = self.row(state);
+            let even = share / row.len() as f64;
+            self.probabilities[row].iter_mut().for_each(|p| *p = (1.0 - share) * *p + even);
+        }
+    }
+
     /// Moves against `gradient` and back onto the rows' simplices.
     fn moved(&self, from: &[f64], gradient: &[f64], step: f64) -> Vec<f64> {
         let mut to: Vec<f64> = from.iter().zip(gradient).map(|(p, g)| p - step * g).collect();
@@ -127,10 +177,40 @@ impl Chain {
     }
 }
 
+/// Edges by the state that they lead to.
+fn arrivals(states: u32, edges: &[(u32, u32)]) -> (Vec<u32>, Vec<(u32, u32)>) {
+    let mut first = vec![0_u32; states as usize + 1];
+    for &(_, to) in edges {
+        first[to as usize + 1] += 1;
+    }
+    for state in 0..states as usize {
+        first[state + 1] += first[state];
+    }
+    let mut next = first.clone();
+    let mut arrivals = vec![(0, 0); edges.len()];
+    for (edge, &(from, to)) in edges.iter().enumerate() {
+        let slot = &mut next[to as usize];
+        arrivals[*slot as usize] = (from, edge as u32);
+        *slot += 1;
+    }
+    (first, arrivals)
+}
+
 /// The nearest point whose coordinates are not negative and have the sum 1 (Held, Wolfe and Crowder 1974).
 fn project(row: &mut [f64]) {
+    if let [only] = row {
+        *only = 1.0;
+        return;
+    }
     let mut sorted = row.to_vec();
-    sorted.sort_by(|a, b| b.total_cmp(a));
+    // Rows are short, and a sort of their own would weigh 2 KB on the page.
+    for end in 1..sorted.len() {
+        let mut at = end;
+        while at > 0 && sorted[at - 1] < sorted[at] {
+            sorted.swap(at - 1, at);
+            at -= 1;
+        }
+    }
     let (mut sum, mut shift) = (0.0, 0.0);
     for (index, value) in sorted.iter().enumerate() {
         sum += value;
@@ -142,20 +222,46 @@ fn project(row: &mut [f64]) {
     row.iter_mut().for_each(|value| *value = (*value - shift).max(0.0));
 }
 
-/// Makes a chain's stationary distribution close to a wanted one, a round at a time.
+/// Makes a chain's stationary distribution close to a wanted one, a sweep over all edges at a time.
 #[derive(Clone, Debug)]
 pub struct Optimiser {
     chain: Chain,
     wanted: Vec<f64>,
+    stage: Stage,
+    /// Rounds of the proxy or of the true objective that are done, and sweeps of the system that is being solved.
     round: u32,
+    sweeps: u32,
     /// The proxy's look-ahead, and its momentum.
     ahead: Vec<f64>,
     momentum: f64,
     stationary: Vec<f64>,
-    objective: f64,
-    even_objective: f64,
-    proxy_objective: f64,
+    /// What is being solved for: a stationary distribution or a potential, and the potential's source.
+    iterate: Vec<f64>,
+    source: Vec<f64>,
+    /// The descent under way: its gradient, the chain that is tried, and how often one was.
+    gradient: Vec<f64>,
+    tried: Chain,
+    tries: u32,
+    /// The paper's objective: for equal probabilities, after the proxy, and now.
+    objectives: [f64; 3],
     step: f64,
+}
+
+/// What the next sweep is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// The stationary distribution of equal probabilities.
+    Even,
+    /// A round of the proxy.
+    Proxy,
+    /// The stationary distribution after the proxy.
+    Proxied,
+    /// The potential that the true objective's gradient takes.
+    Potential,
+    /// The stationary distribution of a step along that gradient.
+    Trial,
+    /// Nothing.
+    Done,
 }
 
 impl Optimiser {
@@ -164,37 +270,87 @@ impl Optimiser {
     pub fn new(chain: Chain, wanted: &[f64]) -> Self {
         let sum: f64 = wanted.iter().sum();
         let wanted: Vec<f64> = wanted.iter().map(|w| w / sum).collect();
-        let stationary = chain.stationary(&wanted);
-        let objective = chain.objective(&wanted, &stationary);
         Self {
             ahead: chain.probabilities.clone(),
+            tried: chain.clone(),
             chain,
+            stationary: wanted.clone(),
+            iterate: wanted.clone(),
             wanted,
+            stage: Stage::Even,
             round: 0,
+            sweeps: 0,
             momentum: 1.0,
-            stationary,
-            objective,
-            even_objective: objective,
-            proxy_objective: objective,
+            source: Vec::new(),
+            gradient: Vec::new(),
+            tries: 0,
+            objectives: [f64::INFINITY; 3],
             step: 1.0,
         }
     }
 
-    /// Does up to `rounds` rounds, a few sweeps over all edges each; whether it has converged.
-    pub fn advance(&mut self, rounds: u32) -> bool {
-        for _ in 0..rounds {
-            match self.round {
-                round if round < PROXY_ROUNDS => self.proxy_round(),
-                round if round < PROXY_ROUNDS + TRUE_ROUNDS => {
-                    if !self.true_round() {
-                        self.round = PROXY_ROUNDS + TRUE_ROUNDS;
-                    }
+    /// Does up to `sweeps` sweeps over all edges; whether it has converged.
+    pub fn advance(&mut self, sweeps: u32) -> bool {
+        for _ in 0..sweeps {
+            meter::count(self.chain.ends.len());
+            let moved = match self.stage {
+                Stage::Even | Stage::Proxied => self.chain.settle(&mut self.iterate),
+                Stage::Trial => self.tried.settle(&mut self.iterate),
+                Stage::Potential => self.chain.settle_potential(&mut self.iterate, &self.source),
+                Stage::Proxy => {
+                    self.proxy_round();
+                    continue;
                 }
-                _ => return true,
+                Stage::Done => return true,
+            };
+            self.sweeps += 1;
+            if moved < STILL || self.sweeps >= SWEEPS {
+                self.sweeps = 0;
+                self.solved();
             }
-            self.round += 1;
         }
-        self.round >= PROXY_ROUNDS + TRUE_ROUNDS
+        self.stage == Stage::Done
+    }
+
+    /// Goes on with what a system was solved for.
+    fn solved(&mut self) {
+        let objective = |chain: &Chain| chain.objective(&self.wanted, &self.iterate);
+        match self.stage {
+            Stage::Even => {
+                self.objectives = [objective(&self.chain); 3];
+                self.stationary.clone_from(&self.iterate);
+                self.stage = Stage::Proxy;
+            }
+            Stage::Proxied => {
+                self.objectives[1] = objective(&self.chain);
+                self.objectives[2] = self.objectives[1];
+                self.stationary.clone_from(&self.iterate);
+                self.step = 1.0 / self.chain.weight_of_evenness();
+                self.round = 0;
+                self.begin_potential();
+            }
+            Stage::Potential => {
+                self.gradient = self.true_gradient();
+                self.tries = 0;
+                self.begin_trial();
+            }
+            Stage::Trial => {
+                let now = objective(&self.tried);
+                if now < self.objectives[2] * (1.0 - 1e-7) {
+                    std::mem::swap(&mut self.chain, &mut self.tried);
+                    self.stationary.clone_from(&self.iterate);
+                    self.objectives[2] = now;
+                    self.step *= 1.6;
+                    self.round += 1;
+                    self.begin_potential();
+                } else {
+                    self.step *= 0.4;
+                    self.tries += 1;
+                    self.begin_trial();
+                }
+            }
+            Stage::Proxy | Stage::Done => {}
+        }
     }
 
     /// The chain so far.
@@ -215,16 +371,18 @@ impl Optimiser {
         &self.stationary
     }
 
-    /// The paper's objective: for equal probabilities, after the proxy, and now.
+    /// The paper's objective: for equal probabilities, after the proxy, and now; infinite before it is known.
     #[must_use]
     pub fn objectives(&self) -> [f64; 3] {
-        [self.even_objective, self.proxy_objective, self.objective]
+        self.objectives
     }
 
     /// A round of FISTA (Beck and Teboulle 2009) on `a |F| |pi P - pi|^2 + ...`.
     fn proxy_round(&mut self) {
-        let chain = &self.chain;
-        let looked = Chain { probabilities: std::mem::take(&mut self.ahead), ..chain.clone() };
+        let looked = std::mem::take(&mut self.ahead);
+        std::mem::swap(&mut self.tried.probabilities, &mut self.ahead);
+        self.tried.probabilities = looked;
+        let (chain, looked) = (&self.chain, &self.tried);
         let reached = looked.step(&self.wanted);
         let off: Vec<f64> = reached.iter().zip(&self.wanted).map(|(r, w)| r - w).collect();
         let (a, b) = (2.0 * chain.weight_of_distribution(), 2.0 * chain.weight_of_evenness());
@@ -245,76 +403,52 @@ impl Optimiser {
         self.ahead = next.iter().zip(&chain.probabilities).map(|(new, old)| new + push * (new - old)).collect();
         self.momentum = momentum;
         self.chain.probabilities = next;
-        if self.round + 1 == PROXY_ROUNDS {
-            self.begin_true();
+        self.round += 1;
+        if self.round == PROXY_ROUNDS {
+            // The proxy's solution may close states off: a little of the even chain keeps every edge open.
+            self.chain.open(0.02);
+            self.iterate.clone_from(&self.wanted);
+            self.stage = Stage::Proxied;
         }
     }
 
-    /// The proxy's solution may close states off: a little of the even chain keeps every edge open.
-    fn begin_true(&mut self) {
-        for state in 0..self.chain.states() {
-            let row = self.chain.row(state);
-            let even = 1.0 / row.len() as f64;
-            self.chain.probabilities[row].iter_mut().for_each(|p| *p = 0.98 * *p + 0.02 * even);
+    fn begin_potential(&mut self) {
+        if self.round >= TRUE_ROUNDS {
+            self.stage = Stage::Done;
+            return;
         }
-        self.stationary = self.chain.stationary(&self.wanted);
-        self.objective = self.chain.objective(&self.wanted, &self.stationary);
-        self.proxy_objective = self.objective;
-        self.step = 1.0 / self.chain.weight_of_evenness();
+        let a = 2.0 * self.chain.weight_of_distribution();
+        self.source = self.stationary.iter().zip(&self.wanted).map(|(s, w)| a * (s - w)).collect();
+        let mean: f64 = self.source.iter().zip(&self.stationary).map(|(r, s)| r * s).sum();
+        self.source.iter_mut().for_each(|r| *r -= mean);
+        self.iterate = vec![0.0; self.chain.states()];
+        self.stage = Stage::Potential;
     }
 
-    /// A projected gradient step with backtracking on the true objective; whether it went down.
-    fn true_round(&mut self) -> bool {
-        let gradient = self.true_gradient();
-        for _ in 0..12 {
-            let probabilities = self.chain.moved(&self.chain.probabilities, &gradient, self.step);
-            let mut tried = Chain { probabilities, ..self.chain.clone() };
-            // Edges stay open, so that the chain stays irreducible and its distribution unique.
-            for state in 0..tried.states() {
-                let row = tried.row(state);
-                let even = 1.0 / row.len() as f64;
-                tried.probabilities[row].iter_mut().for_each(|p| *p = 0.9999 * *p + 0.0001 * even);
-            }
-            let stationary = tried.stationary(&self.stationary);
-            let objective = tried.objective(&self.wanted, &stationary);
-            if objective < self.objective * (1.0 - 1e-7) {
-                (self.chain, self.stationary, self.objective) = (tried, stationary, objective);
-                self.step *= 1.6;
-                return true;
-            }
-            self.step *= 0.4;
-        }
-        false
-    }
-
+    /// The derivative of the objective by each probability, once the potential is solved for.
     fn true_gradient(&self) -> Vec<f64> {
         let chain = &self.chain;
-        let (a, b) = (2.0 * chain.weight_of_distribution(), 2.0 * chain.weight_of_evenness());
-        let by_stationary: Vec<f64> = self.stationary.iter().zip(&self.wanted).map(|(s, w)| a * (s - w)).collect();
-        let mean: f64 = by_stationary.iter().zip(&self.stationary).map(|(r, s)| r * s).sum();
-        let source: Vec<f64> = by_stationary.iter().map(|r| r - mean).collect();
-        // g = sum of P^k source, by the lazy chain: (I - (I + P) / 2) is half of (I - P).
-        let mut potential = vec![0.0; chain.states()];
-        for _ in 0..SWEEPS {
-            let mut moved = 0.0_f64;
-            let mut next = potential.clone();
-            for state in 0..chain.states() {
-                let ahead: f64 = chain.edges(state).map(|(_, end, p)| p * potential[end as usize]).sum();
-                next[state] = 0.5 * (potential[state] + ahead + source[state]);
-                moved = moved.max((next[state] - potential[state]).abs());
-            }
-            potential = next;
-            if moved < 1e-9 {
-                break;
-            }
-        }
+        let b = 2.0 * chain.weight_of_evenness();
         let mut gradient = vec![0.0; chain.ends.len()];
         for state in 0..chain.states() {
             for (edge, end, p) in chain.edges(state) {
-                gradient[edge] = self.stationary[state] * potential[end as usize] + b * p;
+                gradient[edge] = self.stationary[state] * self.iterate[end as usize] + b * p;
             }
         }
         gradient
+    }
+
+    /// Tries a projected step along the gradient, shorter each time; after twelve there is nothing to be had.
+    fn begin_trial(&mut self) {
+        if self.tries == 12 {
+            self.stage = Stage::Done;
+            return;
+        }
+        self.tried.probabilities = self.chain.moved(&self.chain.probabilities, &self.gradient, self.step);
+        // Edges stay open, so that the chain stays irreducible and its distribution unique.
+        self.tried.open(0.0001);
+        self.iterate.clone_from(&self.stationary);
+        self.stage = Stage::Trial;
     }
 }
 

@@ -1,8 +1,7 @@
 //! Shortest walks: Dijkstra's algorithm forwards from one frame, and backwards from targets to tables over all frames.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
+use super::meter;
+use super::queue::Queue;
 use super::walk::{Leg, Walk, steps_of};
 use crate::graph::EssentialGraph;
 use crate::timeline::Timeline;
@@ -19,27 +18,30 @@ enum Arrival {
 /// A walk from a frame to itself has no legs. `None` where there is no walk, or a frame does not exist.
 #[must_use]
 pub fn cheapest_walk(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> Option<Walk> {
-    let n = timeline.frame_count();
-    if from >= n || to >= n || graph.frame_count() != n {
-        return None;
-    }
-    let arrivals = arrivals(graph, timeline, from, to)?;
-    Some(walk_back(graph, &arrivals, from, to))
+    cheapest_walk_to(graph, timeline, from, &|frame| frame == to)
 }
 
-/// How each frame on the way to `to` is reached from `from`; `None` where `to` cannot be.
-fn arrivals(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> Option<Vec<Option<Arrival>>> {
-    let n = timeline.frame_count() as usize;
-    let mut distance = vec![f64::INFINITY; n];
-    let mut arrival = vec![None; n];
-    let mut queue = BinaryHeap::new();
+/// The cheapest walk to the nearest frame that `is_target`. It looks no farther than that.
+#[must_use]
+pub(super) fn cheapest_walk_to(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    from: u32,
+    is_target: &dyn Fn(u32) -> bool,
+) -> Option<Walk> {
+    let n = timeline.frame_count();
+    if from >= n || graph.frame_count() != n {
+        return None;
+    }
+    let mut distance = vec![f64::INFINITY; n as usize];
+    let mut arrival = vec![None; n as usize];
+    let mut queue = Queue::default();
     distance[from as usize] = 0.0;
-    queue.push(Reverse((0.0_f64.to_bits(), from)));
-    while let Some(Reverse((bits, frame))) = queue.pop() {
-        // Costs are not negative, and such floats order as their bits do.
-        let cost = f64::from_bits(bits);
-        if frame == to {
-            return Some(arrival);
+    queue.push(0.0, u64::from(from));
+    while let Some((cost, frame)) = queue.pop() {
+        let frame = frame as u32;
+        if is_target(frame) {
+            return Some(walk_back(graph, &arrival, from, frame));
         }
         if cost > distance[frame as usize] {
             continue;
@@ -49,13 +51,15 @@ fn arrivals(graph: &EssentialGraph, timeline: &Timeline, from: u32, to: u32) -> 
             if cost < *known {
                 *known = cost;
                 arrival[next as usize] = Some(how);
-                queue.push(Reverse((cost.to_bits(), next)));
+                queue.push(cost, u64::from(next));
             }
         };
         if let Some(next) = timeline.next(frame) {
             reach(next, cost + graph.alpha(), Arrival::Recorded(frame));
         }
-        for index in graph.transitions_from(frame) {
+        let leaving = graph.transitions_from(frame);
+        meter::count(leaving.len() + 1);
+        for index in leaving {
             let transition = &graph.transitions()[index];
             reach(transition.to, cost + transition.cost(graph.alpha()), Arrival::Synthetic(index as u32));
         }
@@ -114,26 +118,27 @@ pub fn to_targets(graph: &EssentialGraph, timeline: &Timeline, targets: &[u32], 
         return least;
     }
     let arriving = Arriving::new(graph, n);
-    let mut queue = BinaryHeap::new();
+    let mut queue = Queue::default();
     for &target in targets.iter().filter(|&&target| target < n) {
         least[target as usize] = 0.0;
-        queue.push(Reverse((0.0_f64.to_bits(), target)));
+        queue.push(0.0, u64::from(target));
     }
     let step = if measure == Measure::Cost { graph.alpha() } else { 1.0 };
-    while let Some(Reverse((bits, frame))) = queue.pop() {
-        let known = f64::from_bits(bits);
+    while let Some((known, frame)) = queue.pop() {
+        let frame = frame as u32;
         if known > least[frame as usize] {
             continue;
         }
         let mut reach = |before: u32, measured: f64| {
             if measured < least[before as usize] {
                 least[before as usize] = measured;
-                queue.push(Reverse((measured.to_bits(), before)));
+                queue.push(measured, u64::from(before));
             }
         };
         if let Some(before) = timeline.offset(frame, -1) {
             reach(before, known + step);
         }
+        meter::count(arriving.at(frame).len() + 1);
         for &index in arriving.at(frame) {
             let transition = &graph.transitions()[index as usize];
             let measured = match measure {
@@ -209,10 +214,10 @@ impl Arriving {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::align::Placement;
     use crate::graph::Transition;
     use crate::timeline::Sequence;
     use crate::warp::{Move, Warp};
+    use kernels::align::Placement;
 
     fn timeline() -> Timeline {
         let sequence = |name: &str, first_frame| Sequence {

@@ -46,14 +46,20 @@ pub trait Task {
     /// Whether a walk that has come to `state` must end there: the halting condition.
     fn halts(&self, ways: &Ways, state: &State) -> bool;
 
-    /// A guess of what `remaining` leaves out: it decides which states are expanded first, and prunes nothing.
-    fn guess(&self, ways: &Ways, state: &State) -> f64 {
-        let _ = (ways, state);
+    /// What is likely to be added from `state` on: it decides which states are expanded first, and prunes nothing.
+    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+        let _ = (ways, state, outlook);
         0.0
     }
 
     /// How far `state` is, in equal strides: states of one layer are compared with each other. It never falls along a walk.
     fn layer(&self, state: &State) -> usize;
+
+    /// States of a layer are of several crowds, by number; none gets more than its share, one of so many parts, or what is
+    /// cheap now would crowd out what turns out well.
+    fn crowd(&self, ways: &Ways, state: &State) -> (usize, usize) {
+        (ways.sequence(state.frame), 4)
+    }
 
     /// States of a layer with the same cell are alike, the more so the larger `fineness` is.
     fn cell(&self, ways: &Ways, state: &State, fineness: u32) -> u64;
@@ -61,6 +67,40 @@ pub trait Task {
 
 /// Standing still costs at least this much a step, so that no search goes on for nothing.
 pub const LEAST_STEP_COST: f64 = 1e-7;
+
+/// What the walks found so far say of what is to come.
+#[derive(Clone, Debug, Default)]
+pub struct Outlook {
+    /// What the best walk so far cost from each layer on; empty where there is none.
+    pub to_go: Vec<f64>,
+    /// Number of the pass.
+    pub pass: u32,
+}
+
+impl Outlook {
+    /// The outlook of a pass after those that found `best`.
+    pub(super) fn new(task: &impl Task, ways: &Ways, best: Option<&Found>, pass: u32) -> Self {
+        let mut to_go = Vec::new();
+        if let Some(best) = best {
+            for state in best.states(task, ways) {
+                let layer = task.layer(&state);
+                if layer >= to_go.len() {
+                    to_go.resize(layer + 1, best.cost - state.cost);
+                }
+            }
+        }
+        Self { to_go, pass }
+    }
+
+    /// What the best walk so far cost from `layer` on, which may lie between two.
+    #[must_use]
+    pub fn after(&self, layer: f64) -> Option<f64> {
+        let index = layer as usize;
+        let here = *self.to_go.get(index)?;
+        let next = self.to_go.get(index + 1).copied().unwrap_or(0.0);
+        Some(here + (next - here) * (layer - index as f64))
+    }
+}
 
 /// A walk that a search has found.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,12 +1,15 @@
 //! Wandering: a seeded random walk over a few good transitions that never repeats itself and never gets stuck.
 
 use super::components::components_of;
+use super::meter;
+use super::queue::Queue;
 use super::random::{Chain, Optimiser};
-use super::shortest::{Measure, to_targets, walk_down};
+use super::shortest::cheapest_walk_to;
 use super::walk::{Leg, Walk, steps_of};
 use super::ways::Ways;
 use crate::graph::EssentialGraph;
 use crate::timeline::Timeline;
+use kernels::sort;
 
 /// Seconds between two transitions that wandering may leave by, and between two that it may arrive by, where the graph
 /// allows it: an actor that blends all the time is never quite itself.
@@ -14,129 +17,142 @@ const APART: f64 = 0.5;
 /// Share of the main component's frames that the chosen transitions have to keep within reach.
 const COVERED: f64 = 0.9;
 
-/// Indices of the cheapest transitions no two of which leave, or arrive, within `apart` frames of each other.
-#[must_use]
-pub fn sparse_transitions(graph: &EssentialGraph, ways: &Ways, apart: u32) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..graph.transitions().len() as u32).collect();
-    let cost = |index: u32| graph.transitions()[index as usize].cost(graph.alpha());
-    order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)).then(a.cmp(&b)));
-    let frames = ways.frame_count();
-    let (mut leaves, mut arrives) = (vec![false; frames as usize], vec![false; frames as usize]);
-    let block = |taken: &mut [bool], frame: u32| {
-        let end = frame.saturating_add(apart + 1).min(frames);
-        taken[frame.saturating_sub(apart) as usize..end as usize].fill(true);
-    };
-    let mut chosen = Vec::new();
-    for index in order {
-        let transition = &graph.transitions()[index as usize];
-        let (from, to) = (transition.from as usize, transition.to as usize);
-        if ways.main[from] && ways.main[to] && !leaves[from] && !arrives[to] {
-            block(&mut leaves, transition.from);
-            block(&mut arrives, transition.to);
-            chosen.push(index);
-        }
-    }
-    chosen.sort_unstable();
-    chosen
-}
+/// Transitions put in order, transitions taken out in order, and edges swept that count as an expanded state.
+const GATHERED: usize = 64;
+const ORDERED: usize = 16;
+const SWEPT: usize = 64;
+/// Expanded states that choosing transitions and making a chain of them counts as.
+const CHOICE: u32 = 1000;
 
-/// A wandering actor: transition probabilities that are optimised in slices, then a walk of any length.
+/// A wandering actor: transitions are chosen and their probabilities optimised in slices, then a walk of any length.
 #[derive(Clone, Debug)]
 pub struct Wander {
+    weights: Vec<(usize, f64)>,
+    stage: Stage,
+    random: u64,
+}
+
+#[derive(Clone, Debug)]
+enum Stage {
+    /// The transitions before this one wait to be ordered by cost.
+    Gathering(Queue, usize),
+    /// Those that are in order.
+    Ordering(Queue, Vec<u32>),
+    /// All in order, to be chosen with so many frames between two.
+    Choosing(Vec<u32>, u32),
+    Optimising(Box<Choices>),
+    /// The graph has no loop at all.
+    Stuck,
+}
+
+/// What can be chosen from where.
+#[derive(Clone, Debug)]
+struct Choices {
     /// The frame of each state.
     frames: Vec<u32>,
     state_of_frame: Vec<u32>,
     /// The transition of each edge of the chain; `None` for a recorded step.
     transitions: Vec<Option<u32>>,
     optimiser: Optimiser,
-    random: u64,
 }
 
 const NO_STATE: u32 = u32::MAX;
 
 impl Wander {
-    /// A wandering actor. `weights` are, for behaviours by their number in [`Ways`], how much more or less often than
-    /// others they are to be seen; `seed` decides which way is taken. `None` where the graph has no loop at all.
+    /// A wandering actor, nothing of which is known yet. `weights` are, for behaviours by their number in [`Ways`], how much
+    /// more or less often than others they are to be seen; `seed` decides which way is taken.
     #[must_use]
-    pub fn new(
-        graph: &EssentialGraph,
-        timeline: &Timeline,
-        ways: &Ways,
-        weights: &[(usize, f64)],
-        seed: u64,
-    ) -> Option<Self> {
-        let chosen = chosen_transitions(graph, timeline, ways)?;
-        let ends = |&index: &u32| {
-            let transition = &graph.transitions()[index as usize];
-            (transition.from, transition.to)
-        };
-        let inside = components_of(timeline, chosen.iter().map(ends).collect()).main;
-        let mut state_of_frame = vec![NO_STATE; inside.len()];
-        let mut frames = Vec::new();
-        for frame in (0..inside.len()).filter(|&frame| inside[frame]) {
-            state_of_frame[frame] = frames.len() as u32;
-            frames.push(frame as u32);
-        }
-        let mut edges = Vec::new();
-        for &frame in &frames {
-            let state = state_of_frame[frame as usize];
-            if let Some(next) = timeline.next(frame).filter(|&next| inside[next as usize]) {
-                edges.push((state, state_of_frame[next as usize], None));
-            }
-        }
-        for &index in &chosen {
-            let (from, to) = ends(&index);
-            if inside[from as usize] && inside[to as usize] {
-                edges.push((state_of_frame[from as usize], state_of_frame[to as usize], Some(index)));
-            }
-        }
-        edges.sort_unstable();
-        let pairs: Vec<(u32, u32)> = edges.iter().map(|edge| (edge.0, edge.1)).collect();
-        let chain = Chain::even(frames.len() as u32, &pairs)?;
-        let wanted: Vec<f64> = frames
-            .iter()
-            .map(|&frame| {
-                let weight = weights.iter().filter(|(behaviour, _)| ways.shows(*behaviour, frame)).map(|w| w.1);
-                weight.product::<f64>().clamp(1e-3, 1e3)
-            })
-            .collect();
-        let transitions = edges.iter().map(|edge| edge.2).collect();
-        let optimiser = Optimiser::new(chain, &wanted);
-        Some(Self { frames, state_of_frame, transitions, optimiser, random: seed })
+    pub fn new(weights: Vec<(usize, f64)>, seed: u64) -> Self {
+        Self { weights, stage: Stage::Gathering(Queue::default(), 0), random: seed }
     }
 
-    /// Improves the probabilities by some rounds; whether they are as good as they get. A round takes well below a
-    /// millisecond at first, and a few later on.
-    pub fn advance(&mut self, rounds: u32) -> bool {
-        self.optimiser.advance(rounds)
+    /// Works on for about as long as `states` expanded states take; whether the probabilities are as good as they get.
+    pub fn advance(&mut self, graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, states: u32) -> bool {
+        let mut left = states as usize;
+        while left > 0 {
+            left -= 1;
+            self.stage = match std::mem::replace(&mut self.stage, Stage::Stuck) {
+                Stage::Gathering(mut queue, next) => {
+                    let end = (next + GATHERED).min(graph.transitions().len());
+                    for index in next..end {
+                        let transition = &graph.transitions()[index];
+                        if ways.main[transition.from as usize] && ways.main[transition.to as usize] {
+                            queue.push(transition.cost(graph.alpha()), index as u64);
+                        }
+                    }
+                    match end - next < GATHERED {
+                        true => Stage::Ordering(queue, Vec::new()),
+                        false => Stage::Gathering(queue, end),
+                    }
+                }
+                Stage::Ordering(mut queue, mut order) => {
+                    order.extend((0..ORDERED).map_while(|_| queue.pop()).map(|(_, index)| index as u32));
+                    match queue.len() {
+                        0 => Stage::Choosing(order, (APART * ways.fps) as u32),
+                        _ => Stage::Ordering(queue, order),
+                    }
+                }
+                Stage::Choosing(order, apart) => {
+                    left = left.saturating_sub(CHOICE as usize);
+                    choose(graph, timeline, ways, order, apart, &self.weights)
+                }
+                Stage::Optimising(mut choices) => {
+                    left = left.saturating_sub(choices.transitions.len() / SWEPT);
+                    let ended = choices.optimiser.advance(1);
+                    self.stage = Stage::Optimising(choices);
+                    if ended {
+                        return true;
+                    }
+                    continue;
+                }
+                Stage::Stuck => return true,
+            };
+        }
+        false
     }
 
-    /// The probabilities, their stationary distribution and the objective.
+    /// Whether the graph has no loop to wander in.
     #[must_use]
-    pub fn optimiser(&self) -> &Optimiser {
-        &self.optimiser
+    pub fn is_stuck(&self) -> bool {
+        matches!(self.stage, Stage::Stuck)
+    }
+
+    fn choices(&self) -> Option<&Choices> {
+        match &self.stage {
+            Stage::Optimising(choices) => Some(choices),
+            _ => None,
+        }
+    }
+
+    /// The probabilities, their stationary distribution and the objective; `None` before transitions are chosen, and where
+    /// there is no loop.
+    #[must_use]
+    pub fn optimiser(&self) -> Option<&Optimiser> {
+        self.choices().map(|choices| &choices.optimiser)
     }
 
     /// The frames that it visits.
     #[must_use]
     pub fn frames(&self) -> &[u32] {
-        &self.frames
+        self.choices().map_or(&[], |choices| &choices.frames)
     }
 
     /// A walk from `from` of at least `steps` steps; it first goes to where it can wander. Each call takes another way.
-    /// `None` where nothing leads there.
+    /// `None` where nothing leads there, or where transitions are not chosen yet.
     #[must_use]
     pub fn walk(&mut self, graph: &EssentialGraph, timeline: &Timeline, from: u32, steps: u32) -> Option<Walk> {
-        let costs = to_targets(graph, timeline, &self.frames, Measure::Cost);
-        let mut walk = walk_down(graph, timeline, &costs, from)?;
+        let mut random = self.random;
+        let choices = self.choices()?;
+        let is_inside = |frame: u32| choices.state_of_frame.get(frame as usize).is_some_and(|&state| state != NO_STATE);
+        let walk = cheapest_walk_to(graph, timeline, from, &is_inside)?;
         let mut frame = walk.end(graph).unwrap_or(from);
         let mut taken = walk.steps(graph);
-        let mut legs = Walk { legs: std::mem::take(&mut walk.legs), ..Walk::default() };
+        let mut legs = walk;
         while taken < steps {
-            let state = *self.state_of_frame.get(frame as usize)?;
-            let (edge, end) = self.choose(state)?;
-            let to = *self.frames.get(end as usize)?;
-            match self.transitions[edge] {
+            let state = *choices.state_of_frame.get(frame as usize)?;
+            let (edge, end) = choices.choose(state, unit(&mut random))?;
+            let to = *choices.frames.get(end as usize)?;
+            match choices.transitions[edge] {
                 None => {
                     legs.push_recorded(frame, to, 1);
                     taken += 1;
@@ -148,14 +164,15 @@ impl Wander {
             }
             frame = to;
         }
+        self.random = random;
         Walk::of_legs(legs.legs, graph).ok()
     }
+}
 
-    fn choose(&mut self, state: u32) -> Option<(usize, u32)> {
-        if state == NO_STATE {
-            return None;
-        }
-        let mut left = self.unit();
+impl Choices {
+    /// The edge and the state that a number from [0, 1) chooses.
+    fn choose(&self, state: u32, number: f64) -> Option<(usize, u32)> {
+        let mut left = number;
         let mut last = None;
         for (edge, end, probability) in self.optimiser.chain().edges(state as usize) {
             last = Some((edge, end));
@@ -166,37 +183,110 @@ impl Wander {
         }
         last
     }
-
-    /// A number in [0, 1) (SplitMix64, Steele and others 2014).
-    fn unit(&mut self) -> f64 {
-        self.random = self.random.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.random;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }
 
-/// Sparse transitions that keep nearly all of the main component within reach: as far apart as that allows.
-fn chosen_transitions(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways) -> Option<Vec<u32>> {
+/// A number in [0, 1) (SplitMix64, Steele and others 2014).
+fn unit(random: &mut u64) -> f64 {
+    *random = random.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *random;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Chooses transitions that keep nearly all of the main component within reach; where that takes more, they are to be closer
+/// together the next time.
+fn choose(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    ways: &Ways,
+    order: Vec<u32>,
+    apart: u32,
+    weights: &[(usize, f64)],
+) -> Stage {
     let count = |inside: &[bool]| inside.iter().filter(|&&inside| inside).count();
     let all = count(&ways.main);
     if all < 2 {
-        return None;
+        return Stage::Stuck;
     }
-    let mut apart = (APART * ways.fps) as u32;
-    loop {
-        let chosen = sparse_transitions(graph, ways, apart);
-        let ends = chosen.iter().map(|&index| {
-            let transition = &graph.transitions()[index as usize];
-            (transition.from, transition.to)
-        });
-        if count(&components_of(timeline, ends.collect()).main) as f64 >= COVERED * all as f64 {
-            return Some(chosen);
-        }
-        if apart == 0 {
-            return Some((0..graph.transitions().len() as u32).collect());
-        }
-        apart /= 2;
+    let chosen = match apart {
+        0 => order.clone(),
+        _ => sparse_transitions(graph, ways.frame_count(), &order, apart),
+    };
+    meter::count(order.len() + chosen.len());
+    let ends = |&index: &u32| {
+        let transition = &graph.transitions()[index as usize];
+        (transition.from, transition.to)
+    };
+    let inside = components_of(timeline, chosen.iter().map(ends).collect()).main;
+    if apart > 0 && (count(&inside) as f64) < COVERED * all as f64 {
+        return Stage::Choosing(order, apart / 2);
     }
+    match choices(graph, timeline, ways, &chosen, &inside, weights) {
+        Some(choices) => Stage::Optimising(Box::new(choices)),
+        None => Stage::Stuck,
+    }
+}
+
+/// Of `order`, the first transitions no two of which leave, or arrive, within `apart` frames of each other.
+fn sparse_transitions(graph: &EssentialGraph, frames: u32, order: &[u32], apart: u32) -> Vec<u32> {
+    let (mut leaves, mut arrives) = (vec![false; frames as usize], vec![false; frames as usize]);
+    let block = |taken: &mut [bool], frame: u32| {
+        let end = frame.saturating_add(apart + 1).min(frames);
+        taken[frame.saturating_sub(apart) as usize..end as usize].fill(true);
+    };
+    let mut chosen = Vec::new();
+    for &index in order {
+        let transition = &graph.transitions()[index as usize];
+        if !leaves[transition.from as usize] && !arrives[transition.to as usize] {
+            block(&mut leaves, transition.from);
+            block(&mut arrives, transition.to);
+            chosen.push(index);
+        }
+    }
+    chosen
+}
+
+/// The chain over the frames `inside` with recorded steps and the `chosen` transitions.
+fn choices(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    ways: &Ways,
+    chosen: &[u32],
+    inside: &[bool],
+    weights: &[(usize, f64)],
+) -> Option<Choices> {
+    let frames: Vec<u32> = (0..inside.len() as u32).filter(|&frame| inside[frame as usize]).collect();
+    let mut state_of_frame = vec![NO_STATE; inside.len()];
+    for (state, &frame) in frames.iter().enumerate() {
+        state_of_frame[frame as usize] = state as u32;
+    }
+    // From, to and the transition plus 1, or 0 for a recorded step.
+    let mut keys = Vec::new();
+    let mut join = |from: u32, to: u32, edge: u32| {
+        let [from, to] = [from, to].map(|frame| state_of_frame[frame as usize]);
+        if from != NO_STATE && to != NO_STATE {
+            keys.push(sort::key([from, to, edge, 0]));
+        }
+    };
+    for &frame in &frames {
+        if let Some(next) = timeline.next(frame) {
+            join(frame, next, 0);
+        }
+    }
+    for &index in chosen {
+        let transition = &graph.transitions()[index as usize];
+        join(transition.from, transition.to, index + 1);
+    }
+    sort::sort(&mut keys);
+    let edges: Vec<[u32; 4]> = keys.into_iter().map(sort::numbers).collect();
+    let pairs: Vec<(u32, u32)> = edges.iter().map(|edge| (edge[0], edge[1])).collect();
+    let chain = Chain::even(frames.len() as u32, &pairs)?;
+    let weight = |&frame: &u32| {
+        let shown = weights.iter().filter(|(behaviour, _)| ways.shows(*behaviour, frame));
+        shown.map(|weight| weight.1).product::<f64>().clamp(1e-3, 1e3)
+    };
+    let wanted: Vec<f64> = frames.iter().map(weight).collect();
+    let transitions = edges.iter().map(|edge| edge[2].checked_sub(1)).collect();
+    Some(Choices { frames, state_of_frame, transitions, optimiser: Optimiser::new(chain, &wanted) })
 }

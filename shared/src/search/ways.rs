@@ -1,19 +1,16 @@
 //! The ways through the essential graph over the ground: for every edge where it leads, how long it takes and how the
 //! actor travels along it. Made once for a graph; all searches read it.
 
-use glam::{Vec2, Vec3, Vec3Swizzles};
+use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
 
 use super::components::components;
 use super::motion::Motion;
-use super::spot::Spot;
+use super::spot::{Spot, turn_of};
 use super::walk::steps_of;
 use crate::graph::EssentialGraph;
 use crate::pose_source::PoseError;
 use crate::synthesis::Blend;
 use crate::timeline::Timeline;
-
-/// Seconds that a search looks ahead along the recording.
-pub const AHEAD: f64 = 0.6;
 
 /// Frames between two samples of a transition: the path's error is taken at every fourth frame of it.
 pub const SAMPLE_STRIDE: u32 = 4;
@@ -50,6 +47,9 @@ pub struct Way {
     pub spot: Spot,
     /// The transition; `None` for a recorded step.
     pub transition: Option<u32>,
+    /// How much it resembles a cheaper one from the same frame: 0 where none arrives within 16 frames of it, 1 within 8, 2
+    /// within 4, 3 within 2. The first passes of a search take the lower ranks only.
+    pub rank: u32,
 }
 
 /// All edges of a graph with their motion over the ground.
@@ -65,6 +65,8 @@ pub struct Ways {
     pub group: Vec<u32>,
     /// Which way the body faces in each frame as it was recorded.
     pub facings: Vec<f32>,
+    /// The same as unit vectors along (X, Z).
+    faces: Vec<Vec2>,
     /// Whether each frame is in the main component.
     pub main: Vec<bool>,
     /// Whether each frame leads into the main component; ways to other frames are left out.
@@ -73,8 +75,6 @@ pub struct Ways {
     pub best_speed: f64,
     /// The largest turn in radians that the body makes in a step.
     pub best_turn: f64,
-    /// For each frame the one that is recorded [`AHEAD`] seconds later, or as late as there is one.
-    ahead: Vec<u32>,
     /// Metres travelled on the ground and in space from the sequence's first frame to each.
     travelled: Vec<[f32; 2]>,
     sequence_of_frame: Vec<u32>,
@@ -153,13 +153,31 @@ impl Ways {
         behaviour.shown_by[sequence as usize]
     }
 
-    /// Where the followed point of `frame`, standing at `spot`, will be in [`AHEAD`] seconds if the recording goes on, and
-    /// how far it will have travelled: on the ground and in space. The frame must exist.
+    /// Where the followed point of `frame`, standing at `spot`, will be in `steps` if the recording goes on, and how far it
+    /// will have travelled: on the ground and in space. `None` where the recording ends before. The frame must exist.
     #[must_use]
-    pub fn ahead(&self, frame: u32, spot: Spot) -> (Vec3, [f32; 2]) {
-        let ahead = self.ahead[frame as usize];
-        let [before, after] = [frame, ahead].map(|frame| self.travelled[frame as usize]);
-        (self.point_at(ahead, spot), [after[0] - before[0], after[1] - before[1]])
+    pub fn ahead(&self, frame: u32, spot: Spot, steps: u32) -> Option<(Vec3, [f32; 2])> {
+        let ahead = frame as usize + steps as usize;
+        if *self.sequence_of_frame.get(ahead)? != self.sequence_of_frame[frame as usize] {
+            return None;
+        }
+        let (before, after) = (self.travelled[frame as usize], self.travelled[ahead]);
+        Some((spot.apply(self.points[ahead]), [after[0] - before[0], after[1] - before[1]]))
+    }
+
+    /// Which way the body faces in `frame`, standing at `spot`: a unit vector along (X, Z). The frame must exist.
+    #[must_use]
+    pub fn face_at(&self, frame: u32, spot: Spot) -> Vec2 {
+        spot.rotate(self.faces[frame as usize])
+    }
+
+    /// The frame of the main component that is nearest to `frame` in its sequence: where the actor can get to. The first
+    /// frames of a sequence have no room for a transition that arrives.
+    #[must_use]
+    pub fn substitute(&self, frame: u32) -> Option<u32> {
+        let sequence = *self.sequence_of_frame.get(frame as usize)?;
+        let same = |other: &u32| self.sequence_of_frame[*other as usize] == sequence && self.main[*other as usize];
+        (0..self.frame_count()).filter(same).min_by_key(|other| other.abs_diff(frame))
     }
 
     /// Index of the sequence of `frame`, which must exist.
@@ -201,15 +219,14 @@ impl Survey {
             return Err(PoseError::OutOfRange(frames));
         }
         let components = components(graph, timeline);
-        let (ahead, travelled) = look_ahead(timeline, &points);
         let ways = Ways {
-            ahead,
-            travelled,
+            travelled: travelled(timeline, &points),
             fps: f64::from(timeline.fps()),
             alpha: graph.alpha(),
             points,
             group,
             facings: motion.facings.clone(),
+            faces: motion.facings.iter().map(|&facing| turn_of(facing).yx()).collect(),
             main: components.main,
             live: components.live,
             best_speed: 0.0,
@@ -262,7 +279,7 @@ impl Survey {
                 looks_like: next,
             };
             let (cost, deformation) = (graph.alpha(), 0.0);
-            let way = Way { to: next, steps: 1, cost, deformation, nodes: 1, spot, transition: None };
+            let way = Way { to: next, steps: 1, cost, deformation, nodes: 1, spot, transition: None, rank: 0 };
             self.push(frame, way, &[sample]);
         }
         for index in graph.transitions_from(frame) {
@@ -278,6 +295,7 @@ impl Survey {
                 nodes: transition.warp.duration() as u32,
                 spot: Spot::from(&transition.placement),
                 transition: Some(index as u32),
+                rank: rank(graph, index),
             };
             let samples = self.sample(graph, timeline, motion, index)?;
             self.push(frame, way, &samples);
@@ -299,7 +317,7 @@ impl Survey {
         let transition = &graph.transitions()[index];
         let (ends, warp) = ((transition.from, transition.to), &transition.warp);
         let points = &self.ways.points;
-        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, crate::align::Placement::IDENTITY)?;
+        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, kernels::align::Placement::IDENTITY)?;
         let mut track = vec![(points[transition.from as usize], transition.from)];
         while let Some(next) = blend.next(timeline, &mut motion, warp)? {
             blend = next;
@@ -335,22 +353,34 @@ impl Survey {
     }
 }
 
-/// For each frame the one to look ahead to, and metres travelled from its sequence's first frame.
-fn look_ahead(timeline: &Timeline, points: &[Vec3]) -> (Vec<u32>, Vec<[f32; 2]>) {
-    let steps = (AHEAD * f64::from(timeline.fps())).round() as u32;
-    let (mut ahead, mut travelled) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
+/// See [`Way::rank`].
+fn rank(graph: &EssentialGraph, index: usize) -> u32 {
+    let this = &graph.transitions()[index];
+    let others = graph.transitions_from(this.from).map(|other| &graph.transitions()[other]);
+    let cheaper = others.filter(|other| (other.deformation, other.to) < (this.deformation, this.to));
+    match cheaper.map(|other| other.to.abs_diff(this.to)).min().unwrap_or(u32::MAX) {
+        16.. => 0,
+        8.. => 1,
+        4.. => 2,
+        2.. => 3,
+        _ => 4,
+    }
+}
+
+/// For each frame the metres travelled from its sequence's first frame.
+fn travelled(timeline: &Timeline, points: &[Vec3]) -> Vec<[f32; 2]> {
+    let mut travelled = Vec::with_capacity(points.len());
     for sequence in timeline.sequences() {
         let mut sum = [0.0_f32; 2];
-        for frame in sequence.first_frame..sequence.end_frame() {
-            if frame > sequence.first_frame {
-                let (from, to) = (points[frame as usize - 1], points[frame as usize]);
+        for frame in sequence.first_frame as usize..sequence.end_frame() as usize {
+            if frame > sequence.first_frame as usize {
+                let (from, to) = (points[frame - 1], points[frame]);
                 sum = [sum[0] + from.xz().distance(to.xz()), sum[1] + from.distance(to)];
             }
             travelled.push(sum);
-            ahead.push(frame.saturating_add(steps).min(sequence.end_frame() - 1));
         }
     }
-    (ahead, travelled)
+    travelled
 }
 
 /// Every [`SAMPLE_STRIDE`]-th point of a track and its last one.

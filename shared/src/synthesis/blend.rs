@@ -4,12 +4,12 @@
 use glam::Vec2;
 
 use super::ground::{Ground, recorded_step};
-use crate::align::Placement;
 use crate::graph::{EssentialGraph, Transition};
 use crate::pose_source::PoseError;
 use crate::search::{Leg, Walk};
 use crate::timeline::Timeline;
 use crate::warp::Warp;
+use kernels::align::Placement;
 
 /// A node of a transition under way.
 ///
@@ -24,7 +24,7 @@ pub struct Blend {
     pub frames: [u32; 2],
     /// Where both are to be placed.
     pub placements: [Placement; 2],
-    /// Weight of the destination: `t / (L - 1)`.
+    /// Weight of the destination: [`ease`] of `t / (L - 1)`.
     pub lambda: f32,
     /// Centre of mass P in metres along (X, Z).
     pub centre: Vec2,
@@ -75,13 +75,22 @@ impl Blend {
         }
         let centre = self.centre + displacements[0].lerp(displacements[1], self.lambda);
         let node = self.node + 1;
-        let lambda = node as f32 / warp.moves().len() as f32;
+        let lambda = ease(node as f32 / warp.moves().len() as f32);
         let apart = placements[0].heading + ground.heading(frames[0], frames[1])? - placements[1].heading;
         let apart = half_turn(apart);
         let headings = [placements[0].heading - lambda * apart, placements[1].heading + (1.0 - lambda) * apart];
         let placements = [0, 1].map(|side| Placement::turning(headings[side], centres[side], centre));
         Ok(Some(Self { node, frames, placements, lambda, centre }))
     }
+}
+
+/// `3 t^2 - 2 t^3`: from 0 to 1, at rest at both ends.
+///
+/// The papers' weight grows evenly (thesis algorithm 2): at the first node of a blend the surface then takes on the
+/// velocity (destination - source) / (L - 1) at once, and loses it at the last, which is seen where L is small.
+#[must_use]
+pub fn ease(t: f32) -> f32 {
+    t * t * (3.0 - 2.0 * t)
 }
 
 /// Placement of the destination's recorded frames after a transition whose source frames stand as they were recorded:

@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
-use crate::align::{Placement, align_heading, centre_of_mass, rotate};
-use crate::kept::Kept;
 use crate::pose_source::{PoseError, PoseSource};
 use crate::timeline::Timeline;
+use kernels::align::{Placement, align_heading, centre_of_mass, rotate};
+use kernels::kept::Kept;
 
 /// What placing frames needs to know about their poses. The builder answers from its table of all pairs, the player
 /// from the poses themselves ([`PosesOnGround`]).

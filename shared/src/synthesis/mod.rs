@@ -11,18 +11,18 @@ use std::collections::VecDeque;
 
 use glam::Vec3;
 
-pub use blend::{Blend, arrival, transition_placement};
+pub use blend::{Blend, arrival, ease, transition_placement};
 pub use ground::{Ground, PoseMemory, PosesOnGround, recorded_step};
 
-use crate::align::Placement;
-use crate::cholesky::CholeskyError;
 use crate::graph::{EssentialGraph, Transition};
-use crate::poisson::{Effort, KeyedPose, PoissonInterpolator};
 use crate::pose_source::{PoseError, PoseSource};
 use crate::search::{Leg, Walk};
 use crate::timeline::Timeline;
-use crate::topology::Topology;
 use blend::transition;
+use kernels::align::Placement;
+use kernels::cholesky::CholeskyError;
+use kernels::poisson::{Effort, KeyedPose, PoissonInterpolator};
+use kernels::topology::Topology;
 
 /// Where a frame of a walk comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]

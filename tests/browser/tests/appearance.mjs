@@ -68,7 +68,11 @@ export const tests = {
     const player = await open(browser);
     if (!player) return;
     const target = await player.target();
-    await player.run((element, frame) => element.goTo(frame), target);
+    await player.run((element, frame) => {
+      // Slowly, for whoever draws in software.
+      element.speed = 0.2;
+      element.goTo(frame);
+    }, target);
     await player.until('a transition half done', (element) => element.state.transition?.lambda > 0.3 && element.state.transition.lambda < 0.7);
     await player.run((element) => element.pause());
     const apart = (a, b) => a.reduce((sum, value, at) => sum + Math.abs(value - b[at]), 0) / a.length;

@@ -2,6 +2,11 @@
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
+import { tests as errors } from './errors.mjs';
+import { tests as loading } from './loading.mjs';
+import { tests as page } from './page.mjs';
+import { tests as toolTests } from './tools.mjs';
+import { tests as walking } from './walking.mjs';
 
 const www = new URL('../../../www/', import.meta.url);
 const docs = new URL('../../../docs/embedding.md', import.meta.url);
@@ -38,7 +43,45 @@ const kindOf = (player, work, argument) =>
     argument,
   );
 
+/** How a test that uses a documented name spells that: the name goes where NAME is. */
+const USED = {
+  attributes: [/\bNAME: (['"`]|true)/, /\.NAME = /, /setAttribute\('NAME'/],
+  fields: [/\b(element|player|one|other)\)?\.NAME\b/, /\(\{[^{}]*\bNAME\b[^{}]*\}\) =>/],
+  methods: [/\b(element|player|one|other)\.NAME\(/],
+  events: [/\b(event|heard|addEventListener)\('NAME'/, /type === 'NAME'/],
+  kinds: [/'NAME'/],
+};
+
+async function manifest() {
+  const { modules: [{ declarations: [declared] }] } = JSON.parse(await readFile(new URL('custom-elements.json', www), 'utf8'));
+  return declared;
+}
+
 export const tests = {
+  'every documented attribute, member, event and error is used by a test': async () => {
+    const declared = await manifest();
+    const types = await readFile(new URL('reprise-player.d.ts', www), 'utf8');
+    const kinds = types.slice(types.indexOf('type ErrorKind'), types.indexOf('interface PlayerError')).matchAll(/'([\w-]+)'/g);
+    const documented = {
+      attributes: declared.attributes,
+      fields: declared.members.filter(({ kind, attribute }) => kind === 'field' && !attribute),
+      methods: declared.members.filter(({ kind }) => kind === 'method'),
+      events: declared.events,
+      kinds: Array.from(kinds, ([, name]) => ({ name })),
+    };
+    // This test and the next one read lists; they use nothing.
+    // This test and the next one read lists; they use nothing.
+    const [, , ...own] = Object.values(tests);
+    const all = [...[errors, loading, page, toolTests, walking].flatMap(Object.values), ...own].map(String);
+    const untested = Object.entries(documented).flatMap(([what, list]) =>
+      list
+        .map(({ name }) => name)
+        .filter((name) => !USED[what].some(({ source }) => all.some((text) => new RegExp(source.replaceAll('NAME', name)).test(text))))
+        .map((name) => `${what}: ${name}`),
+    );
+    assert.deepEqual(untested, []);
+  },
+
   'every attribute, member, event, slot and part is documented, typed, and in the manifest': async () => {
     const { ReprisePlayer } = await import(new URL('reprise-player.js', www));
     const [text, types, manifest] = await Promise.all([
@@ -61,7 +104,7 @@ export const tests = {
   },
 
   'every part and slot of the manifest is in the element': async (browser) => {
-    const { modules: [{ declarations: [declared] }] } = JSON.parse(await readFile(new URL('custom-elements.json', www), 'utf8'));
+    const declared = await manifest();
     const player = await loaded(browser);
     const found = await player.run((element) => ({
       parts: [...element.shadowRoot.querySelectorAll('[part]')].map((one) => one.getAttribute('part')),
@@ -69,6 +112,88 @@ export const tests = {
     }));
     assert.deepEqual([...new Set(found.parts)].sort(), declared.cssParts.map(({ name }) => name).sort());
     assert.deepEqual(found.slots.sort(), declared.slots.map(({ name }) => name).sort());
+    await player.close();
+  },
+
+  'every part can be styled, and the custom properties reach what they say': async (browser) => {
+    const declared = await manifest();
+    const player = await loaded(browser);
+    const styled = await player.run((element, parts) => {
+      const sheet = new CSSStyleSheet();
+      sheet.replaceSync(parts.map((part, at) => `reprise-player::part(${part}) { outline-color: rgb(1, 2, ${at + 1}); }`).join(''));
+      document.adoptedStyleSheets = [sheet];
+      return parts.map((part) => getComputedStyle(element.shadowRoot.querySelector(`[part="${part}"]`)).outlineColor);
+    }, declared.cssParts.map(({ name }) => name));
+    assert.deepEqual(styled, styled.map((_, at) => `rgb(1, 2, ${at + 1})`));
+    const given = { '--reprise-accent': '#a01020', '--reprise-background': '#102030', '--reprise-font': 'monospace' };
+    assert.deepEqual(declared.cssProperties.map(({ name }) => name).sort(), Object.keys(given).sort());
+    const seen = await player.run(async (element, values) => {
+      for (const [name, value] of Object.entries(values)) element.style.setProperty(name, value);
+      element.theme = 'light';
+      const { corner } = await element.testing.picture();
+      const tool = element.shadowRoot.querySelector('.tool[aria-checked="true"]');
+      return { accent: getComputedStyle(tool).color, background: getComputedStyle(element).backgroundColor, font: getComputedStyle(tool).fontFamily, corner };
+    }, given);
+    assert.deepEqual([seen.accent, seen.background, seen.font], ['rgb(160, 16, 32)', 'rgb(16, 32, 48)', 'monospace']);
+    assert.ok(Math.abs(seen.corner[0] - 16) < 24 && Math.abs(seen.corner[2] - 48) < 24, `the stage's corner is ${seen.corner}`);
+    await player.close();
+  },
+
+  'change and answer tell of what is asked and of what is found': async (browser) => {
+    const player = await loaded(browser);
+    await player.run((element) => {
+      window.answers = [];
+      element.addEventListener('answer', ({ detail }) => window.answers.push(detail.answer === element.answer));
+      element.direction = { version: 1, target: { place: { x: 0.5, z: 0.5 } } };
+    });
+    assert.deepEqual((await player.heard('change')).map(({ tool }) => tool), ['place']);
+    await player.until('an answer', () => window.answers.length > 0);
+    assert.equal((await player.page.evaluate(() => window.answers)).at(-1), true);
+    assert.ok((await player.heard('answer')).length > 0);
+    await player.close();
+  },
+
+  'a page that is not on https says so': async (browser) => {
+    const before = (page) =>
+      page.addInitScript(() => {
+        Object.defineProperty(Navigator.prototype, 'gpu', { value: undefined });
+        Object.defineProperty(window, 'isSecureContext', { value: false });
+      });
+    const player = await browser.open({ before });
+    await player.event('error');
+    assert.equal((await player.heard('error'))[0].kind, 'insecure');
+    assert.match(await player.part('.error .happened').textContent(), /https|secure/);
+    await player.close();
+  },
+
+  'what cannot be reached is thrown, what breaks inside is told': async (browser) => {
+    const player = await loaded(browser);
+    const kinds = await player.run((element) => {
+      const { player: inner } = element.testing;
+      inner.plan = inner.go_to = () => {
+        throw Object.assign(new Error('No way.'), { kind: 'unreachable' });
+      };
+      return ['plan', 'goTo'].map((name) => {
+        try {
+          return element[name](20);
+        } catch (error) {
+          return error.kind;
+        }
+      });
+    });
+    assert.deepEqual(kinds, ['unreachable', 'unreachable']);
+    const strip = await player.run((element) => element.testing.placeOf(40));
+    await player.mouse.click(strip.x, strip.y);
+    await player.until('a sentence', (element) => /cannot be reached/.test(element.shadowRoot.querySelector('.status').textContent));
+    await player.run((element) => {
+      element.testing.player.tick = () => {
+        throw new Error('a fault of ours');
+      };
+      element.play();
+    });
+    await player.event('error');
+    assert.equal((await player.heard('error'))[0].kind, 'internal');
+    assert.match(await player.part('.error .happened').textContent(), /something went wrong/);
     await player.close();
   },
 
@@ -238,6 +363,8 @@ export const tests = {
     assert.deepEqual(await player.run((element) => element.queued), [{ frame: other }, frame]);
     await player.until('three arrivals', () => window.heard.filter(({ type }) => type === 'arrive').length === 3);
     assert.deepEqual((await player.heard('arrive')).map(({ frame: at }) => at), [frame, other, frame]);
+    assert.deepEqual(await player.run((element) => element.queue({ behaviour: element.behaviours[1], hold: 1 }) ?? element.queued), []);
+    await player.until('the way to a behaviour', (element) => element.state.target !== null);
     await player.run((element, targets) => {
       element.queue(...targets);
       element.cancel();

@@ -130,6 +130,141 @@ export const tests = {
     await player.close();
   },
 
+  'behaviours are gone to and held, and what is clicked with shift comes after': async (browser) => {
+    const player = await using(browser, 'pose');
+    const names = await player.run((element) => element.behaviours);
+    const chip = (name) => player.part('[aria-label="Behaviours"] .chip').filter({ hasText: name.replaceAll('_', ' ') }).first();
+    await player.part('.pose-dock input').fill('1');
+    await player.keyboard.press('Tab');
+    await chip(names[1]).click();
+    await player.until('the actor on its way', (element) => element.state.target !== null, null, 60_000);
+    assert.deepEqual((await asked(player)).target, { behaviour: { name: names[1], hold: 1 } });
+    await player.run((element) => element.pause());
+
+    // Two more with shift: one from the score, one by its name.
+    const frame = await player.target();
+    const { x, y } = await player.run((element, wanted) => element.testing.placeOf(wanted), frame);
+    await player.keyboard.down('Shift');
+    await player.mouse.move(x, y);
+    await player.mouse.down();
+    await player.mouse.up();
+    await chip(names[2]).click();
+    await player.keyboard.up('Shift');
+    const queued = () => player.run((element) => element.queued);
+    const [first, second] = await queued();
+    assert.ok(Number.isInteger(first), 'a click with shift has not waited');
+    assert.deepEqual(second, { behaviour: names[2], hold: 1 });
+    assert.equal(await player.part('.waits').count(), 2);
+    assert.match(await player.part('.status').textContent(), /comes after that/);
+    assert.equal((await asked(player)).target.queue.length, 3);
+
+    // Moved and taken out with the keys.
+    await player.part('.waits').nth(1).focus();
+    await player.keyboard.press('Shift+ArrowLeft');
+    assert.deepEqual(await queued(), [second, first]);
+    await player.keyboard.press('ArrowRight');
+    await player.keyboard.press('Delete');
+    assert.deepEqual(await queued(), [second]);
+    // Dragged.
+    await player.run((element, target) => element.queue(target), first);
+    const [from, to] = [await player.part('.waits').nth(0).boundingBox(), await player.part('.waits').nth(1).boundingBox()];
+    await player.mouse.move(from.x + 10, from.y + 10);
+    await player.mouse.down();
+    await player.mouse.move(to.x + to.width - 10, to.y + 10, { steps: 5 });
+    await player.mouse.up();
+    assert.deepEqual(await queued(), [first, second]);
+    const link = await player.run((element) => element.link);
+
+    // All of it is done, one after the other.
+    await player.run((element) => {
+      element.speed = 6;
+      element.play();
+    });
+    await player.until('three arrivals', () => window.heard.filter(({ type }) => type === 'arrive').length === 3, null, 120_000);
+    assert.deepEqual(await queued(), []);
+    const shown = await player.run((element) => element.info.sequences.find(({ first: at, count }) => element.state.frame >= at && element.state.frame < at + count));
+    assert.ok(shown.name === names[2] || shown.labels.includes(names[2]), `it ends in ${shown.name}`);
+
+    // The link brings back what is under way and what waits.
+    await player.run((element, address) => {
+      element.cancel();
+      element.openLink(address);
+      element.pause();
+    }, link);
+    assert.deepEqual(await queued(), [first, second]);
+    await player.close();
+  },
+
+  'the keyboard queues what it looks at, and a switch stands for shift': async (browser) => {
+    const player = await using(browser, 'pose');
+    await player.run((element, frame) => {
+      element.goTo(frame);
+      element.pause();
+    }, await player.target());
+    await player.part('.strip').first().focus();
+    await player.keyboard.press('ArrowRight');
+    await player.keyboard.press('Shift+Enter');
+    assert.equal(await player.run((element) => element.queued.length), 1);
+    await player.part('.chip').filter({ hasText: 'then' }).click();
+    await player.part('[aria-label="Behaviours"] .chip').first().focus();
+    await player.keyboard.press('ArrowRight');
+    await player.keyboard.press('Enter');
+    assert.deepEqual(await player.run((element) => element.queued[1]), { behaviour: await player.run((element) => element.behaviours[1]), hold: 5 });
+    await player.keyboard.press('Escape');
+    assert.deepEqual(await player.run((element) => [element.queued, element.state.target]), [[], null]);
+    await player.close();
+  },
+
+  'a path is lifted into the air with the pointer, by numbers and with the keys': async (browser) => {
+    const player = await using(browser, 'path');
+    await player.run((element) => (element.direction = { version: 1, target: { path: { points: [[0, 0], [0.5, 1], [1, 2]], shape: 'spline' } } }));
+    const points = async () => (await asked(player)).target.path.points;
+    const height = player.part('.path-dock .field input');
+    assert.equal(await height.isVisible(), false);
+    await player.part('.chip').filter({ hasText: '3D' }).click();
+    const flat = await points();
+    assert.ok(flat.every(([, y]) => y > 0.4 && y < 1.6 && y === flat[0][1]), JSON.stringify(flat));
+    await player.part('.handle').nth(1).focus();
+    await height.fill('1.5');
+    await player.keyboard.press('Enter');
+    assert.deepEqual((await points()).map(([, y]) => y), [flat[0][1], 1.5, flat[0][1]]);
+    await player.part('.handle').nth(2).focus();
+    await player.keyboard.press('PageUp');
+    await player.keyboard.press('Shift+PageUp');
+    assert.ok(Math.abs((await points())[2][1] - flat[0][1] - 0.6) < 2e-3);
+    assert.match(await player.part('.handle').nth(2).getAttribute('aria-label'), / high$/);
+
+    // With alt up and down, without it along the ground: the height stays.
+    const drags = async (dx, dy) => {
+      const box = await player.part('.handle').nth(1).boundingBox();
+      const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+      await player.mouse.move(x, y);
+      await player.mouse.down();
+      await player.mouse.move(x + dx, y + dy, { steps: 4 });
+      await player.mouse.up();
+      return (await points())[1];
+    };
+    const before = (await points())[1];
+    await player.keyboard.down('Alt');
+    const lifted = await drags(0, -30);
+    await player.keyboard.up('Alt');
+    assert.ok(lifted[1] > before[1] + 0.05 && lifted[0] === before[0] && lifted[2] === before[2], JSON.stringify([before, lifted]));
+    const moved = await drags(25, 0);
+    assert.ok(moved[1] === lifted[1] && Math.hypot(moved[0] - lifted[0], moved[2] - lifted[2]) > 0.05, JSON.stringify([lifted, moved]));
+    const seen = await player.run((element, [x, y, z]) => Array.from(element.testing.stage.project(x, y, z)), moved);
+    const stage = await player.part('.view').boundingBox();
+    const box = await player.part('.handle').nth(1).boundingBox();
+    assert.ok(Math.hypot(stage.x + seen[0] - box.x - box.width / 2, stage.y + seen[1] - box.y - box.height / 2) < 3, 'the handle is not where its point is');
+
+    const { path } = await found(player);
+    assert.ok(path.samples.some(([, , y]) => y > 0.4), 'the answer has no heights');
+    await player.keyboard.press('Control+z');
+    assert.deepEqual((await points())[1], lifted);
+    await player.part('.chip').filter({ hasText: '3D' }).click();
+    assert.ok((await points()).every((point) => point.length === 2));
+    await player.close();
+  },
+
   'a click on the ground goes there, a drag says which way to face': async (browser) => {
     const player = await using(browser, 'place');
     await drag(player, [[0.6, 1], [1.2, 1]]);
@@ -330,6 +465,9 @@ export const tests = {
       await player.until(`a sentence on ${name}`, (element) => /no (behaviour|frame)/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
       assert.equal(await player.part('.error').isVisible(), false, name);
     }
+    // The player measures the centre of mass alone.
+    await player.run((element, request) => (element.direction = request), { version: 1, target: { path: { points: [[0, 0], [1, 1]], vertices: [1, 2, 3] } } });
+    await player.until('a sentence on vertices', (element) => /not been measured/.test(element.shadowRoot.querySelector('.status').textContent), null, 60_000);
     assert.equal((await player.heard('error')).length, 0);
     await player.close();
   },
@@ -409,6 +547,11 @@ export const tests = {
     for (const options of [{ ...WIDE, colorScheme: 'light' }, { ...PHONE, colorScheme: 'dark' }]) {
       const player = await using(browser, 'pose', options);
       const state = (name) => `${name}, ${options.colorScheme}`;
+      await player.run((element, frame) => {
+        element.goTo(frame);
+        element.pause();
+        element.queue({ behaviour: element.behaviours[0], hold: 2 }, 20);
+      }, await player.target());
       await axe(player, state('pose'));
       await player.run((element) => (element.direction = { version: 1, target: { place: { x: 1, z: 1, heading: 1 } } }));
       await found(player);
@@ -417,6 +560,8 @@ export const tests = {
       await player.run((element, name) => (element.direction = { version: 1, target: { path: { points: [[0, 0], [1, 1], [2, 1]], stretches: [{ from: 0.5, to: 1.5, behaviour: name }] } } }), behaviour);
       await found(player);
       await axe(player, state('path'));
+      await player.part('.chip').filter({ hasText: '3D' }).click();
+      await axe(player, state('path in the air'));
       await player.run((element) => (element.direction = { version: 1, target: { keys: { poses: [{ pose: 30, time: 1 }, { pose: 60, time: 3 }] } } }));
       await found(player);
       await axe(player, state('timing'));

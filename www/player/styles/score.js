@@ -28,6 +28,7 @@ export const scoreStyles = `
   line-height: 18px;
   font-size: 12px;
   color: var(--muted);
+  background: color-mix(in srgb, var(--surface) 84%, transparent);
   overflow: hidden;
   text-overflow: ellipsis;
   white-space: nowrap;
@@ -87,14 +88,14 @@ export const scoreStyles = `
 .walk-bar .mark { position: absolute; inset-block: 0; inline-size: 3px; margin-inline-start: -1.5px; border-radius: 1.5px; background: var(--ink); box-shadow: 0 0 0 1.5px var(--surface); }
 
 @container player (width < 640px) {
-  .strips { max-block-size: 38cqh; padding-inline: 12px; }
+  .strips { max-block-size: 32cqh; padding-inline: 12px; }
   .score[data-closed] .strips { display: none; }
   .drawer { display: grid; transition: transform 180ms; }
   .score[data-closed] .drawer { transform: rotate(180deg); }
   .transport { block-size: auto; display: grid; grid-template: "play where speed loop drawer" 48px "status status status status status" auto / auto 1fr auto auto auto; padding-inline: 8px; }
   .where { min-inline-size: 0; }
   .status { grid-area: status; padding: 0 8px 10px; text-align: start; min-block-size: 28px; }
-  .status:empty { display: none; }
+  .score:not(:has(.pose-dock)) .status:empty { display: none; }
   .walk-bar { position: absolute; inset: -8px 0 auto; inline-size: 100%; }
   .walk-bar .legs { border-radius: 0; }
   .round { inline-size: 40px; block-size: 40px; }

@@ -27,7 +27,7 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 .chips { position: absolute; inset-block-end: 12px; display: flex; gap: 4px; }
 .chips.left { inset-inline-start: 12px; }
 .chips.right { inset-inline-end: 12px; }
-.chip {
+.chip, .tool {
   min-block-size: 28px;
   padding: 0 10px;
   border: 0;
@@ -36,10 +36,8 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
   color: var(--muted);
   cursor: pointer;
 }
-.chip:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
-.chip[aria-pressed="true"], .chip[aria-expanded="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
-.chip[aria-checked="true"] { color: var(--accent); }
-.chip:disabled { opacity: 0.5; cursor: default; }
+.chip:hover, .tool:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
+:is(.chip, .tool):is([aria-pressed="true"], [aria-expanded="true"], [aria-checked="true"]) { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
 .choices { position: absolute; inset-inline-end: 12px; inset-block-end: 48px; display: grid; padding: 4px; border-radius: 4px; background: color-mix(in srgb, var(--surface) 90%, transparent); }
 .choices .chip { text-align: start; }
 
@@ -127,13 +125,19 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
   font: inherit;
 }
 .keys::backdrop { background: rgb(0 0 0 / 0.32); }
-.keys header { display: flex; justify-content: space-between; align-items: center; }
+.keys header { margin-block-end: 8px; display: flex; justify-content: space-between; align-items: center; }
 .keys h2 { margin: 0; font-size: 17px; }
 .keys h3 { margin: 18px 0 6px; font-size: 13px; color: var(--muted); font-weight: 400; }
 .keys dl { margin: 0; display: grid; gap: 6px; }
 .keys dl > div { display: grid; grid-template-columns: 104px 1fr; gap: 12px; }
 .keys dd { margin: 0; }
 .keys kbd { font: inherit; font-weight: 600; }
+@media (width >= 900px) {
+  .keys { inline-size: 840px; columns: 2; column-gap: 40px; }
+  .keys header { column-span: all; }
+  .keys dl { break-inside: avoid; }
+  .keys h3 { break-after: avoid; }
+}
 
 @container player (width < 640px) {
   .facts { font-size: 12px; inset-inline: 8px; inset-block-end: 48px; max-block-size: 62%; }

@@ -8,27 +8,36 @@ export const toolStyles = `
 .bar ::slotted(*) { min-inline-size: 0; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }
-.tool { min-block-size: 32px; padding: 0 11px; border: 0; border-radius: 4px; background: none; color: var(--muted); cursor: pointer; }
-.tool:hover { color: var(--ink); background: color-mix(in srgb, var(--ink) 7%, transparent); }
-.tool[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 12%, transparent); }
+.tool { min-block-size: 32px; }
 button:disabled { opacity: 0.38; cursor: default; }
 .share { position: relative; }
 .menu { position: absolute; inset: 36px 0 auto auto; display: grid; inline-size: max-content; padding: 4px; border-radius: 4px; background: var(--raised); box-shadow: 0 2px 12px rgb(0 0 0 / 0.16); }
 .menu .chip { min-block-size: 32px; color: var(--ink); text-align: start; }
 
+.player[data-state="loading"] .dock { visibility: hidden; }
 .dock { padding: 10px 16px 2px; }
+.dock:has(.pose-dock) { padding-block: 2px 0; padding-inline: 6px 16px; }
 .tool-dock { display: grid; gap: 8px; min-inline-size: 0; }
 .row { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; min-inline-size: 0; }
 .space { flex: 1; }
 .choice { display: flex; flex-wrap: wrap; gap: 2px; }
-.chip[aria-checked="true"] { color: var(--accent); background: color-mix(in srgb, var(--accent) 11%, transparent); }
 .dot { display: inline-block; inline-size: 9px; block-size: 9px; margin-inline-end: 6px; border-radius: 2px; background: var(--b); }
 .b0 { --b: var(--behaviour-0); } .b1 { --b: var(--behaviour-1); } .b2 { --b: var(--behaviour-2); } .b3 { --b: var(--behaviour-3); } .b4 { --b: var(--behaviour-4); }
+.outcome[data-busy] { color: var(--muted); }
+.pose-dock { display: flex; align-items: center; gap: 4px 8px; min-block-size: 32px; }
+.pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
+.pose-dock .chip { flex: none; }
+.pose-dock .field { margin-inline-start: auto; }
+.pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
+.queue:empty { display: none; }
+.waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
+.waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { display: flex; align-items: center; gap: 12px; min-inline-size: 0; }
 .outcome { flex: 1; min-inline-size: 0; margin: 0; color: var(--ink); }
-.go { padding: 6px 18px; }
+.go { padding: 6px 18px; margin-inline-start: auto; }
 .field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
-.field input { inline-size: 76px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
+.field input { inline-size: 64px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
 
 .path-strip { position: relative; block-size: 44px; margin-block-end: 18px; border-radius: 4px; background: var(--strip); touch-action: pan-y; cursor: crosshair; }
 .path-strip canvas { position: absolute; inset: 0; border-radius: 4px; pointer-events: none; }
@@ -72,7 +81,17 @@ button:disabled { opacity: 0.38; cursor: default; }
 .times table { min-inline-size: 232px; border-spacing: 0; }
 .times th { position: sticky; inset-block-start: 0; background: var(--surface); }
 .timing-dock .ruler, .timing-dock .shelf { grid-column: 1; }
-.timing-dock .go-row { grid-column: 1 / -1; }
+.timing-dock .outcome[data-busy] { color: var(--muted); }
+.pose-dock { display: flex; align-items: center; gap: 4px 8px; min-block-size: 32px; }
+.pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
+.pose-dock .chip { flex: none; }
+.pose-dock .field { margin-inline-start: auto; }
+.pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
+.queue:empty { display: none; }
+.waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
+.waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
+.go-row { grid-column: 1 / -1; }
 .times th { color: var(--muted); font-weight: 400; }
 .times th, .times td { padding: 1px 0 1px 16px; text-align: end; }
 .times th:first-child, .times td:first-child { padding-inline-start: 0; text-align: start; }
@@ -89,17 +108,40 @@ button:disabled { opacity: 0.38; cursor: default; }
 .handle:hover::before, .handle:focus-visible::before { inset: 6px; background: var(--accent); }
 .handles[data-brush] .handle { pointer-events: none; opacity: 0.5; }
 .handle.turn::before { border-radius: 2px; rotate: 45deg; inset: 9px; }
+.handle.chosen::before { background: var(--accent); }
+.air { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; fill: none; }
+.air .posts { stroke: var(--muted); stroke-width: 1; stroke-dasharray: 3 3; }
+.air .taken { stroke: var(--ink); stroke-width: 1.5; opacity: 0.6; }
+.air .wanted { stroke: var(--accent); stroke-width: 3; opacity: 0.9; }
 .ground-labels { position: absolute; inset: 0; }
 .ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }
 .view[data-drawing] { cursor: crosshair; }
 .view[data-tool="place"] { cursor: crosshair; }
 
+@media (pointer: coarse) {
+  .handle { inline-size: 44px; block-size: 44px; margin: -22px; }
+  .handle::before, .handle.turn::before { inset: 15px; }
+  .handle:hover::before, .handle:focus-visible::before { inset: 13px; }
+}
 @container player (width < 640px) {
   .bar { flex-wrap: wrap; gap: 0; padding-inline: 12px 4px; }
   .toolbar { inline-size: 100%; gap: 0; }
   .tools { flex: 1; gap: 0; margin: 0; }
   .tool { min-block-size: 40px; padding: 0 7px; }
   .toolbar .round { inline-size: 34px; }
+  .go-row { position: sticky; inset-block-end: 0; background: var(--surface); }
+  .go-row:has(> :nth-child(3)) { flex-wrap: wrap; gap: 8px; }
+  .go-row:has(> :nth-child(3)) .outcome { order: -1; flex-basis: 100%; }
+  .pose-dock { flex-wrap: wrap; gap: 0 4px; }
+  .pose-dock .choice:first-child { flex-basis: 100%; }
+  .pose-dock .field { margin: 0; padding-inline-start: 10px; }
+  .pose-dock .queue { flex: 1; }
+  .row { gap: 0 4px; }
+  .row .chip { padding: 0 8px; }
+  .row > .choice { flex-basis: 100%; }
+  .field { gap: 4px; }
+  .field input { inline-size: 54px; }
+  .dock:has(.pose-dock) { padding-inline: 2px 8px; }
   .dock { padding: 8px 12px 0; max-block-size: 46cqh; overflow: auto; }
   .score[data-closed] .dock { display: none; }
   .choice { flex-wrap: nowrap; overflow: auto; max-inline-size: 100%; scrollbar-width: none; }
@@ -109,5 +151,10 @@ button:disabled { opacity: 0.38; cursor: default; }
   .times { grid-area: auto; max-block-size: 96px; padding: 0; }
   .times table { inline-size: 100%; }
   .weights { max-block-size: 200px; }
+  .weight { min-block-size: 36px; }
+}
+@container player (width < 380px) {
+  .tool { padding: 0 4px; }
+  .toolbar .round { inline-size: 31px; }
 }
 `;

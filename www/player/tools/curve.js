@@ -1,4 +1,7 @@
-/** A drawn line as a few points, and the curve through them. The same centripetal Catmull-Rom spline as the search's. */
+/**
+ * A drawn line as a few points, and the curve through them. The same centripetal Catmull-Rom spline as the search's. Points
+ * are x and z, or x, z and a height.
+ */
 
 import { apart } from './marks.js';
 
@@ -30,15 +33,15 @@ function offLine(point, a, b) {
 
 /** A curve by arc length. Places on it are told as knots: 1.5 is between its second and its third point. */
 export class Curve {
-  /** @param {[number, number][]} points at least one @param {'spline' | 'polyline'} shape */
+  /** @param {number[][]} points all with a height or all without; at least one @param {'spline' | 'polyline'} shape */
   constructor(points, shape = 'spline') {
     const straight = shape === 'polyline' || points.length < 3;
     this.count = points.length;
     this.line = [points[0]];
     for (let segment = 0; segment + 1 < points.length; segment += 1) {
       const [a, b] = [points[segment], points[segment + 1]];
-      const before = points[segment - 1] ?? [2 * a[0] - b[0], 2 * a[1] - b[1]];
-      const after = points[segment + 2] ?? [2 * b[0] - a[0], 2 * b[1] - a[1]];
+      const before = points[segment - 1] ?? mix(a, b, -1);
+      const after = points[segment + 2] ?? mix(a, b, 2);
       for (let piece = 1; piece <= PIECES; piece += 1) {
         this.line.push(straight ? mix(a, b, piece / PIECES) : catmullRom([before, a, b, after], piece / PIECES));
       }
@@ -75,11 +78,11 @@ export class Curve {
     return (index - 1 + (span ? (metres - this.lengths[index - 1]) / span : 0)) / PIECES;
   }
 
-  /** The knot nearest to a point of the ground, and how far away it is. */
-  nearest(point) {
+  /** The knot of its point that is nearest, and how far away it is. @param {(point: number[]) => number} distance of a point */
+  nearest(distance) {
     let [knot, off] = [0, Infinity];
     this.line.forEach((here, at) => {
-      const far = apart(here, point);
+      const far = distance(here);
       if (far < off) [knot, off] = [at / PIECES, far];
     });
     return { knot, off };
@@ -92,8 +95,9 @@ export class Curve {
   }
 }
 
-function mix(a, b, t) {
-  return [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t];
+/** Between two points, or beyond them. */
+export function mix(a, b, t) {
+  return a.map((from, axis) => from + (b[axis] - from) * t);
 }
 
 /** Barry and Goldman, "A recursive evaluation algorithm for a class of Catmull-Rom splines" (1988). */

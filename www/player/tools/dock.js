@@ -1,84 +1,95 @@
 /** What all tools' docks are made of. */
 
-import { h } from '../dom.js';
-
-/** A button with words. */
-export function button(text, title, act, attributes = {}) {
-  const element = h('button', { type: 'button', class: 'chip', title, ...attributes }, text);
-  element.addEventListener('click', act);
-  return element;
-}
+import { button, h, rove } from '../dom.js';
 
 /** The button that sets the actor off, with the line that says what would happen. */
 export class GoRow {
   /** @param {() => void} go */
-  constructor(go, label = 'Go') {
-    this.button = h('button', { type: 'button', class: 'button go', title: `${label} (Enter)` }, label);
+  constructor(go, label) {
+    this.button = button(label, `${label} (Enter)`, go, { class: 'button go' });
     this.text = h('p', { class: 'outcome figures', role: 'status' });
-    this.button.addEventListener('click', go);
     this.root = h('div', { class: 'go-row' }, this.text, this.button);
   }
 
-  /** What the search says, or what is wrong with what was asked. */
-  tell(trouble, answer, sentence) {
-    const notes = answer?.notes.length ? ` · ${answer.notes[0]}` : '';
-    this.show(trouble ?? `${sentence}${notes}`, !trouble);
-  }
-
-  /** @param {boolean} can whether there is something to go for */
-  show(text, can) {
+  /** @param {boolean} can whether there is something to go for @param {boolean} busy whether there may be more to say soon */
+  show(text, can, busy) {
     if (this.text.textContent !== text) this.text.textContent = text;
+    this.text.toggleAttribute('data-busy', busy);
     this.button.disabled = !can;
   }
 }
 
 /** A number with its name and unit; `change` hears of every valid one, and of null where the field was emptied. */
-export function numberField(name, unit, attributes, change) {
-  const input = h('input', { type: 'number', 'aria-label': `${name}, ${unit}`, ...attributes });
-  input.addEventListener('change', () => {
-    const value = input.value === '' ? null : Number(input.value);
-    if (value === null || Number.isFinite(value)) change(value);
-  });
-  return { input, root: h('label', { class: 'field' }, h('span', {}, name), input, h('span', { class: 'unit' }, unit)) };
+export class NumberField {
+  constructor(name, unit, title, attributes, change) {
+    this.shown = attributes.value ?? '';
+    this.input = h('input', { type: 'number', 'aria-label': unit ? `${name}, ${unit}` : name, ...attributes });
+    this.input.addEventListener('change', () => {
+      const { validity: { badInput, rangeUnderflow, rangeOverflow }, value } = this.input;
+      if (badInput || rangeUnderflow || rangeOverflow) this.input.value = this.shown;
+      else change(value === '' ? null : Number(value));
+    });
+    this.root = h('label', { class: 'field', title }, h('span', {}, name), this.input, h('span', { class: 'unit' }, unit));
+  }
+
+  /** What is being typed stays. */
+  show(value) {
+    this.shown = value;
+    if (this.input.getRootNode().activeElement !== this.input) this.input.value = value;
+  }
 }
 
 /** Buttons of which one is chosen; arrow keys choose as well. */
 export class Choice {
   /** @param {(value: string) => void} act */
-  constructor(label, act) {
+  constructor(label, act, attributes = {}) {
     this.act = act;
-    this.root = h('div', { class: 'choice', role: 'radiogroup', 'aria-label': label });
-    this.root.addEventListener('keydown', (event) => {
-      const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-      if (!by) return;
-      event.preventDefault();
-      event.stopPropagation();
-      const at = this.buttons.findIndex(({ value }) => value === this.chosen);
-      const next = this.buttons[(at + by + this.buttons.length) % this.buttons.length];
+    this.root = h('div', { class: 'choice', role: 'radiogroup', 'aria-label': label, ...attributes });
+    rove(this.root, (next) => {
       act(next.value);
       next.focus();
     });
   }
 
   /** @param {{value: string, text: string, mark?: number, title?: string}[]} options `mark` numbers a behaviour's colour */
-  set(options, chosen) {
-    this.buttons = options.map(({ value, text, mark, title }) => {
-      const dot = mark === undefined ? [] : [h('span', { class: `dot b${mark}` })];
-      const one = h('button', { type: 'button', class: 'chip', role: 'radio', value, title: title ?? text }, ...dot, text);
-      one.addEventListener('click', () => this.act(value));
-      return one;
-    });
-    this.root.replaceChildren(...this.buttons);
+  set(options, chosen, look = 'chip') {
+    this.root.replaceChildren(
+      ...options.map(({ value, text, mark, title = text }) => {
+        const one = button(text, title, () => this.act(value), { class: look, role: 'radio', value });
+        if (mark !== undefined) one.prepend(h('span', { class: `dot b${mark}` }));
+        return one;
+      }),
+    );
     this.choose(chosen);
   }
 
   choose(value) {
-    this.chosen = value;
-    for (const one of this.buttons ?? []) {
+    for (const one of this.root.children) {
       one.setAttribute('aria-checked', String(one.value === value));
       one.tabIndex = one.value === value ? 0 : -1;
     }
   }
+}
+
+/** Ticks from 0 on, so many units apart that there is room for their numbers. @param {number[]} steps from which to choose */
+export function showScale(root, length, unit, steps, most) {
+  const every = steps.find((step) => length / step <= most) ?? 2 * steps[steps.length - 1];
+  const ticks = Array.from({ length: Math.floor(length / every) + 1 }, (_, index) => index * every);
+  root.replaceChildren(
+    ...ticks.map((at) => {
+      const tick = h('span', {}, at === 0 ? `0 ${unit}` : String(at));
+      tick.style.left = `${(at / length) * 100}%`;
+      return tick;
+    }),
+  );
+}
+
+/** Copies a thumbnail, or clears what was there. */
+export function copyPicture(canvas, picture) {
+  const { width, height } = canvas;
+  const context = canvas.getContext('2d');
+  context.clearRect(0, 0, width, height);
+  if (picture) context.drawImage(picture, 0, 0, width, height);
 }
 
 /** `12 cm`; `3.4 m` where that is more than anyone would call near. */

@@ -38,12 +38,12 @@ export class Marks {
   }
 
   /**
-   * A line of points `width` metres wide, mitred where it bends.
+   * A line of points `width` metres wide, mitred where it bends; heights do not count.
    * @param {number[][]} points
    * @param {[number, number] | null} dash metres drawn and left out, in turn
    */
   ribbon(points, width, colour, dash = null) {
-    const line = points.filter((point, at) => at === 0 || apart(point, points[at - 1]) > 1e-4);
+    const line = points.map(([x, z]) => [x, z]).filter((point, at, all) => at === 0 || apart(point, all[at - 1]) > 1e-4);
     if (line.length < 2) return;
     if (dash) {
       for (const piece of dashes(line, dash)) this.ribbon(piece, width, colour);
@@ -73,8 +73,9 @@ export class Marks {
   }
 }
 
+/** Metres between two points: through the air where both have a height behind x and z, else along the ground. */
 export function apart(a, b) {
-  return Math.hypot(a[0] - b[0], a[1] - b[1]);
+  return Math.hypot(a[0] - b[0], a[1] - b[1], a.length > 2 && b.length > 2 ? a[2] - b[2] : 0);
 }
 
 /** The pieces of a line that a dash draws. */

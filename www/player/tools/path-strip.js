@@ -1,6 +1,8 @@
 /** The path unrolled: what is painted where, and how far the walk is from it. Painting works here with the keys, too. */
 
 import { h, sizedContext } from '../dom.js';
+import { words } from '../format.js';
+import { showScale } from './dock.js';
 
 /** Metres that an arrow key moves the brush. */
 const STEP = 0.25;
@@ -37,21 +39,13 @@ export class PathStrip {
     const share = (knot) => (curve.lengthAt(knot) / curve.length) * 100;
     this.painted.replaceChildren(
       ...stretches.map(({ from, to, behaviour }) => {
-        const piece = h('span', { class: `b${hue(behaviour)}` }, behaviour.replaceAll('_', ' '));
+        const piece = h('span', { class: `b${hue(behaviour)}` }, words(behaviour));
         piece.style.left = `${share(from)}%`;
         piece.style.width = `${share(to) - share(from)}%`;
         return piece;
       }),
     );
-    const every = [1, 2, 5, 10, 20, 50].find((metres) => curve.length / metres <= 12) ?? 100;
-    const ticks = Array.from({ length: Math.floor(curve.length / every) + 1 }, (_, index) => index * every);
-    this.scale.replaceChildren(
-      ...ticks.map((metres) => {
-        const tick = h('span', {}, metres === 0 ? '0 m' : String(metres));
-        tick.style.left = `${(metres / curve.length) * 100}%`;
-        return tick;
-      }),
-    );
+    showScale(this.scale, curve.length, 'm', [1, 2, 5, 10, 20, 50], 12);
     this.root.setAttribute('aria-valuemax', curve.length.toFixed(1));
     this.stretches = stretches;
     this.tell();

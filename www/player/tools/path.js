@@ -1,84 +1,64 @@
 /** Draw a path on the ground, drag its points, paint behaviours on it; the actor walks as near to it as its motion can. */
 
-import { h } from '../dom.js';
-import { count, duration } from '../format.js';
+import { button, h } from '../dom.js';
+import { count, duration, words } from '../format.js';
 import { behavioursOf } from '../targets.js';
-import { Curve, simplify } from './curve.js';
-import { Choice, GoRow, button, centimetres } from './dock.js';
-import { Handles } from './handles.js';
+import { Air } from './air.js';
+import { Curve, mix } from './curve.js';
+import { deviation, gaps } from './deviation.js';
+import { Choice, NumberField, centimetres } from './dock.js';
+import { Handles, putAt } from './handles.js';
 import { apart } from './marks.js';
+import { PathPen } from './path-pen.js';
 import { PathStrip } from './path-strip.js';
-import { EMPTY } from './request.js';
+import { EMPTY, MOST_POINTS } from './request.js';
 import { paint, pointDeleted, pointInserted } from './stretches.js';
+import { Tool } from './tool.js';
 
-/** Metres of the drawn line that simplifying may lose, and between two points of it while it is drawn. */
-const SLACK = 0.07;
-const SPACING = 0.04;
-/** Metres from the actor within which a drawn path begins under its feet. */
-const UNDER_FEET = 0.8;
-/** CSS pixels around the path that belong to it. */
-const REACH = 18;
-/** Points that a path may have. */
-export const MOST_POINTS = 200;
 /** Colours that tell behaviours apart, beside their names. */
-export const HUES = 5;
+const HUES = 5;
+/** Metres that a point may be from the ground. */
+const HIGHEST = 100;
 
-/** Where the actor should be at each sample of its walk: as far along the curve, after the straight way to its beginning. */
-function wantedPoints(curve, { length, samples }) {
-  const approach = Math.max(0, length - curve.length);
-  const [, x, , z] = samples[0] ?? [0, ...curve.line[0]];
-  return samples.map(([travelled]) => {
-    if (travelled >= approach) return curve.at(curve.knotAt(travelled - approach));
-    const share = travelled / approach;
-    return [x + (curve.line[0][0] - x) * share, z + (curve.line[0][1] - z) * share];
-  });
-}
-
-/** Metres along the curve, and metres that the walk is off there. */
-function deviations(curve, path) {
-  const approach = Math.max(0, path.length - curve.length);
-  return wantedPoints(curve, path).map((point, at) => {
-    const [travelled, x, , z] = path.samples[at];
-    return [Math.min(curve.length, Math.max(0, travelled - approach)), apart(point, [x, z])];
-  });
-}
-
-export class PathTool {
+export class PathTool extends Tool {
   static id = 'path';
   static title = 'Path';
   static about = 'Draw a path on the ground: the actor follows it';
+  static hint = 'Draw a path on the ground.';
 
-  id = PathTool.id;
-  hint = 'Draw a path on the ground.';
   onGround = true;
 
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
-    this.box = box;
-    this.drawn = null;
+    super(box);
+    this.pen = new PathPen(this);
     this.armed = false;
     /** A behaviour, '' to rub out, or null to shape the path. */
     this.brush = null;
     this.behaviours = [];
+    /** The point that had the focus last: its height can be typed. */
+    this.chosen = 0;
     this.choice = new Choice('Brush', (value) => this.takeBrush(value));
     this.anew = button('Draw anew', 'Draw another path in its place', () => this.arm());
     this.longer = button('Add point', 'A point one metre on', () => this.extend());
+    this.space = button('3D', 'Gives the points heights: the middle of the body follows the curve through the air', () => this.toggleHeights(), { 'aria-pressed': 'false' });
+    this.height = new NumberField('height', 'm', 'Of the point chosen last; or Alt and drag it, or Page Up and Down', { min: -HIGHEST, max: HIGHEST, step: 0.05 }, (value) => value !== null && this.setHeight(this.chosen, value));
     this.strip = new PathStrip({ paint: (from, to, merge) => this.paint(from, to, merge), brush: () => this.brush });
-    this.row = new GoRow(() => box.go());
-    this.dock = h(
-      'div',
-      { class: 'tool-dock path-dock', role: 'group', 'aria-label': 'Path' },
-      h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.anew, this.longer),
-      this.strip.root,
-      this.row.root,
-    );
+    this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, this.space, this.anew, this.longer), this.strip.root, this.row.root);
     this.labels = h('div', { class: 'ground-labels', 'aria-hidden': 'true' });
+    this.air = new Air();
     this.handles = new Handles(box, {
       move: (index, point, merge) => this.movePoint(index, point, merge),
       remove: (index) => this.removePoint(index),
       insert: (index) => this.insertPoint(index + 1, this.curve.at(Math.min(index + 0.5, this.curve.count - 1))),
-      describe: (index, [x, z]) => `Point ${index + 1} of ${this.path.points.length}, ${x.toFixed(1)} by ${z.toFixed(1)} metres`,
+      lift: (index, by, merge) => this.lift(index, by, merge),
+      chosen: (index) => this.choosePoint(index),
+      describe: (index, [x, z, ...height]) => `Point ${index + 1} of ${this.path.points.length}, ${x.toFixed(1)} by ${z.toFixed(1)} metres${height.map((up) => `, ${(up - this.floor).toFixed(2)} high`).join('')}`,
     });
+  }
+
+  grab(event) {
+    return this.pen.grab(event);
   }
 
   get path() {
@@ -89,13 +69,26 @@ export class PathTool {
     return this.path.points;
   }
 
+  /** Whether its points have heights. */
+  get isLifted() {
+    return this.path.points[0]?.length > 2;
+  }
+
+  get floor() {
+    return this.box.core.view.stage.floor;
+  }
+
+  get busy() {
+    return `${this.curve.length.toFixed(1)} m; looking for a walk`;
+  }
+
   get isDrawing() {
     return this.armed || this.path.points.length < 2;
   }
 
   opened({ info }) {
     this.behaviours = behavioursOf(info);
-    const named = this.behaviours.map((value) => ({ value, text: value.replaceAll('_', ' '), mark: this.hue(value), title: `Paint: ${value} on this stretch` }));
+    const named = this.behaviours.map((value) => ({ value, text: words(value), mark: this.hue(value), title: `Paint: ${words(value)} on this stretch` }));
     this.choice.set([{ value: 'shape', text: 'Shape', title: 'Drag points; click the path for a new one' }, ...named, { value: 'none', text: 'Any', title: 'Rub out what was painted' }], 'shape');
   }
 
@@ -104,14 +97,15 @@ export class PathTool {
   }
 
   enter() {
-    this.box.core.view.handles.append(this.labels);
+    this.box.core.view.handles.prepend(this.air.root, this.labels);
   }
 
   leave() {
     this.handles.hide();
     this.box.core.view.handles.removeAttribute('data-brush');
+    this.box.core.view.stage.root.removeAttribute('data-drawing');
     this.labels.remove();
-    this.drawn = null;
+    this.air.root.remove();
   }
 
   takeBrush(value) {
@@ -160,141 +154,116 @@ export class PathTool {
   extend() {
     const { points } = this.path;
     const { x, z } = this.box.director?.state ?? { x: 0, z: 0 };
-    const first = points.length < 2;
-    const [end, before] = first ? [[x, z], null] : [points[points.length - 1], points[points.length - 2]];
-    const yaw = this.box.core.view.stage.stage?.camera()[0] ?? 0;
-    const far = before ? apart(end, before) || 1 : 1;
-    const way = before ? [(end[0] - before[0]) / far, (end[1] - before[1]) / far] : [Math.cos(yaw), -Math.sin(yaw)];
-    const next = [end[0] + way[0], end[1] + way[1]];
-    if (first) this.set({ ...EMPTY.path, points: [end, next] });
-    else this.insertPoint(points.length, next);
+    if (points.length < 2) {
+      const yaw = this.box.core.view.stage.stage?.camera()[0] ?? 0;
+      this.set({ ...EMPTY.path, points: [[x, z], [x + Math.cos(yaw), z - Math.sin(yaw)]] });
+    } else {
+      const [before, end] = points.slice(-2);
+      this.insertPoint(points.length, mix(before, end, 1 + 1 / (apart(end, before) || 1)));
+    }
     this.handles.focus(this.path.points.length - 1);
   }
 
-  paint(from, to, merge) {
+  paint(from, to, merge, path = this.path) {
     if (this.brush === null || !this.curve) return;
-    this.set({ ...this.path, stretches: paint(this.path.stretches, Math.min(from, to), Math.max(from, to), this.brush || null) }, merge);
+    this.set({ ...path, stretches: paint(path.stretches, Math.min(from, to), Math.max(from, to), this.brush || null) }, merge);
   }
 
-  // ---- the pointer ----------------------------------------------------------------------------------------------
+  // ---- heights --------------------------------------------------------------------------------------------------
 
-  grab(x, y) {
-    const { stage } = this.box.core.view;
-    const start = stage.groundAt(x, y);
-    if (!start) return null;
-    if (this.isDrawing) return this.draws(start);
-    const { knot, off } = this.curve.nearest(start);
-    const [here, beside] = [stage.seen(...start), stage.seen(...this.curve.at(knot))];
-    if (off > 0.05 && Math.hypot(here.x - beside.x, here.y - beside.y) > REACH) return null;
-    return this.brush === null ? this.bends(knot) : this.paints(knot);
+  choosePoint(index) {
+    this.chosen = index;
+    this.showHeight();
+    this.handles.show(this.path.points, (at) => (at === index ? 'chosen' : ''));
   }
 
-  draws(start) {
-    const { core, director } = this.box;
-    director?.tell('pause');
-    const feet = director ? [director.state.x, director.state.z] : start;
-    this.drawn = apart(feet, start) < UNDER_FEET ? [feet] : [start];
-    return {
-      move: (x, y) => {
-        const here = core.view.stage.groundAt(x, y);
-        if (!here || apart(here, this.drawn[this.drawn.length - 1]) < SPACING) return;
-        this.drawn.push(here);
-        this.box.redraw();
-      },
-      end: () => {
-        const points = simplify(this.drawn, SLACK).slice(0, MOST_POINTS);
-        this.drawn = null;
-        this.armed = false;
-        if (points.length > 1) this.set({ ...EMPTY.path, points });
-        else this.box.redraw();
-      },
-      drop: () => {
-        this.drawn = null;
-        this.box.redraw();
-      },
-    };
+  /** All points get the height of the body's middle now, which is what follows the path; or lose theirs. */
+  toggleHeights() {
+    const points = this.isLifted ? this.path.points.map(([x, z]) => [x, z]) : this.lifted();
+    this.set({ ...this.path, points });
   }
 
-  bends(knot) {
-    const index = Math.floor(knot) + 1;
-    const merge = `bend ${performance.now()}`;
-    this.insertPoint(Math.min(index, this.path.points.length), this.curve.at(knot), merge);
-    return {
-      move: (x, y) => {
-        const ground = this.box.core.view.stage.groundAt(x, y);
-        if (ground) this.movePoint(index, ground, merge);
-      },
-      end: () => this.box.history.settle(),
-    };
+  lifted() {
+    if (this.isLifted) return this.path.points;
+    const heights = this.box.director.player.pose().filter((_, at) => at % 3 === 1);
+    const middle = heights.reduce((sum, one) => sum + one, 0) / heights.length;
+    return this.path.points.map(([x, z]) => [x, z, middle]);
   }
 
-  paints(start) {
-    const merge = `paint ${performance.now()}`;
-    const before = this.path;
-    const to = (knot) => {
-      // Painting back and forth leaves what the pointer went over last: each time from what was before.
-      const [a, b] = [Math.min(start, knot), Math.max(start, knot)];
-      this.set({ ...before, stretches: paint(before.stretches, a, b, this.brush || null) }, merge);
-    };
-    return {
-      move: (x, y) => {
-        const ground = this.box.core.view.stage.groundAt(x, y);
-        if (ground) to(this.curve.nearest(ground).knot);
-      },
-      end: () => this.box.history.settle(),
-    };
+  lift(index, by, merge) {
+    const points = this.lifted();
+    this.setHeight(index, points[index][2] + by - this.floor, merge);
+  }
+
+  /** @param {number} height metres above the ground */
+  setHeight(index, height, merge = null) {
+    const up = this.floor + Math.max(-HIGHEST, Math.min(HIGHEST, height));
+    const points = this.lifted().map(([x, z, before], at) => [x, z, at === index ? up : before]);
+    this.set({ ...this.path, points }, merge);
   }
 
   // ---- what is shown --------------------------------------------------------------------------------------------
 
   refresh() {
     const { points, stretches, shape } = this.path;
+    const { stage, handles } = this.box.core.view;
     this.curve = points.length > 1 ? new Curve(points, shape) : null;
-    this.handles.show(points);
-    this.labels.replaceChildren(...stretches.map(({ behaviour }) => h('span', { class: `ground-label b${this.hue(behaviour)}` }, behaviour.replaceAll('_', ' '))));
-    this.box.core.view.handles.toggleAttribute('data-brush', this.brush !== null || this.armed);
-    this.box.core.view.stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null);
-    this.anew.disabled = !this.curve;
+    this.chosen = Math.max(0, Math.min(this.chosen, points.length - 1));
+    this.handles.show(points, (index) => (index === this.chosen && this.isLifted ? 'chosen' : ''));
+    this.labels.replaceChildren(...stretches.map(({ behaviour }) => h('span', { class: `ground-label b${this.hue(behaviour)}` }, words(behaviour))));
+    handles.toggleAttribute('data-brush', this.brush !== null || this.armed);
+    stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null);
+    for (const one of [this.anew, this.space]) one.disabled = !this.curve;
+    this.showHeight();
     this.strip.show(this.curve, stretches, (behaviour) => this.hue(behaviour));
     this.answered(this.box.answer);
   }
 
-  answered(answer) {
-    this.strip.answered(this.curve && answer?.path ? deviations(this.curve, answer.path) : []);
-    if (!this.curve) this.row.show(this.hint, false);
-    else this.row.tell(this.box.trouble, answer, answer ? this.sentence(answer) : `${this.curve.length.toFixed(1)} m; looking for a walk`);
+  showHeight() {
+    this.space.setAttribute('aria-pressed', String(this.isLifted));
+    this.height.root.hidden = !this.isLifted;
+    if (this.isLifted) this.height.show((this.path.points[this.chosen][2] - this.floor).toFixed(2));
   }
 
-  sentence({ path, seconds, transitions }) {
+  answered(answer) {
+    this.deviation = this.curve && answer?.path ? deviation(this.curve, answer.path) : [];
+    this.strip.answered(gaps(this.deviation));
+    super.answered(answer);
+  }
+
+  sentence({ path, seconds, transitions, notes }) {
     const off = path ? ` · off by ${centimetres(path.mean)} on average, ${centimetres(path.max)} at most` : '';
-    return `${this.curve.length.toFixed(1)} m in ${duration(seconds)}, through ${count(transitions, 'transition')}${off}`;
+    const note = notes.length > 0 ? ` · ${notes[0]}` : '';
+    return `${this.curve.length.toFixed(1)} m in ${duration(seconds)}, through ${count(transitions, 'transition')}${off}${note}`;
   }
 
   place(seen) {
     this.handles.place(seen);
     this.path.stretches.forEach(({ from, to }, index) => {
       const label = this.labels.children[index];
-      if (!label || !this.curve) return;
-      const { x, y, visible } = seen(...this.curve.at((from + to) / 2));
-      label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-      label.style.visibility = visible ? '' : 'hidden';
+      if (label && this.curve) putAt(label, seen(...this.curve.at((from + to) / 2)));
     });
+    const { points } = this.path;
+    const lifted = this.isLifted && this.curve;
+    this.air.place({
+      posts: lifted ? points.map(([x, z, up]) => [[x, z, this.floor], [x, z, up]]) : [],
+      taken: lifted ? [this.deviation.map(({ walked }) => walked)] : [],
+      wanted: lifted ? [this.curve.line] : [],
+    }, seen);
   }
 
   draw(marks, colour) {
-    if (this.drawn) marks.ribbon(this.drawn, 0.04, colour('accent', 0.95));
-    if (!this.curve || this.drawn) return;
-    const { answer } = this.box;
-    if (answer?.path) {
-      const [walked, wanted] = [answer.path.samples.map(([, x, , z]) => [x, z]), wantedPoints(this.curve, answer.path)];
-      const some = walked.map((_, at) => at).filter((at) => at % 4 === 0 || at === walked.length - 1);
-      marks.between(some.map((at) => walked[at]), some.map((at) => wanted[at]), colour('line', 0.75));
-    }
-    marks.ribbon(this.curve.line, 0.045, colour('accent', 0.9));
+    const { drawn } = this.pen;
+    if (drawn) marks.ribbon(drawn, 0.04, colour('accent', 0.95));
+    if (!this.curve || drawn) return;
+    const some = this.deviation.filter((_, at) => at % 4 === 0 || at === this.deviation.length - 1);
+    marks.between(some.map(({ walked }) => walked), some.map(({ wanted }) => wanted), colour('line', 0.75));
+    // Of a path in the air, this is the shadow.
+    const { line } = this.curve;
+    marks.ribbon(line, 0.045, colour('accent', this.isLifted ? 0.35 : 0.9));
     for (const { from, to, behaviour } of this.path.stretches) marks.ribbon(this.curve.stretch(from, to), 0.11, colour(`behaviour-${this.hue(behaviour)}`, 0.75));
     this.box.drawTrack(marks, colour);
-    const end = this.curve.line;
-    const [a, b] = [end[end.length - 2], end[end.length - 1]];
+    const [a, b] = line.slice(-2);
     marks.arrow(b, Math.atan2(b[0] - a[0], b[1] - a[1]), 0.16, colour('accent'));
   }
 }

@@ -1,45 +1,41 @@
 /** Click the ground, and the actor goes there; drag, and it arrives facing that way. */
 
-import { h } from '../dom.js';
+import { button, h } from '../dom.js';
 import { count, duration } from '../format.js';
-import { GoRow, button, centimetres, numberField } from './dock.js';
+import { NumberField, centimetres } from './dock.js';
 import { Handles } from './handles.js';
 import { apart } from './marks.js';
+import { Tool } from './tool.js';
 
 const DEGREE = Math.PI / 180;
 /** Metres from the place to the handle that turns it. */
 const ARM = 0.6;
 
-export class PlaceTool {
+export class PlaceTool extends Tool {
   static id = 'place';
   static title = 'Place';
   static about = 'Click the ground: the actor goes there; drag to say which way it faces';
+  static hint = 'Click the ground; drag to say which way to face.';
 
-  id = PlaceTool.id;
-  hint = 'Click the ground; drag to say which way to face.';
   onGround = true;
 
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
-    this.box = box;
-    const at = (index) => (value) => this.set({ [['x', 'z', 'heading'][index]]: index === 2 && value !== null ? value * DEGREE : value });
-    this.fields = [
-      numberField('x', 'm', { step: 0.1 }, at(0)),
-      numberField('z', 'm', { step: 0.1 }, at(1)),
-      numberField('facing', '°', { step: 5, placeholder: 'any' }, at(2)),
-    ];
-    this.row = new GoRow(() => box.go());
-    this.dock = h(
-      'div',
-      { class: 'tool-dock place-dock', role: 'group', 'aria-label': 'Place' },
-      h('div', { class: 'row' }, ...this.fields.map(({ root }) => root), button('Any facing', 'Arrive facing any way', () => this.set({ heading: null }))),
-      this.row.root,
-    );
+    super(box);
+    const field = (part, name, unit, attributes) =>
+      new NumberField(name, unit, null, attributes, (value) => this.set({ [part]: part === 'heading' && value !== null ? value * DEGREE : value }));
+    this.fields = [field('x', 'x', 'm', { step: 0.1 }), field('z', 'z', 'm', { step: 0.1 }), field('heading', 'facing', '°', { step: 5, placeholder: 'any' })];
+    this.any = button('Any', 'Arrive facing any way', () => this.set({ heading: null }));
+    this.build(h('div', { class: 'row' }, ...this.fields.map(({ root }) => root), this.any), this.row.root);
     this.handles = new Handles(box, {
       move: (index, point, merge) => this.moved(index, point, merge),
       remove: (index) => this.removed(index),
       describe: (index, [x, z]) => (index === 0 ? `Place, ${x.toFixed(1)} by ${z.toFixed(1)} metres` : 'Facing'),
     });
+  }
+
+  get busy() {
+    return 'looking for a way';
   }
 
   get goal() {
@@ -56,9 +52,8 @@ export class PlaceTool {
 
   /** @param {{x?: number, z?: number, heading?: number | null}} part */
   set(part, merge = null) {
-    const before = this.goal ?? { x: 0, z: 0, heading: null };
-    const place = { ...before, ...part };
-    this.box.edit({ place: { x: place.x ?? 0, z: place.z ?? 0, heading: place.heading ?? null } }, merge);
+    const { x, z, heading } = { ...this.goal, ...part };
+    this.box.edit({ place: { x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
   }
 
   moved(index, [x, z], merge) {
@@ -71,25 +66,19 @@ export class PlaceTool {
     else this.set({ heading: null });
   }
 
-  grab(x, y) {
-    const start = this.box.core.view.stage.groundAt(x, y);
+  grab(event) {
+    const { stage } = this.box.core.view;
+    const start = stage.under(event, []);
     if (!start) return null;
     const merge = `place ${performance.now()}`;
-    this.aiming = true;
     this.set({ x: start[0], z: start[1], heading: null }, merge);
     return {
-      move: (nowX, nowY) => {
-        const here = this.box.core.view.stage.groundAt(nowX, nowY);
+      move: (now) => {
+        const here = stage.under(now, []);
         if (here && apart(start, here) > ARM / 3) this.set({ heading: Math.atan2(here[0] - start[0], here[1] - start[1]) }, merge);
       },
-      end: () => {
-        this.aiming = false;
-        this.box.go();
-      },
-      drop: () => {
-        this.aiming = false;
-        this.box.undo(-1);
-      },
+      end: () => this.box.go(),
+      drop: () => this.box.undo(-1),
     };
   }
 
@@ -98,19 +87,13 @@ export class PlaceTool {
     const points = place ? [[place.x, place.z], ...(place.heading === null ? [] : [this.arm(place, ARM)])] : [];
     this.handles.show(points, (index) => (index === 0 ? 'spot' : 'turn'));
     const values = place ? [place.x.toFixed(2), place.z.toFixed(2), place.heading === null ? '' : Math.round(place.heading / DEGREE)] : ['', '', ''];
-    this.fields.forEach(({ input }, index) => {
-      if (input.getRootNode().activeElement !== input) input.value = values[index];
-    });
+    this.fields.forEach((field, index) => field.show(values[index]));
+    this.any.disabled = !place || place.heading === null;
     this.answered(this.box.answer);
   }
 
   arm({ x, z, heading }, far) {
     return [x + Math.sin(heading) * far, z + Math.cos(heading) * far];
-  }
-
-  answered(answer) {
-    if (!this.goal) this.row.show(this.hint, false);
-    else this.row.tell(this.box.trouble, null, answer ? this.sentence(answer) : 'looking for a way');
   }
 
   sentence({ seconds, transitions, place }) {

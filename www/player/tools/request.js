@@ -8,6 +8,7 @@ export const VERSION = 1;
 /** What the tools hold when nothing has been asked. */
 export const EMPTY = Object.freeze({
   place: null,
+  /** Points are x and z, or x, z and a height. */
   path: { points: [], stretches: [], shape: 'spline' },
   keys: [],
   wander: { seed: 1, weights: {} },
@@ -16,16 +17,21 @@ export const EMPTY = Object.freeze({
 /** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
 const WANDER = 60;
 /** Points of a path that can be taken hold of. */
-const MOST_POINTS = 200;
+export const MOST_POINTS = 200;
 
 /** @returns {object | null} the request of a tool, or null where nothing is asked with it */
 export function requestOf(tool, { place, path, keys, wander, pose }) {
   const request = (target, seed = 0) => ({ version: VERSION, seed, target });
   if (tool === 'place') return place && request({ place: tidy(place.heading === null ? { x: place.x, z: place.z } : place) });
-  if (tool === 'path') return path.points.length > 1 ? request({ path: tidy({ ...path, shape: path.shape }) }) : null;
+  if (tool === 'path') return path.points.length > 1 ? request({ path: tidy({ ...path, points: path.points.map(swapped) }) }) : null;
   if (tool === 'timing') return keys.length > 0 ? request({ keys: { poses: keys.map(({ frame, seconds }) => ({ pose: frame, time: seconds })) } }) : null;
   if (tool === 'wander') return request({ wander: { seconds: WANDER, weights: wander.weights } }, wander.seed);
   return pose ? request(pose) : null;
+}
+
+/** Requests have the height in the middle. */
+function swapped([a, ...rest]) {
+  return [a, ...rest.reverse()];
 }
 
 /** Millimetres and milliradians are enough, and make short links. */
@@ -36,22 +42,32 @@ function tidy(value) {
 /**
  * What a checked request means for the tools: which one shows it, and the part of the document.
  * @param {import('../timeline.js').Timeline} timeline
- * @returns {{tool: string, part: object}}
+ * @returns {{tool: string, part: object, queue?: object[]}} the queue is what comes after the document's pose
  */
 export function partOf({ target, seed = 1 }, timeline) {
   const { place, path, keys, wander } = target;
   if (place) return { tool: 'place', part: { place: { x: place.x, z: place.z, heading: place.heading ?? null } } };
-  const editable = path && path.points.length <= MOST_POINTS && path.points[0].length === 2 && !path.vertices?.length && !path.free_start;
+  const editable = path && path.points.length <= MOST_POINTS && !path.vertices?.length && !path.free_start;
   if (editable) {
     const { points, stretches = [], shape = 'polyline' } = path;
-    return { tool: 'path', part: { path: { points, stretches, shape } } };
+    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape } } };
   }
   if (keys) {
     const poses = keys.poses.map(({ pose, time }) => ({ frame: frameOf(pose, timeline), seconds: time }));
     return { tool: 'timing', part: { keys: poses.sort((a, b) => a.seconds - b.seconds) } };
   }
   if (wander) return { tool: 'wander', part: { wander: { seed, weights: wander.weights ?? {} } } };
-  return { tool: 'pose', part: { pose: target } };
+  // A queue of poses and behaviours is gone through one by one, so that what waits can be seen and changed.
+  const [first, ...rest] = target.queue ?? [];
+  if (first && target.queue.every(({ pose, behaviour }) => pose !== undefined || behaviour)) {
+    return { tool: 'pose', part: { pose: first }, queue: rest.map((one) => targetOf(one, timeline)) };
+  }
+  return { tool: 'pose', part: { pose: target }, queue: [] };
+}
+
+/** As `queue` takes it. */
+function targetOf({ pose, behaviour }, timeline) {
+  return behaviour ? { behaviour: behaviour.name, hold: behaviour.hold ?? 0 } : frameOf(pose, timeline);
 }
 
 /** A frame that does not exist is left for the search to complain about. */

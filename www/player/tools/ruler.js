@@ -1,6 +1,7 @@
 /** A ruler of seconds with key poses on it, and ticks where the actor really reaches them. */
 
 import { h } from '../dom.js';
+import { copyPicture, showScale } from './dock.js';
 
 /** Seconds that an arrow key moves a pose. */
 const STEP = 0.1;
@@ -43,14 +44,7 @@ export class Ruler {
       button.setAttribute('aria-valuetext', `${this.act.describe(key)}, at ${key.seconds.toFixed(1)} seconds`);
     });
     this.paint(keys, picture);
-    const every = [1, 2, 5, 10, 30, 60].find((seconds) => this.span / seconds <= 16) ?? 120;
-    this.scale.replaceChildren(
-      ...Array.from({ length: Math.floor(this.span / every) + 1 }, (_, at) => {
-        const tick = h('span', {}, at === 0 ? '0 s' : String(at * every));
-        tick.style.left = this.share(at * every);
-        return tick;
-      }),
-    );
+    showScale(this.scale, this.span, 's', [1, 2, 5, 10, 30, 60], 16);
   }
 
   share(seconds) {
@@ -58,14 +52,7 @@ export class Ruler {
   }
 
   paint(keys, picture) {
-    keys.forEach((key, index) => {
-      const from = picture(key);
-      const canvas = this.buttons[index]?.firstChild;
-      if (!canvas) return;
-      const context = canvas.getContext('2d');
-      context.clearRect(0, 0, canvas.width, canvas.height);
-      if (from) context.drawImage(from, 0, 0);
-    });
+    keys.forEach((key, index) => this.buttons[index] && copyPicture(this.buttons[index].firstChild, picture(key)));
   }
 
   /** @param {{wanted: number, reached: number | null}[]} times */
@@ -136,9 +123,7 @@ export class Ruler {
     const over = this.over(event);
     this.shadow.hidden = !over;
     if (!over) return;
-    const context = this.shadow.getContext('2d');
-    context.clearRect(0, 0, 72, 96);
-    context.drawImage(picture, 0, 0);
+    copyPicture(this.shadow, picture);
     this.shadow.style.left = this.share(Math.max(0, this.secondsAt(event)));
   }
 

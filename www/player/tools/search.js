@@ -3,10 +3,11 @@
  * slice a display frame, and more where the display is slow.
  */
 
+import { PlayerError } from '../errors.js';
 import { readAnswer } from './answer.js';
 
 /** Milliseconds of work in a slice, and of rest after it. */
-export const SLICE = 4;
+const SLICE = 4;
 const REST = 8;
 /** Milliseconds of searching before the first answer is shown, and between two. */
 const FIRST_LOOK = 60;
@@ -60,7 +61,12 @@ export class SearchDriver {
   /** Ends the search; a walk under way goes on. */
   stop() {
     this.drop();
-    this.waiting?.reject(Object.assign(new Error('Something else was asked for.'), { kind: 'bad-argument' }));
+    this.disappoint('Something else was asked for.');
+  }
+
+  /** Whoever waits for the actor to leave waits in vain. */
+  disappoint(message) {
+    this.waiting?.reject(new PlayerError('bad-argument', message));
     this.waiting = null;
   }
 
@@ -113,7 +119,7 @@ export class SearchDriver {
     this.task = null;
     this.waiting = null;
     // What has not arrived yet, or makes no sense, is a sentence; the rest is ours to repair.
-    if (error?.kind === 'bad-argument' || error?.kind === 'not-loaded' || error?.kind === 'unreachable') this.found(null, error.message);
+    if (['bad-argument', 'not-loaded', 'unreachable'].includes(error?.kind)) this.found(null, error.message);
     else this.core.fail(error);
     waiting?.reject(error);
   }
@@ -126,7 +132,7 @@ export class SearchDriver {
     const { core } = this;
     const same = this.task && this.task.text === JSON.stringify(request) && this.task.origin === origin && !this.endless;
     const { promise, resolve, reject } = Promise.withResolvers();
-    this.waiting?.reject(Object.assign(new Error('Something else was asked for.'), { kind: 'bad-argument' }));
+    this.disappoint('Something else was asked for.');
     this.waiting = { resolve, reject };
     // Who waits may not want to hear of trouble: it is said on the page.
     promise.catch(() => {});
@@ -145,7 +151,7 @@ export class SearchDriver {
   leave() {
     const { core, task, player, waiting } = this;
     if (task.answer.legs.length === 0) {
-      this.failed(Object.assign(new Error(task.answer.notes[0] ?? 'Nothing leads there from here.'), { kind: 'unreachable' }));
+      this.failed(new PlayerError('unreachable', task.answer.notes[0] ?? 'Nothing leads there from here.'));
       return;
     }
     let walk;
@@ -185,8 +191,7 @@ export class SearchDriver {
   /** The actor was sent somewhere else. */
   left() {
     this.endless = null;
-    this.waiting?.reject(Object.assign(new Error('The actor was sent somewhere else.'), { kind: 'bad-argument' }));
-    this.waiting = null;
+    this.disappoint('The actor was sent somewhere else.');
   }
 
   happened(type) {

@@ -1,6 +1,6 @@
 /** The direction as a link and as a file, with what came of it. */
 
-import { h, icon } from '../dom.js';
+import { button, h, iconButton } from '../dom.js';
 import { PlayerError } from '../errors.js';
 
 const KEY = 'direction';
@@ -42,25 +42,21 @@ export class Share {
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
     this.box = box;
-    const item = (text, act) => {
-      const button = h('button', { type: 'button', class: 'chip' }, text);
-      button.addEventListener('click', () => {
+    const item = (text, title, act) =>
+      button(text, title, () => {
         this.open(false);
         box.core.attempt(act);
       });
-      return button;
-    };
     this.file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, 'aria-label': 'A direction from a file' });
     this.file.addEventListener('change', () => this.read(this.file.files[0]));
     this.menu = h(
       'div',
       { class: 'menu', role: 'group', 'aria-label': 'Share', hidden: true },
-      item('Copy link', () => this.copy()),
-      item('Save as JSON', () => this.save()),
-      item('Load JSON…', () => this.file.click()),
+      item('Copy link', 'What is asked, as a link', () => this.copy()),
+      item('Save as JSON', 'What is asked, and what came of it', () => this.save()),
+      item('Load JSON…', 'What was saved', () => this.file.click()),
     );
-    this.button = h('button', { type: 'button', class: 'round', 'aria-label': 'Share', title: 'The direction as a link or a file', 'aria-expanded': 'false' }, icon('share'));
-    this.button.addEventListener('click', () => this.open(this.menu.hidden));
+    this.button = iconButton('share', 'Share (what is asked, as a link or a file)', () => this.open(this.menu.hidden), { 'aria-expanded': 'false' });
     this.root = h('div', { class: 'share' }, this.button, this.menu, this.file);
     this.root.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape' || this.menu.hidden) return;

@@ -23,11 +23,6 @@ export function paint(stretches, from, to, behaviour) {
   return joined;
 }
 
-/** The behaviour at a knot, or null. */
-export function paintedAt(stretches, knot) {
-  return stretches.find(({ from, to }) => knot >= from && knot < to)?.behaviour ?? null;
-}
-
 /** After point `index` of the path is new: knots behind it count one more. */
 export function pointInserted(stretches, index) {
   const move = (knot) => {

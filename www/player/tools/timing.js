@@ -1,28 +1,27 @@
 /** Key poses at given times: dropped on a ruler from the poses below it, moved, retimed; and when the actor reaches them. */
 
-import { h } from '../dom.js';
+import { button, h } from '../dom.js';
 import { count, poseName, title } from '../format.js';
 import { coarseFirst } from '../thumbnails.js';
-import { GoRow, button } from './dock.js';
+import { copyPicture } from './dock.js';
 import { Ruler } from './ruler.js';
+import { Tool } from './tool.js';
 
 /** Seconds after the last key pose at which a new one is put. */
 const APART = 2;
-export const MOST_KEYS = 100;
+const MOST_KEYS = 100;
 /** A press that goes no farther than this many CSS pixels is a click. */
 const TREMBLE = 6;
 
-export class TimingTool {
+export class TimingTool extends Tool {
   static id = 'timing';
   static title = 'Timing';
   static about = 'Put poses on a ruler: the actor is there in time';
-
-  id = TimingTool.id;
-  hint = 'Drag poses onto the ruler, or click them.';
+  static hint = 'Drag poses onto the ruler, or click them.';
 
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
-    this.box = box;
+    super(box);
     this.ruler = new Ruler({
       move: (index, seconds, merge) => this.retime(index, seconds, merge),
       shift: (index, by) => this.shift(index, by),
@@ -30,11 +29,10 @@ export class TimingTool {
       describe: (key) => this.named(key.frame),
     });
     this.shelf = h('div', { class: 'shelf', role: 'group', 'aria-label': 'Poses to put on the ruler' });
-    this.row = new GoRow(() => box.go());
-    this.row.root.prepend(button('Clear', 'Take all key poses away', () => this.set([])));
-    this.dock = h('div', { class: 'tool-dock timing-dock', role: 'group', 'aria-label': 'Timing' }, this.ruler.root, h('div', { class: 'times', tabindex: 0, role: 'group', 'aria-label': 'Wanted and reached times', hidden: true }), this.shelf, this.row.root);
-    this.times = this.dock.children[1];
-    this.table = this.times.appendChild(h('table', { class: 'figures' }));
+    this.row.root.prepend((this.clear = button('Clear', 'Take all key poses away', () => this.set([]))));
+    this.table = h('table', { class: 'figures' });
+    this.times = h('div', { class: 'times', tabindex: 0, role: 'group', 'aria-label': 'Wanted and reached times', hidden: true }, this.table);
+    this.build(this.ruler.root, this.times, this.shelf, this.row.root);
   }
 
   get keys() {
@@ -54,10 +52,10 @@ export class TimingTool {
   /** A pose on the shelf: a click puts it at the end, a drag where it is let go. */
   pose(frame) {
     const picture = h('canvas', { width: 72, height: 96 });
-    const pose = h('button', { type: 'button', class: 'pose', 'aria-label': `Add ${this.named(frame)}`, title: this.named(frame) }, picture);
-    this.thumbs.set(frame, picture);
     let start = null;
     let moved = false;
+    const pose = button(picture, this.named(frame), () => moved || this.add(frame), { class: 'pose', 'aria-label': `Add ${this.named(frame)}` });
+    this.thumbs.set(frame, picture);
     pose.addEventListener('pointerdown', (event) => {
       start = { x: event.clientX, y: event.clientY };
       moved = false;
@@ -77,7 +75,6 @@ export class TimingTool {
       start = null;
       this.ruler.drop(null);
     });
-    pose.addEventListener('click', () => moved || this.add(frame));
     return pose;
   }
 
@@ -107,9 +104,7 @@ export class TimingTool {
     const picture = this.box.core.view.score.shelf.get(frame);
     const canvas = this.thumbs?.get(frame);
     if (!picture || !canvas) return;
-    const context = canvas.getContext('2d');
-    context.clearRect(0, 0, canvas.width, canvas.height);
-    context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+    copyPicture(canvas, picture);
     this.ruler.paint(this.keys, (key) => this.picture(key));
   }
 
@@ -169,12 +164,11 @@ export class TimingTool {
   }
 
   answered(answer) {
+    super.answered(answer);
     const reached = answer?.keys ?? [];
     this.ruler.reached(reached);
+    this.times.hidden = this.clear.disabled = this.keys.length === 0;
     // The last times stay to be read until there are others.
-    this.times.hidden = this.keys.length === 0;
-    if (this.keys.length === 0) this.row.show(this.hint, false);
-    else this.row.tell(this.box.trouble, null, answer ? this.sentence(reached, answer) : 'looking for a walk');
     if (!answer && this.keys.length > 0) return;
     const cells = (tag, ...texts) => h('tr', {}, ...texts.map((text) => h(tag, tag === 'th' ? { scope: 'col' } : {}, text)));
     this.table.replaceChildren(
@@ -184,7 +178,7 @@ export class TimingTool {
     );
   }
 
-  sentence(reached, { transitions }) {
+  sentence({ keys: reached = [], transitions }) {
     const off = reached.filter(({ reached: at }) => at !== null).map(({ wanted, reached: at }) => Math.abs(at - wanted));
     if (off.length === 0) return 'no way through these poses';
     const mean = off.reduce((sum, one) => sum + one, 0) / off.length;

@@ -5,13 +5,14 @@
  * `edit`, which remembers them and searches anew. The tool in use hears of the answer.
  */
 
+import { nameOf, requestTarget, soughtTarget } from '../targets.js';
 import { ToolBar } from './bar.js';
 import { History } from './history.js';
 import { Marks } from './marks.js';
 import { PathTool } from './path.js';
 import { PlaceTool } from './place.js';
 import { PoseTool } from './pose.js';
-import { EMPTY, partOf, requestOf } from './request.js';
+import { EMPTY, VERSION, partOf, requestOf } from './request.js';
 import { SearchDriver } from './search.js';
 import { Share } from './share.js';
 import { TimingTool } from './timing.js';
@@ -27,8 +28,9 @@ export class Toolbox {
     this.history = new History(EMPTY);
     this.marks = new Marks();
     this.search = new SearchDriver(core, (answer, trouble) => this.answered(answer, trouble));
-    this.tools = Object.fromEntries([PoseTool, PlaceTool, PathTool, TimingTool, WanderTool].map((Tool) => [Tool.id, new Tool(this)]));
-    this.bar = new ToolBar(Object.values(this.tools), {
+    const tools = [PoseTool, PlaceTool, PathTool, TimingTool, WanderTool];
+    this.tools = Object.fromEntries(tools.map((Tool) => [Tool.id, new Tool(this)]));
+    this.bar = new ToolBar(tools, {
       choose: (name) => (this.core.host.tool = name),
       step: (by) => this.undo(by),
     });
@@ -43,10 +45,6 @@ export class Toolbox {
 
   get document() {
     return this.history.now;
-  }
-
-  get calm() {
-    return this.core.view.calm.matches;
   }
 
   actions() {
@@ -88,7 +86,10 @@ export class Toolbox {
 
   choose(name) {
     const tool = this.tools[name] ?? this.tools.pose;
-    if (tool === this.tool) return;
+    if (tool === this.tool) {
+      if (!this.director) this.showTool();
+      return;
+    }
     this.tool.leave?.();
     this.search.stop();
     this.answer = null;
@@ -102,14 +103,13 @@ export class Toolbox {
   showTool() {
     const { view } = this.core;
     const { tool } = this;
-    this.bar.show(tool.id);
+    this.bar.tools.choose(tool.id);
     view.stage.tool = tool;
     view.stage.root.dataset.tool = tool.id;
-    view.dock.replaceChildren(...(tool.dock ? [tool.dock] : []));
-    view.dock.hidden = !tool.dock;
-    view.score.root.hidden = Boolean(tool.dock);
-    this.lookOver(Boolean(tool.onGround));
-    if (this.director) this.core.say(tool.dock ? '' : tool.hint);
+    view.dock.replaceChildren(tool.dock);
+    view.score.root.hidden = !tool.withScore;
+    this.lookOver(tool.onGround);
+    if (this.director) this.core.say(tool.withScore ? tool.hint : '');
     tool.enter?.();
     this.refresh();
     view.relay();
@@ -160,7 +160,10 @@ export class Toolbox {
 
   /** The request of the tool in use, or null. */
   get request() {
-    return requestOf(this.tool.id, this.document);
+    const { core: { queue, director }, tool: { withScore }, document } = this;
+    const request = requestOf(this.tool.id, document);
+    if (!request || !withScore || queue.targets.length === 0) return request;
+    return { ...request, target: { queue: [request.target, ...queue.targets.map((target) => requestTarget(target, director))] } };
   }
 
   /**
@@ -175,7 +178,7 @@ export class Toolbox {
     const { player, timeline } = this.director;
     const request = outside?.request ?? outside;
     player.check_request(JSON.stringify(request) ?? 'null');
-    const { tool, part } = partOf(request, timeline);
+    const { tool, part, queue } = partOf(request, timeline);
     const { frame, placement } = outside?.start ?? {};
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
     this.history.change({ ...this.document, ...part });
@@ -184,7 +187,10 @@ export class Toolbox {
     else if (this.tool.onGround) this.lookOver(true);
     this.refresh();
     this.ask();
-    if (tool === 'pose') this.go();
+    if (queue) {
+      this.core.queue.set(queue);
+      this.search.go(requestOf(tool, this.document));
+    }
     this.core.dispatch('change', { tool });
   }
 
@@ -233,6 +239,35 @@ export class Toolbox {
     else this.core.say(this.tool.hint);
   }
 
+  /** What the user has clicked in the score or on the stage; `later`: after what is under way. */
+  take(target, later = false) {
+    const { core } = this;
+    if (later || this.tools.pose.isLater) {
+      if (core.queue.add(target)) core.say(`${nameOf(target, core.director)} comes after that`, 'going');
+    } else {
+      core.queue.clear();
+      this.send(target);
+    }
+  }
+
+  /** Sends the actor to a target; what is wrong is said on the page. */
+  send(target) {
+    const { core } = this;
+    core.attempt(() => {
+      const sought = soughtTarget(target);
+      if (!sought) return core.go(target);
+      core.say('looking for a way', 'waiting');
+      this.history.amend({ pose: sought });
+      return this.search.go({ version: VERSION, target: sought });
+    });
+  }
+
+  /** Whether the actor is on its way to something, or about to be. */
+  get isUnderWay() {
+    const { waiting, endless } = this.search;
+    return Boolean(waiting) || (!endless && this.core.director.state.target !== null);
+  }
+
   /** Called once a display frame. */
   step() {
     this.search.lookAhead();
@@ -241,6 +276,8 @@ export class Toolbox {
   /** The actor was sent somewhere else: to a pose, or nowhere. */
   left(frame = null) {
     this.history.amend({ pose: frame === null ? null : { pose: frame } });
+    // What was found before is no answer to this.
+    if (this.tool.withScore) this.answer = null;
     this.search.left();
   }
 
@@ -274,7 +311,7 @@ export class Toolbox {
       this.overDue = false;
       this.lookOver(true);
     }
-    this.tool.place?.((x, z) => this.core.view.stage.seen(x, z));
+    this.tool.place?.((...point) => this.core.view.stage.seen(...point));
   }
 
   /** The page's colours, as bytes. @returns {(name: string, opacity?: number) => [number, number, number, number]} */

@@ -1,29 +1,30 @@
 /** The actor goes wherever it likes, for ever, and shows every pose as often as the weights of the behaviours say. */
 
-import { h, icon } from '../dom.js';
+import { h, iconButton } from '../dom.js';
+import { words } from '../format.js';
 import { behavioursOf } from '../targets.js';
-import { GoRow } from './dock.js';
+import { NumberField } from './dock.js';
+import { Tool } from './tool.js';
 
-export class WanderTool {
+export class WanderTool extends Tool {
   static id = 'wander';
   static title = 'Wander';
   static about = 'The actor goes wherever it likes, for ever';
-
-  id = WanderTool.id;
-  hint = 'Say what to show more or less of, and let it go.';
+  static hint = 'Say what to show more or less of, and let it go.';
 
   /** @param {import('./toolbox.js').Toolbox} box */
   constructor(box) {
-    this.box = box;
+    super(box, 'Wander');
     this.sliders = new Map();
     this.list = h('div', { class: 'weights' });
-    this.seed = h('input', { type: 'number', min: 0, max: 4294967295, step: 1, 'aria-label': 'Seed' });
-    this.seed.addEventListener('change', () => this.set({ seed: Math.max(0, Math.min(4294967295, Math.trunc(Number(this.seed.value)) || 0)) }));
-    const dice = h('button', { type: 'button', class: 'round', 'aria-label': 'Another seed', title: 'Another seed' }, icon('dice'));
-    dice.addEventListener('click', () => this.set({ seed: Math.floor(Math.random() * 1e6) }));
-    this.row = new GoRow(() => box.go(), 'Wander');
-    this.row.root.prepend(h('label', { class: 'field', title: 'The same seed gives the same walk' }, h('span', {}, 'seed'), this.seed, dice));
-    this.dock = h('div', { class: 'tool-dock wander-dock', role: 'group', 'aria-label': 'Wander' }, this.list, this.row.root);
+    this.seed = new NumberField('seed', '', 'The same seed gives the same walk', { min: 0, max: 4294967295, step: 1 }, (seed) => this.set({ seed: Math.trunc(seed ?? 0) }));
+    const dice = iconButton('dice', 'Another seed', () => this.set({ seed: Math.floor(Math.random() * 1e6) }));
+    this.row.root.prepend(this.seed.root, dice);
+    this.build(this.list, this.row.root);
+  }
+
+  get busy() {
+    return this.hint;
   }
 
   get wander() {
@@ -40,12 +41,12 @@ export class WanderTool {
   }
 
   slider(behaviour) {
-    const input = h('input', { type: 'range', min: 0, max: 4, step: 0.25, value: 1, 'aria-label': behaviour.replaceAll('_', ' ') });
+    const input = h('input', { type: 'range', min: 0, max: 4, step: 0.25, value: 1, 'aria-label': words(behaviour) });
     const value = h('output', { class: 'figures' });
     input.addEventListener('input', () => this.set({ weights: { ...this.wander.weights, [behaviour]: Number(input.value) } }, `weight ${behaviour}`));
     input.addEventListener('change', () => this.box.history.settle());
     this.sliders.set(behaviour, { input, value });
-    return h('label', { class: 'weight' }, h('span', {}, behaviour.replaceAll('_', ' ')), input, value);
+    return h('label', { class: 'weight' }, h('span', {}, words(behaviour)), input, value);
   }
 
   refresh() {
@@ -56,16 +57,12 @@ export class WanderTool {
       value.textContent = weight === 0 ? 'never' : `${weight}×`;
       input.setAttribute('aria-valuetext', value.textContent);
     }
-    if (this.seed.getRootNode().activeElement !== this.seed) this.seed.value = String(seed);
+    this.seed.show(seed);
     this.answered(this.box.answer);
   }
 
-  answered(answer) {
-    const spread = answer?.wander;
-    this.row.tell(this.box.trouble, answer, spread ? this.sentence(spread) : this.hint);
-  }
-
-  sentence({ frames, objective }) {
-    return `visits ${frames.toLocaleString('en')} frames · unevenness ${objective.toPrecision(2)}`;
+  sentence({ wander, notes }) {
+    const spread = wander ? `visits ${wander.frames.toLocaleString('en')} frames · unevenness ${wander.objective.toPrecision(2)}` : this.busy;
+    return notes[0] ?? spread;
   }
 }

@@ -3,6 +3,7 @@
 use crate::appearance::transform::{AREA, SIDE};
 use crate::bundle::entropy::binary::{Bit, Decoder, Encoder};
 use crate::bundle::entropy::numbers::{Number, unzigzag, zigzag};
+use kernels::sort::{key, numbers, sort};
 
 /// An encoder, which passes on what it is given, or a decoder, which gives what it reads.
 pub trait Coder {
@@ -66,11 +67,19 @@ pub struct Scan {
 
 impl Default for Scan {
     fn default() -> Self {
-        let mut order: Vec<usize> = (0..AREA).collect();
-        let diagonal = |at: usize| at % SIDE + at / SIDE;
-        order.sort_by_key(|&at| (diagonal(at), if diagonal(at) % 2 == 0 { at % SIDE } else { at / SIDE }));
-        let class = |sum: usize| [0, 0, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4, 5, 5, 5].get(sum).copied().unwrap_or(6);
-        Self { order: order.into_iter().map(|at| (at as u8, class(diagonal(at)))).collect() }
+        let place = |at: usize| {
+            let (x, y) = (at % SIDE, at / SIDE);
+            let along = if (x + y).is_multiple_of(2) { x } else { y };
+            key([(x + y) as u32, along as u32, at as u32, 0])
+        };
+        let mut order: Vec<u128> = (0..AREA).map(place).collect();
+        sort(&mut order);
+        let class = |sum: u32| [0, 0, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 4, 5, 5, 5].get(sum as usize).copied().unwrap_or(6);
+        let seat = |key| {
+            let [diagonal, _, at, _] = numbers(key);
+            (at as u8, class(diagonal))
+        };
+        Self { order: order.into_iter().map(seat).collect() }
     }
 }
 

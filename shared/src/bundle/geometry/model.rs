@@ -6,7 +6,7 @@ use super::super::entropy::rans::{FREQUENCY_SUM, Table};
 use super::residual::{CONTEXTS, SYMBOLS};
 use super::schedule::CLASSES;
 use super::traversal::Traversal;
-use crate::topology::Topology;
+use kernels::topology::Topology;
 
 /// Weights are multiples of 1 / 256.
 pub const WEIGHT_BITS: u32 = 8;

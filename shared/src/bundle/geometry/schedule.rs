@@ -1,6 +1,6 @@
 //! Which frames of a chunk are coded by themselves and which from others.
 
-use crate::sort::{key, numbers, sort};
+use kernels::sort::{key, numbers, sort};
 
 /// Distances in frames that independent frames may have.
 pub const GROUPS: [u32; 5] = [1, 2, 4, 8, 16];

@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use crate::topology::Topology;
+use kernels::topology::Topology;
 
 /// Neighbours of a vertex beyond this many are not looked at, so that a fan of a million triangles costs no more than
 /// its vertices.

@@ -1,7 +1,7 @@
 //! A handful of things kept by frame, the least recently used giving way.
 
 /// Up to a number of things, each of a frame.
-pub(crate) struct Kept<T> {
+pub struct Kept<T> {
     slots: Vec<Slot<T>>,
     most: usize,
     clock: u64,

@@ -1,0 +1,14 @@
+//! The numeric kernels behind every synthesised frame.
+//!
+//! They are a crate of their own because of how the page is compiled: these few functions for speed, everything else
+//! for size. Use them through `shared`, which exports them under the same names.
+
+pub mod align;
+pub mod cholesky;
+pub mod gradients;
+pub mod kept;
+mod lanes;
+pub mod laplacian;
+pub mod poisson;
+pub mod sort;
+pub mod topology;

@@ -1,0 +1,60 @@
+//! The sentences of an answer, for where it does not do what was asked.
+
+use super::answer::KeyRow;
+use super::path::PathReport;
+use super::place::PlaceReport;
+
+pub(super) fn path_notes(report: &PathReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if report.travelled + 0.05 < report.length {
+        let (travelled, length) = (report.travelled, report.length);
+        notes.push(format!("The motion does not get to the path's end: it travels {travelled:.1} of {length:.1} m."));
+    }
+    if report.max_aside > 0.5 {
+        let aside = report.max_aside;
+        notes.push(format!(
+            "The walk strays up to {aside:.1} m from the path: no motion of this capture turns like it."
+        ));
+    }
+    if let Some(kept) = report.demands_kept.filter(|&kept| kept < 0.95) {
+        notes.push(format!("{:.0} % of the painted stretches show what they demand.", 100.0 * kept));
+    }
+    notes
+}
+
+pub(super) fn place_notes(report: &PlaceReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if report.distance > 0.3 {
+        notes.push(format!(
+            "The walk ends {:.1} m from the place: no motion of this capture gets closer.",
+            report.distance
+        ));
+    }
+    if let Some(turn) = report.turn.filter(|&turn| turn > 0.35) {
+        notes.push(format!("It faces {:.0} degrees away from the heading asked for.", turn.to_degrees()));
+    }
+    notes
+}
+
+pub(super) fn keys_notes(fps: f64, rows: &[KeyRow]) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        if row.shown != row.frame && row.reached.is_some() {
+            notes.push(substitute_note(row.frame, row.shown));
+        }
+        match row.reached {
+            None => notes.push(format!("No walk leads to key pose {}; it is left out.", index + 1)),
+            Some(reached) if f64::from(reached.abs_diff(row.wanted)) > 0.25 * fps => {
+                let seconds = f64::from(reached.abs_diff(row.wanted)) / fps;
+                let how = if reached > row.wanted { "late" } else { "early" };
+                notes.push(format!("Key pose {} comes {seconds:.2} s {how}: it cannot be closer in time.", index + 1));
+            }
+            Some(_) => {}
+        }
+    }
+    notes
+}
+
+pub(super) fn substitute_note(frame: u32, shown: u32) -> String {
+    format!("Nothing leads to frame {frame}: frame {shown}, the nearest that the actor can get to, is shown instead.")
+}
