@@ -281,7 +281,8 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
             .into_iter()
             .map(|distance| {
                 let fits = |middle: &usize| {
-                    let ends = [middle.saturating_sub(distance / 2), *middle, middle + distance / 2];
+                    let Some(before) = middle.checked_sub(distance / 2) else { return false };
+                    let ends = [before, *middle, middle + distance / 2];
                     let together = sequences.iter().any(|s| ends.iter().all(|frame| s.contains(frame)));
                     together && ends.iter().all(|frame| complete.binary_search(frame).is_ok())
                 };

@@ -25,6 +25,8 @@ const MOST_LEVELS: usize = 6;
 /// Detail is what differs from the mean over this part of the texture's longer side: light that moves over skin and cloth
 /// changes more slowly.
 const NEIGHBOURHOODS: usize = 64;
+/// But at least over this many texels.
+const LEAST_NEIGHBOURHOOD: usize = 8;
 /// Contrast below which detail is not made stronger: a flat neighbourhood has nothing to match but light.
 const LEAST_CONTRAST: f32 = 0.1;
 /// Standard deviation of detail where there is plenty.
@@ -57,7 +59,12 @@ pub struct Flow {
 /// What all flows of an atlas share.
 #[derive(Clone, Debug)]
 pub struct FlowGrid {
+    /// Full resolution first; those beyond `depth` only serve means.
     levels: Vec<Level>,
+    /// Levels that flows are found on.
+    depth: usize,
+    /// The level whose texels are as large as the neighbourhoods that means are taken over.
+    neighbourhood: usize,
     options: FlowOptions,
     instructions: Instructions,
 }
@@ -84,21 +91,28 @@ impl FlowGrid {
     /// Prepares for flows over `charts`.
     #[must_use]
     pub fn new(charts: &Charts, options: FlowOptions) -> Self {
+        let neighbourhood =
+            (charts.width.max(charts.height) / NEIGHBOURHOODS).max(LEAST_NEIGHBOURHOOD).ilog2() as usize;
         let mut levels = vec![Level::new(charts.clone())];
-        let mut charts = charts.halved();
-        while levels.len() < MOST_LEVELS && charts.width.min(charts.height) >= COARSEST {
+        let (mut charts, mut depth) = (charts.halved(), 1);
+        loop {
+            let large = depth < MOST_LEVELS && charts.width.min(charts.height) >= COARSEST && depth == levels.len();
+            if !large && levels.len() > neighbourhood {
+                break;
+            }
+            depth += usize::from(large);
             let next = charts.halved();
             levels.push(Level::new(charts));
             charts = next;
         }
-        Self { levels, options, instructions: Instructions::best() }
+        Self { levels, depth, neighbourhood, options, instructions: Instructions::best() }
     }
 
     /// Makes a texture ready; `values` of all texels row-major, about 0 to 1; `seen` where some were hidden.
     #[must_use]
     pub fn prepare(&self, values: &[f32], seen: Option<&[bool]>) -> Prepared {
         let mut planes: Vec<Plane> = Vec::with_capacity(self.levels.len());
-        for (index, level) in self.levels.iter().enumerate() {
+        for (index, level) in self.levels.iter().enumerate().take(self.depth) {
             let (mut value, seen) = match planes.last() {
                 None => {
                     let ones = |seen: &[bool]| seen.iter().map(|&seen| f32::from(u8::from(seen))).collect::<Vec<_>>();
@@ -129,17 +143,15 @@ impl FlowGrid {
 
     /// `plane` without its local mean, at an even contrast, about 0.5; where it was not seen it counts for nothing.
     fn detail(&self, plane: Vec<f32>, seen: Option<&[f32]>) -> Vec<f32> {
-        let longer = self.levels[0].charts.width.max(self.levels[0].charts.height);
-        let scale = (longer / NEIGHBOURHOODS).max(1).ilog2() as usize;
-        let known = seen.map(|seen| self.blurred(seen, scale));
+        let known = seen.map(|seen| self.blurred(seen));
         let mean = |plane: &[f32]| -> Vec<f32> {
             match seen.zip(known.as_ref()) {
                 Some((seen, known)) => {
                     let part: Vec<f32> = plane.iter().zip(seen).map(|(value, seen)| value * seen).collect();
-                    let part = self.blurred(&part, scale);
+                    let part = self.blurred(&part);
                     part.iter().zip(known).map(|(part, known)| part / known.max(1e-3)).collect()
                 }
-                None => self.blurred(plane, scale),
+                None => self.blurred(plane),
             }
         };
         let mut detail = plane;
@@ -152,9 +164,9 @@ impl FlowGrid {
         detail
     }
 
-    /// Means over squares of 2^`scale` texels, within charts, interpolated.
-    fn blurred(&self, plane: &[f32], scale: usize) -> Vec<f32> {
-        let scale = scale.min(self.levels.len() - 1);
+    /// Means over neighbourhoods, within charts, interpolated.
+    fn blurred(&self, plane: &[f32]) -> Vec<f32> {
+        let scale = self.neighbourhood;
         let mut mean = plane.to_vec();
         for index in 1..=scale {
             mean = self.levels[index].shrink(&self.levels[index - 1], &mean);
@@ -169,8 +181,8 @@ impl FlowGrid {
     #[must_use]
     pub fn flow(&self, template: &Prepared, other: &Prepared) -> Flow {
         let mut flow: Option<[Vec<f32>; 2]> = None;
-        let finest_search = self.options.finest_search.min(self.levels.len() - 1);
-        for index in (0..self.levels.len()).rev() {
+        let finest_search = self.options.finest_search.min(self.depth - 1);
+        for index in (0..self.depth).rev() {
             let level = &self.levels[index];
             let mut current = match flow.take() {
                 Some([x, y]) => {

@@ -19,7 +19,12 @@ const FLAT: f32 = 1e-6;
 /// Differences below this count all the same when patches are weighed.
 const LEAST_DIFFERENCE: f32 = 1.0 / 255.0;
 /// What the initial flow counts, against mean square gradients over differences.
-const PRIOR: f32 = 1.0;
+const PRIOR: f32 = 0.35;
+/// Mean square gradient of a patch with plenty of detail: it is trusted as much as it says. One with less counts less than
+/// that, for what moves in it may be light.
+const PLENTY: f32 = 0.01;
+/// The least and the most that patches count for having less detail or more.
+const TRUST: (f32, f32) = (0.02, 10.0);
 
 /// A neighbour's way is tried where it leaves less than this part of a patch's error.
 const CLEARLY: f32 = 0.8;
@@ -140,9 +145,10 @@ impl Kernel for Densify<'_> {
                 let start = (y - first_row) * stride + patch.x as usize;
                 let sums = &mut sums[start..start + PATCH];
                 let ([xx, xy, yy], [x, y]) = (found.certainty, found.way);
+                let trust = ((xx + yy) / PLENTY).clamp(TRUST.0, TRUST.1);
                 for k in 0..PATCH {
                     let difference = (sample[row][k] - template[row][k] - found.brighter).abs();
-                    let weight = mask[row][k] * valid[row][k] / difference.max(LEAST_DIFFERENCE);
+                    let weight = trust * mask[row][k] * valid[row][k] / difference.max(LEAST_DIFFERENCE);
                     sums[k][0] += weight * xx;
                     sums[k][1] += weight * xy;
                     sums[k][2] += weight * yy;

@@ -98,7 +98,7 @@ fn charts_do_not_see_each_other() {
     let error = end_point_error(size, &flow, truth, |k| {
         (8..size - 8).contains(&(k % size)) && (8..size - 8).contains(&(k / size))
     });
-    assert!(error < 0.1, "{error}");
+    assert!(error < 0.12, "{error}");
 }
 
 #[test]
