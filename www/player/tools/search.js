@@ -111,8 +111,8 @@ export class SearchDriver {
   look(task, player, now) {
     task.looked = now;
     const answer = readAnswer(player.answer(), this.core.director.info.fps);
-    // To stay may be the best walk in the end, but is none to show on the way.
-    if (answer.legs.length === 0 && !task.done) return;
+    // To stay may be the best walk in the end, but is none to show on the way; nor is a walk whose odds are being evened out.
+    if (!task.done && (answer.legs.length === 0 || answer.wander?.objective === null)) return;
     task.answer = answer;
     if (task.origin !== 'end') this.found(task.answer, null);
   }

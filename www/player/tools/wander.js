@@ -62,7 +62,7 @@ export class WanderTool extends Tool {
   }
 
   sentence({ wander, notes }) {
-    const spread = wander ? `visits ${wander.frames.toLocaleString('en')} frames · unevenness ${wander.objective.toPrecision(2)}` : this.busy;
+    const spread = Number.isFinite(wander?.objective) ? `visits ${wander.frames.toLocaleString('en')} frames · unevenness ${wander.objective.toPrecision(2)}` : this.busy;
     return notes[0] ?? spread;
   }
 }
