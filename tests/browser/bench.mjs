@@ -59,6 +59,54 @@ async function deviceLoss(element) {
   return taken;
 }
 
+/**
+ * Five standard paths, each searched for during two seconds in slices of 4 ms: milliseconds until the first whole walk, the
+ * longest slice, and how far off in centimetres the best walk then is on average and at most. The worst path counts.
+ */
+function searching(element) {
+  const { player: inner } = element.testing;
+  const around = (count, point) => Array.from({ length: count + 1 }, (_, at) => point((at / count) * 2 * Math.PI));
+  const paths = {
+    line: [[0, 0], [0, 10]],
+    circle: around(24, (angle) => [1.6 - 1.6 * Math.cos(angle), 1.6 * Math.sin(angle)]),
+    slalom: around(40, (angle) => [0.8 * Math.sin(2 * angle), (9 * angle) / (2 * Math.PI)]),
+    'right angles': [[0, 0], [0, 3], [3, 3], [3, 6], [4, 6]],
+    'figure eight': around(48, (angle) => [1.35 * Math.sin(2 * angle), 2.2 * Math.sin(angle)]),
+  };
+  const timed = (work) => {
+    const start = performance.now();
+    return [work(), performance.now() - start];
+  };
+  let ready = false;
+  const figures = { search_prepared: 0, search_first: 0, search_slice: 0 };
+  while (!ready) {
+    const [done, taken] = timed(() => inner.prepare_search(4));
+    ready = done;
+    figures.search_prepared += taken;
+  }
+  for (const [name, points] of Object.entries(paths)) {
+    const shape = name === 'line' || name === 'right angles' ? 'polyline' : 'spline';
+    const request = { version: 1, target: { path: { points, shape, free_start: true } } };
+    let [, spent] = timed(() => inner.search(JSON.stringify(request), 'anywhere'));
+    let first = null;
+    let progress = 'running';
+    figures.search_slice = Math.max(figures.search_slice, spent);
+    while (progress === 'running' && spent < 2000) {
+      const [now, taken] = timed(() => inner.search_on(4));
+      progress = now;
+      spent += taken;
+      figures.search_slice = Math.max(figures.search_slice, taken);
+      if (first === null && JSON.parse(inner.answer()).legs.length > 0) first = spent;
+    }
+    const { path } = JSON.parse(inner.answer()).parts[0].goal;
+    figures.search_first = Math.max(figures.search_first, first ?? Infinity);
+    figures[`path_${name.replace(' ', '_')}_mean`] = 100 * path.mean;
+    figures[`path_${name.replace(' ', '_')}_most`] = 100 * path.max;
+  }
+  inner.stop_search();
+  return figures;
+}
+
 const browser = await Browser.launch();
 const player = await browser.open({ forgive: [/Device was destroyed/] });
 await player.loaded();
@@ -69,6 +117,7 @@ await player.run((element) => element.testing.player.bench());
 const figures = {
   ...(await player.run((element) => JSON.parse(element.testing.player.bench()))),
   ...(await player.run(clicks)),
+  ...(await player.run(searching)),
   bytes_to_first_picture: await player.page.evaluate(bytesToFirstPicture, { address: 'demo.reprise', chunk: CHUNK }),
   device_loss: await player.run(deviceLoss),
 };

@@ -15,9 +15,10 @@ use crate::{browser, demo, size, web};
 const FULL_SIZE: &str = "2633";
 
 /// Criterion's benchmarks: package and name.
-const BENCHES: [(&str, &str); 5] = [
+const BENCHES: [(&str, &str); 6] = [
     ("reprise-shared", "poisson"),
     ("reprise-shared", "bundle"),
+    ("reprise-shared", "search"),
     ("reprise-builder", "distance"),
     ("reprise-builder", "transitions"),
     ("reprise-builder", "essential"),
@@ -105,6 +106,14 @@ fn page(dist: &Path, figures: &mut Figures) -> Result<()> {
     add("click_to_plan", "page: click to plan", "ms", Mark::AtMost(5.0, Some(1.0)));
     add("click_to_changed", "page: click to first changed frame", "ms", Mark::AtMost(50.0, None));
     add("click_to_changed_worst", "page: the same, slowest of 24", "ms", Mark::AtMost(50.0, None));
+    add("search_prepared", "page: getting ready to search", "ms", Mark::None);
+    add("search_first", "page: first walk along a path, slowest of five", "ms", Mark::AtMost(100.0, None));
+    add("search_slice", "page: longest slice of a search", "ms", Mark::AtMost(50.0, None));
+    for path in ["line", "circle", "slalom", "right angles", "figure eight"] {
+        let name = path.replace(' ', "_");
+        add(&format!("path_{name}_mean"), &format!("page: off the {path} after 2 s, mean"), "cm", Mark::None);
+        add(&format!("path_{name}_most"), &format!("page: off the {path} after 2 s, most"), "cm", Mark::None);
+    }
     add("bytes_to_first_picture", "page: bundle before the first picture", "MB", Mark::AtMost(2.0, None));
     add("device_loss", "page: device lost to the same pose", "ms", Mark::AtMost(1000.0, None));
     Ok(())
