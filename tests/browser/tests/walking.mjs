@@ -225,7 +225,7 @@ export const tests = {
     const player = await standing(browser, { forgive: [/Device was destroyed/] });
     await player.run((element) => element.addEventListener('transitionstart', () => element.pause(), { once: true }));
     const target = await player.click(await player.target());
-    await player.until('a transition under way', (element) => element.state.mode === 'synthetic' || element.state.transition);
+    await player.until('a pause in a transition', (element) => element.state.mode === 'paused' && element.state.transition);
     const before = await player.run((element) => {
       element.testing.loseDevice();
       return { pose: element.testing.pose(), state: element.state };
