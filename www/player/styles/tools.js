@@ -24,15 +24,6 @@ button:disabled { opacity: 0.38; cursor: default; }
 .dot { display: inline-block; inline-size: 9px; block-size: 9px; margin-inline-end: 6px; border-radius: 2px; background: var(--b); }
 .b0 { --b: var(--behaviour-0); } .b1 { --b: var(--behaviour-1); } .b2 { --b: var(--behaviour-2); } .b3 { --b: var(--behaviour-3); } .b4 { --b: var(--behaviour-4); }
 .outcome[data-busy] { color: var(--muted); }
-.pose-dock { display: flex; align-items: center; gap: 4px 8px; min-block-size: 32px; }
-.pose-dock > .choice { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
-.pose-dock .chip { flex: none; }
-.pose-dock .field { margin-inline-start: auto; }
-.pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
-.queue:empty { display: none; }
-.waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
-.waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
-.waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { display: flex; align-items: center; gap: 12px; min-inline-size: 0; }
 .outcome { flex: 1; min-inline-size: 0; margin: 0; color: var(--ink); }
 .go { padding: 6px 18px; margin-inline-start: auto; }
