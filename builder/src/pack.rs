@@ -291,7 +291,11 @@ fn essential_graph(
         transitions: &transitions,
         options: &options.transition,
     };
-    let contacts = if options.hold_contacts { essential::contacts(capture) } else { Contacts::default() };
+    let contacts = if options.hold_contacts {
+        essential::contacts(&capture.topology, &capture.timeline, &capture.poses)
+    } else {
+        Contacts::default()
+    };
     let graph = essential::build_graph(capture, &findings, &essential.edges, options.alpha, contacts)
         .map_err(|error| PackError::Ours(error.to_string()))?;
     let components = essential::strongly_connected(timeline, &essential.edges);

@@ -5,9 +5,10 @@
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
-use shared::capture::{Capture, Poses};
+use shared::capture::Poses;
 use shared::contacts::{Contact, Contacts, MOST_PARTS};
 use shared::timeline::Timeline;
+use shared::topology::Topology;
 
 /// What is this close to the ground may touch it, relative to the body's height: 2 cm of 1.8 m.
 const NEAR: f32 = 0.011;
@@ -25,11 +26,10 @@ const FEWEST_VERTICES: usize = 3;
 
 /// The contacts of all frames.
 #[must_use]
-pub fn contacts(capture: &Capture) -> Contacts {
-    let timeline = &capture.timeline;
-    let floor = Floor::of(capture);
-    let parts = parts(capture, &floor);
-    let tracks: Vec<Vec<Contact>> = parts.iter().map(|part| track(&capture.poses, timeline, part, &floor)).collect();
+pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Contacts {
+    let floor = Floor::of(timeline, poses);
+    let parts = parts(topology, &rests(timeline, poses, &floor), timeline.frame_count());
+    let tracks: Vec<Vec<Contact>> = parts.iter().map(|part| track(poses, timeline, part, &floor)).collect();
     let frames = 0..timeline.frame_count() as usize;
     let contacts = frames.flat_map(|frame| tracks.iter().map(move |track| track[frame])).collect();
     Contacts::new(parts.len(), contacts, timeline).unwrap_or_default()
@@ -47,14 +47,14 @@ struct Floor {
 
 impl Floor {
     /// The ground is where a capture's lowest vertices are in most frames.
-    fn of(capture: &Capture) -> Self {
+    fn of(timeline: &Timeline, poses: &Poses) -> Self {
         let heights =
             |pose: &[Vec3]| pose.iter().fold((f32::MAX, f32::MIN), |(low, high), p| (low.min(p.y), high.max(p.y)));
-        let mut lowest: Vec<f32> = capture.poses.iter().map(|pose| heights(pose).0).collect();
+        let mut lowest: Vec<f32> = poses.iter().map(|pose| heights(pose).0).collect();
         lowest.sort_unstable_by(f32::total_cmp);
-        let (low, high) = heights(capture.poses.iter().next().unwrap_or_default());
+        let (low, high) = heights(poses.iter().next().unwrap_or_default());
         let height = lowest.get(lowest.len() / 4).copied().unwrap_or(0.0);
-        Self { height, body: (high - low).max(0.0), fps: capture.timeline.fps() }
+        Self { height, body: (high - low).max(0.0), fps: timeline.fps() }
     }
 
     /// Between two frames in a row.
@@ -76,11 +76,10 @@ fn fall(value: f32, from: f32, to: f32) -> f32 {
 }
 
 /// Vertices of each part, those that rest most first.
-fn parts(capture: &Capture, floor: &Floor) -> Vec<Vec<u32>> {
-    let rests = rests(capture, floor);
-    let enough = ((SHARE * capture.timeline.frame_count() as f32) as u32).max(FEWEST_FRAMES);
+fn parts(topology: &Topology, rests: &[u32], frame_count: u32) -> Vec<Vec<u32>> {
+    let enough = ((SHARE * frame_count as f32) as u32).max(FEWEST_FRAMES);
     let mut parent: Vec<u32> = (0..rests.len() as u32).collect();
-    for &[a, b, c] in capture.topology.triangles() {
+    for &[a, b, c] in topology.triangles() {
         for (one, other) in [(a, b), (b, c), (c, a)] {
             if rests[one as usize] >= enough && rests[other as usize] >= enough {
                 let (one, other) = (root(&mut parent, one), root(&mut parent, other));
@@ -100,17 +99,17 @@ fn parts(capture: &Capture, floor: &Floor) -> Vec<Vec<u32>> {
 }
 
 /// For each vertex the steps from frame to frame in which it is at rest near the ground.
-fn rests(capture: &Capture, floor: &Floor) -> Vec<u32> {
-    let sequences = capture.timeline.sequences();
+fn rests(timeline: &Timeline, poses: &Poses, floor: &Floor) -> Vec<u32> {
+    let sequences = timeline.sequences();
     let steps = sequences.iter().flat_map(|sequence| sequence.first_frame..sequence.end_frame().saturating_sub(1));
     let count = |mut counts: Vec<u32>, frame: u32| {
-        let (before, after) = (capture.poses.frame(frame), capture.poses.frame(frame + 1));
+        let (before, after) = (poses.frame(frame), poses.frame(frame + 1));
         for ((count, &before), &after) in counts.iter_mut().zip(before).zip(after) {
             *count += u32::from(floor.rests(before, after));
         }
         counts
     };
-    let none = || vec![0_u32; capture.topology.vertex_count()];
+    let none = || vec![0_u32; poses.vertex_count()];
     let add = |mut a: Vec<u32>, b: Vec<u32>| {
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a

@@ -68,7 +68,7 @@ impl Subject {
         let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), &told)?;
         let weights = capture.topology.weights();
         let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
-        let contacts = essential::contacts(&capture);
+        let contacts = essential::contacts(&capture.topology, &capture.timeline, &capture.poses);
         Ok(Self {
             contacts,
             capture,

@@ -9,7 +9,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 1;
+pub const VERSION_MINOR: u16 = 2;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
