@@ -1,6 +1,5 @@
 //! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -151,8 +150,9 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
     let mut warnings = imported.warnings;
     let built = match (&options.appearance, imported.frame_textures) {
         (AppearanceChoice::Eigen(options), Some(paths)) => {
+            let files = TextureFiles::new(paths, imported.frame_masks)?;
             let built = timed(&mut seconds.appearance, || {
-                eigen_appearance(&imported.capture, paths, options, &mut warnings, report)
+                eigen_appearance(&imported.capture, &files, options, &mut warnings, report)
             })?;
             Some(built)
         }
@@ -170,12 +170,11 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
 /// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.
 fn eigen_appearance(
     capture: &Capture,
-    paths: Vec<PathBuf>,
+    textures: &TextureFiles,
     options: &AppearanceOptions,
     warnings: &mut Vec<Warning>,
     report: Report,
 ) -> Result<(AppearanceModel, AppearanceSummary), PackError> {
-    let textures = TextureFiles::new(paths, Vec::new())?;
     let (width, height) = textures.size();
     let (charts, findings) = Charts::new(&capture.surface, width, height)?;
     if findings.shared_texels > 0 {
@@ -196,7 +195,7 @@ fn eigen_appearance(
             ),
         ));
     }
-    let (model, summary) = appearance::build(&textures, &charts, options, report)?;
+    let (model, summary) = appearance::build(textures, &charts, options, report)?;
     if !summary.completed_frames.is_empty() {
         warnings.push(Warning::new(
             "W_TEXTURE_HOLES",

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use shared::appearance::AppearanceModel;
 use shared::appearance::quality::Similarity;
+use shared::bundle::AppearanceQuality;
 
 use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
@@ -10,6 +11,7 @@ use super::charts::Charts;
 use super::completion;
 use super::fit::{self, fit};
 use super::pca::{Components, components};
+use super::stored::{StoredQuality, stored_quality};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
 use crate::progress::{Progress, Report};
@@ -57,6 +59,8 @@ pub struct AppearanceSummary {
     pub ssim: f64,
     /// Mean square error of the same.
     pub mean_square_error: f64,
+    /// The same after storing, as the player shows it.
+    pub stored: StoredQuality,
 }
 
 /// Eigen textures and Eigen warps of a number of components in all: two in three are textures.
@@ -98,7 +102,7 @@ pub fn build(
         0.0 => 1.0,
         total => components.variances.iter().sum::<f64>() / total,
     };
-    let summary = AppearanceSummary {
+    let mut summary = AppearanceSummary {
         textures: basis.textures.modes.len(),
         warps: basis.warps.modes.len(),
         reference: aligned.reference,
@@ -107,8 +111,12 @@ pub fn build(
         warp_variance: share(&basis.warps),
         ssim,
         mean_square_error,
+        stored: StoredQuality::default(),
     };
-    Ok((basis.into_model(charts), summary))
+    let model = basis.into_model(charts);
+    report(Progress { what: "appearance after storing", done: 0, total: 0 });
+    summary.stored = stored_quality(source, charts, &model, AppearanceQuality::default(), &sample)?;
+    Ok((model, summary))
 }
 
 /// The least count from 1 to `most` that is enough, where more is never worse; `most` where none is.

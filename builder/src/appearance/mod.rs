@@ -22,6 +22,7 @@ pub mod pca;
 pub mod prepare;
 pub mod reference;
 pub mod store;
+pub mod stored;
 pub mod symmetric;
 pub mod textures;
 pub mod views;

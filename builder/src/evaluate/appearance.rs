@@ -21,7 +21,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
              builder performer --artefacts all -o capture, then builder evaluate capture --sections appearance.",
         ));
     };
-    let files = TextureFiles::new(paths, Vec::new())?;
+    let files = TextureFiles::new(paths, subject.masks.clone())?;
     let (width, height) = files.size();
     let (charts, _) = Charts::new(&subject.capture.surface, width, height)?;
     let range = |first: u32, count: u32| first as usize..(first + count) as usize;

@@ -23,6 +23,8 @@ pub struct Subject {
     pub capture: Capture,
     /// Texture files of all frames, where every frame has its own.
     pub textures: Option<Vec<PathBuf>>,
+    /// Masks of what no camera saw, one a frame, where there are any.
+    pub masks: Vec<Option<PathBuf>>,
     /// Its skeleton's truth, where it came with one.
     pub truth: Option<Truth>,
     /// How it is evaluated.
@@ -48,7 +50,7 @@ impl Subject {
         let imported = import(inputs, import_options, &|step| report(step))?;
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
         let subject = Self::new(imported.capture, truth, options, report)?;
-        Ok(Self { textures: imported.frame_textures, ..subject })
+        Ok(Self { textures: imported.frame_textures, masks: imported.frame_masks, ..subject })
     }
 
     /// Measures the pose distances of a capture in memory.
@@ -68,6 +70,7 @@ impl Subject {
         Ok(Self {
             capture,
             textures: None,
+            masks: Vec::new(),
             truth,
             options,
             measured,

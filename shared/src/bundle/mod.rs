@@ -23,7 +23,9 @@ mod surface;
 mod triangles;
 mod validate;
 
-pub use appearance::{Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder};
+pub use appearance::{
+    Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder, StoredAppearance, store_appearance,
+};
 pub use encode::{BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance};
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
