@@ -10,6 +10,7 @@ use shared::cholesky::elimination_order;
 use shared::graph::EssentialGraph;
 use thiserror::Error;
 
+use crate::appearance::naive::naive;
 use crate::appearance::textures::{TextureFiles, TextureSource};
 use crate::appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
 use crate::distance::{self, DistanceOptions};
@@ -158,8 +159,9 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
         }
         _ => None,
     };
-    let (model, summary) = built.unzip();
-    let (bytes, mut pack_report) = pack_with_appearance(&imported.capture, model.as_ref(), options, report)?;
+    let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
+    let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
+    let (bytes, mut pack_report) = pack_with_looks(&imported.capture, &models, quality, options, report)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
@@ -174,7 +176,7 @@ fn eigen_appearance(
     options: &AppearanceOptions,
     warnings: &mut Vec<Warning>,
     report: Report,
-) -> Result<(AppearanceModel, AppearanceSummary), PackError> {
+) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
     let (charts, findings) = Charts::new(&capture.surface, width, height)?;
     if findings.shared_texels > 0 {
@@ -205,7 +207,12 @@ fn eigen_appearance(
             ),
         ));
     }
-    Ok((model, summary))
+    let mut models = vec![model];
+    if options.compare {
+        report(Progress { what: "naive components", done: 0, total: 0 });
+        models.push(naive(textures, &charts, summary.textures + summary.warps)?);
+    }
+    Ok((models, summary))
 }
 
 /// Returns the bytes of the bundle of a capture in memory, with a report.
@@ -217,23 +224,25 @@ pub fn pack_capture(
     options: &PackOptions,
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
-    pack_with_appearance(capture, None, options, report)
+    pack_with_looks(capture, &[], AppearanceQuality::default(), options, report)
 }
 
-/// Returns the bytes of the bundle of a capture in memory and of its appearance, with a report.
+/// Returns the bytes of the bundle of a capture in memory with the models of its textures, and with those to compare with
+/// where `models` has them, too; and a report.
 ///
 /// # Errors
 /// Options that do not fit the capture, or stages that contradict each other.
-pub fn pack_with_appearance(
+pub fn pack_with_looks(
     capture: &Capture,
-    appearance: Option<&AppearanceModel>,
+    models: &[AppearanceModel],
+    quality: AppearanceQuality,
     options: &PackOptions,
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let (graph, graph_summary) = essential_graph(capture, options, &mut seconds, report)?;
     report(Progress { what: "bundle", done: 0, total: 0 });
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, appearance, options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, (models, quality), options))?;
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
@@ -306,7 +315,7 @@ fn essential_graph(
 fn encode(
     capture: &Capture,
     graph: &EssentialGraph,
-    appearance: Option<&AppearanceModel>,
+    (models, quality): (&[AppearanceModel], AppearanceQuality),
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
     let order = elimination_order(&capture.topology);
@@ -320,8 +329,8 @@ fn encode(
     };
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
-    let appearance = appearance.map(|model| AppearanceInput { model, material, quality: AppearanceQuality::default() });
-    bundle::encode_with_appearance(&input, appearance.as_ref()).map_err(|error| PackError::Option(error.to_string()))
+    let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
+    bundle::encode_with_looks(&input, &looks).map_err(|error| PackError::Option(error.to_string()))
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

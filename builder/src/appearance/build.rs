@@ -11,7 +11,7 @@ use super::charts::Charts;
 use super::completion;
 use super::fit::{self, fit};
 use super::pca::{Components, components};
-use super::stored::{StoredQuality, stored_quality};
+use super::stored::{self, StoredQuality};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
 use crate::progress::{Progress, Report};
@@ -32,11 +32,13 @@ pub struct AppearanceOptions {
     pub ssim: Option<f64>,
     /// How textures are aligned.
     pub align: AlignOptions,
+    /// As many components of textures that are not aligned go into the bundle, so that the page can compare.
+    pub compare: bool,
 }
 
 impl Default for AppearanceOptions {
     fn default() -> Self {
-        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default() }
+        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default(), compare: false }
     }
 }
 
@@ -59,6 +61,8 @@ pub struct AppearanceSummary {
     pub ssim: f64,
     /// Mean square error of the same.
     pub mean_square_error: f64,
+    /// How finely the models are to be stored.
+    pub quality: AppearanceQuality,
     /// The same after storing, as the player shows it.
     pub stored: StoredQuality,
 }
@@ -111,11 +115,12 @@ pub fn build(
         warp_variance: share(&basis.warps),
         ssim,
         mean_square_error,
+        quality: AppearanceQuality::default(),
         stored: StoredQuality::default(),
     };
     let model = basis.into_model(charts);
     report(Progress { what: "appearance after storing", done: 0, total: 0 });
-    summary.stored = stored_quality(source, charts, &model, AppearanceQuality::default(), &sample)?;
+    (summary.quality, summary.stored) = stored::choose(source, charts, &model, ssim, &sample)?;
     Ok((model, summary))
 }
 
@@ -192,7 +197,7 @@ impl Basis {
         means(found)
     }
 
-    fn into_model(self, charts: &Charts) -> AppearanceModel {
+    pub(super) fn into_model(self, charts: &Charts) -> AppearanceModel {
         AppearanceModel {
             width: charts.width as u32,
             height: charts.height as u32,

@@ -18,6 +18,7 @@ pub mod fit;
 pub mod flow;
 pub mod gaps;
 mod level;
+pub mod naive;
 pub mod pca;
 pub mod prepare;
 pub mod reference;

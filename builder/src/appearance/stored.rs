@@ -15,6 +15,16 @@ use super::textures::TextureSource;
 
 /// Multigrid cycles of the player.
 const CYCLES: usize = 1;
+/// Step of warps, in texels: they weigh little, and an error of theirs moves edges.
+const WARP_STEP: f32 = 0.08;
+/// Bytes of the appearance, a frame of the whole capture, that are never exceeded.
+const MOST_BYTES: u64 = 8192;
+/// Structural similarity that storing may cost.
+const LOSS: f64 = 0.008;
+/// Times that steps are made finer.
+const ATTEMPTS: usize = 4;
+/// How much finer.
+const FINER: f32 = 0.7;
 
 /// How alike textures are that were rebuilt from what is stored, over a sample of complete frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -47,6 +57,33 @@ pub fn stored_quality(
     let input = AppearanceInput { model, material: 0, quality };
     let stored = store_appearance(&input, source.frame_count() as u32, 1)?;
     compare(source, charts, &stored, frames)
+}
+
+/// The coarsest quality of those tried with which storing costs no more than [`LOSS`] of the similarity `before`, or the
+/// finest that keeps to [`MOST_BYTES`]; with what it comes to.
+///
+/// # Errors
+/// As [`stored_quality`].
+pub fn choose(
+    source: &(impl TextureSource + ?Sized),
+    charts: &Charts,
+    model: &AppearanceModel,
+    before: f64,
+    frames: &[usize],
+) -> Result<(AppearanceQuality, StoredQuality), AppearanceError> {
+    let most_bytes = Some(MOST_BYTES * source.frame_count() as u64);
+    let mut quality = AppearanceQuality { warp_step: WARP_STEP, most_bytes, ..AppearanceQuality::default() };
+    let mut found = stored_quality(source, charts, model, quality, frames)?;
+    for _ in 0..ATTEMPTS {
+        // Finer steps need about as many more bytes as they are finer.
+        let room = found.bytes_per_frame / f64::from(FINER) <= MOST_BYTES as f64;
+        if before - found.ssim <= LOSS || !room {
+            break;
+        }
+        quality.texture_step *= FINER;
+        found = stored_quality(source, charts, model, quality, frames)?;
+    }
+    Ok((quality, found))
 }
 
 fn compare(

@@ -88,6 +88,10 @@ pub struct PackArguments {
     /// As few components as reach this structural similarity of textures, for example 0.98.
     #[arg(long, value_name = "SSIM", conflicts_with = "appearance_components")]
     pub appearance_ssim: Option<f64>,
+    /// Also store as many components of textures that are not aligned, so that the page can compare: about as many bytes
+    /// again.
+    #[arg(long)]
+    pub appearance_compare: bool,
     /// Print an object with times, sizes and errors on stdout at the end.
     #[arg(long)]
     pub json: bool,

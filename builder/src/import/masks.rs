@@ -3,7 +3,7 @@
 //! A mask belongs to the frame whose texture has the same number at the end of its name; frames without one were seen in
 //! full, as far as masks say.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::images::size_of;
@@ -57,8 +57,8 @@ pub(super) fn settle(
 }
 
 /// The frame, among those that wear `textures`, whose number `mask` has.
-fn frame_of(mask: &PathBuf, textures: &[PathBuf]) -> Result<usize, ImportError> {
-    let wrong = |reason: String| ImportError::Mask { path: mask.clone(), reason };
+fn frame_of(mask: &Path, textures: &[PathBuf]) -> Result<usize, ImportError> {
+    let wrong = |reason: String| ImportError::Mask { path: mask.to_owned(), reason };
     let number =
         prefix_and_number(mask).1.ok_or_else(|| wrong("its name does not end with a frame's number".into()))?;
     let mut those = (0..textures.len()).filter(|&frame| prefix_and_number(&textures[frame]).1 == Some(number));

@@ -9,7 +9,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 1;
+pub const VERSION_MINOR: u16 = 2;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
@@ -41,13 +41,17 @@ pub enum Kind {
     Appearance,
     /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
     AppearanceMode,
+    /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.2.
+    Naive,
+    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.2.
+    NaiveMode,
     /// Where the actor is and which way it faces in every frame.
     Motion,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -58,6 +62,8 @@ impl Kind {
         Self::FileVertices,
         Self::Appearance,
         Self::AppearanceMode,
+        Self::Naive,
+        Self::NaiveMode,
         Self::Motion,
     ];
 
@@ -75,6 +81,8 @@ impl Kind {
             Self::FileVertices => 8,
             Self::Appearance => 32,
             Self::AppearanceMode => 33,
+            Self::Naive => 34,
+            Self::NaiveMode => 35,
             Self::Motion => 64,
         }
     }
@@ -99,6 +107,8 @@ impl Kind {
             Self::FileVertices => "file-vertices",
             Self::Appearance => "appearance",
             Self::AppearanceMode => "appearance-mode",
+            Self::Naive => "naive",
+            Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
         }
     }
@@ -106,13 +116,17 @@ impl Kind {
     /// Whether a bundle may hold several of it, told apart by their ordinals.
     #[must_use]
     pub fn is_repeated(self) -> bool {
-        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode)
+        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode | Self::NaiveMode)
     }
 
     /// The minor version that brought it.
     #[must_use]
     pub fn since(self) -> u16 {
-        u16::from(matches!(self, Self::Appearance | Self::AppearanceMode | Self::Motion))
+        match self {
+            Self::Appearance | Self::AppearanceMode | Self::Motion => 1,
+            Self::Naive | Self::NaiveMode => 2,
+            _ => 0,
+        }
     }
 }
 

@@ -14,10 +14,38 @@ pub use decode::ModeDecoder;
 pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 
 use super::error::EncodeError;
+use super::header::Kind;
 use crate::appearance::basis::{Layer, Mode};
 use crate::appearance::dealign::Aligned;
 use crate::appearance::mask::{ACTIVE, Mask};
 use crate::appearance::transform::SIDE;
+
+/// Which textures a bundle's models are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Textures {
+    /// Aligned ones, which warps move back.
+    #[default]
+    Aligned,
+    /// Textures as they were captured, to compare with: there is nothing to move.
+    Naive,
+}
+
+impl Textures {
+    /// Those that a section of `kind` is about.
+    pub(super) fn of(kind: Kind) -> Self {
+        if matches!(kind, Kind::Naive | Kind::NaiveMode) { Self::Naive } else { Self::Aligned }
+    }
+
+    /// The kind of section that holds what they share.
+    pub(super) fn kind(self) -> Kind {
+        [Kind::Appearance, Kind::Naive][self as usize]
+    }
+
+    /// The kind of section that holds one of their modes.
+    pub(super) fn modes_kind(self) -> Kind {
+        [Kind::AppearanceMode, Kind::NaiveMode][self as usize]
+    }
+}
 
 /// What all frames' textures share, and each frame's coefficients. The modes arrive later.
 #[derive(Clone, Debug)]
