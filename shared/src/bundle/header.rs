@@ -45,13 +45,15 @@ pub enum Kind {
     Naive,
     /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.2.
     NaiveMode,
-    /// Where the actor is and which way it faces in every frame.
+    /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
+    /// What stands on the ground in every frame. Since 1.2.
+    Contacts,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -65,6 +67,7 @@ impl Kind {
         Self::Naive,
         Self::NaiveMode,
         Self::Motion,
+        Self::Contacts,
     ];
 
     /// Its number in the file. Numbers 32 to 63 are reserved for appearance, those from 64 on for direction.
@@ -84,6 +87,7 @@ impl Kind {
             Self::Naive => 34,
             Self::NaiveMode => 35,
             Self::Motion => 64,
+            Self::Contacts => 65,
         }
     }
 
@@ -110,6 +114,7 @@ impl Kind {
             Self::Naive => "naive",
             Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
+            Self::Contacts => "contacts",
         }
     }
 
@@ -123,8 +128,8 @@ impl Kind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Contacts | Self::Naive | Self::NaiveMode => 2,
             Self::Appearance | Self::AppearanceMode | Self::Motion => 1,
-            Self::Naive | Self::NaiveMode => 2,
             _ => 0,
         }
     }
