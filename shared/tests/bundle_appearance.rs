@@ -134,7 +134,7 @@ fn textures_and_warps_come_back_as_closely_as_reported() {
 fn every_byte_is_accounted_for() {
     let (bytes, report) = write(&small(), AppearanceQuality::default()).unwrap();
     let reader = BundleReader::from_bytes(&bytes).unwrap();
-    assert_eq!(reader.header().unwrap().minor, 1);
+    assert_eq!(reader.header().unwrap().minor, 2);
     let ours: Vec<_> = reader.sections().into_iter().filter(|section| section.name.starts_with("appearance")).collect();
     assert_eq!(ours.len(), 1 + 2 + 3 + 2);
     assert_eq!(ours.iter().map(|section| section.stored).sum::<u64>(), report.bytes);
