@@ -234,6 +234,8 @@ export interface ActorInfo {
   images: { media_type: string; width: number; height: number; ready: boolean }[];
   /** Eigen textures and Eigen warps that the texture is rebuilt from; `null` where it does not change or is still to come. */
   appearance: [number, number] | null;
+  /** Modes of textures that were not aligned, to compare with; `null` where the file holds none or they are still to come. */
+  naive: number | null;
   /** Frames in the largest strongly connected component: all of them reach each other. */
   main: number;
 }

@@ -1,6 +1,5 @@
 //! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -12,6 +11,7 @@ use shared::contacts::Contacts;
 use shared::graph::EssentialGraph;
 use thiserror::Error;
 
+use crate::appearance::naive::naive;
 use crate::appearance::textures::{TextureFiles, TextureSource};
 use crate::appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
 use crate::distance::{self, DistanceOptions};
@@ -154,15 +154,17 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
     let mut warnings = imported.warnings;
     let built = match (&options.appearance, imported.frame_textures) {
         (AppearanceChoice::Eigen(options), Some(paths)) => {
+            let files = TextureFiles::new(paths, imported.frame_masks)?;
             let built = timed(&mut seconds.appearance, || {
-                eigen_appearance(&imported.capture, paths, options, &mut warnings, report)
+                eigen_appearance(&imported.capture, &files, options, &mut warnings, report)
             })?;
             Some(built)
         }
         _ => None,
     };
-    let (model, summary) = built.unzip();
-    let (bytes, mut pack_report) = pack_with_appearance(&imported.capture, model.as_ref(), options, report)?;
+    let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
+    let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
+    let (bytes, mut pack_report) = pack_with_looks(&imported.capture, &models, quality, options, report)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
@@ -173,12 +175,11 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
 /// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.
 fn eigen_appearance(
     capture: &Capture,
-    paths: Vec<PathBuf>,
+    textures: &TextureFiles,
     options: &AppearanceOptions,
     warnings: &mut Vec<Warning>,
     report: Report,
-) -> Result<(AppearanceModel, AppearanceSummary), PackError> {
-    let textures = TextureFiles::new(paths, Vec::new())?;
+) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
     let (charts, findings) = Charts::new(&capture.surface, width, height)?;
     if findings.shared_texels > 0 {
@@ -199,7 +200,7 @@ fn eigen_appearance(
             ),
         ));
     }
-    let (model, summary) = appearance::build(&textures, &charts, options, report)?;
+    let (model, summary) = appearance::build(textures, &charts, options, report)?;
     if !summary.completed_frames.is_empty() {
         warnings.push(Warning::new(
             "W_TEXTURE_HOLES",
@@ -209,7 +210,12 @@ fn eigen_appearance(
             ),
         ));
     }
-    Ok((model, summary))
+    let mut models = vec![model];
+    if options.compare {
+        report(Progress { what: "naive components", done: 0, total: 0 });
+        models.push(naive(textures, &charts, summary.textures + summary.warps)?);
+    }
+    Ok((models, summary))
 }
 
 /// Returns the bytes of the bundle of a capture in memory, with a report.
@@ -221,23 +227,25 @@ pub fn pack_capture(
     options: &PackOptions,
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
-    pack_with_appearance(capture, None, options, report)
+    pack_with_looks(capture, &[], AppearanceQuality::default(), options, report)
 }
 
-/// Returns the bytes of the bundle of a capture in memory and of its appearance, with a report.
+/// Returns the bytes of the bundle of a capture in memory with the models of its textures, and with those to compare with
+/// where `models` has them, too; and a report.
 ///
 /// # Errors
 /// Options that do not fit the capture, or stages that contradict each other.
-pub fn pack_with_appearance(
+pub fn pack_with_looks(
     capture: &Capture,
-    appearance: Option<&AppearanceModel>,
+    models: &[AppearanceModel],
+    quality: AppearanceQuality,
     options: &PackOptions,
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let (graph, graph_summary) = essential_graph(capture, options, &mut seconds, report)?;
     report(Progress { what: "bundle", done: 0, total: 0 });
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, appearance, options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, (models, quality), options))?;
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
@@ -315,7 +323,7 @@ fn essential_graph(
 fn encode(
     capture: &Capture,
     graph: &EssentialGraph,
-    appearance: Option<&AppearanceModel>,
+    (models, quality): (&[AppearanceModel], AppearanceQuality),
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
     let order = elimination_order(&capture.topology);
@@ -329,8 +337,8 @@ fn encode(
     };
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
-    let appearance = appearance.map(|model| AppearanceInput { model, material, quality: AppearanceQuality::default() });
-    bundle::encode_with_appearance(&input, appearance.as_ref()).map_err(|error| PackError::Option(error.to_string()))
+    let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
+    bundle::encode_with_looks(&input, &looks).map_err(|error| PackError::Option(error.to_string()))
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

@@ -8,11 +8,14 @@ use builder::appearance::align::{AlignOptions, Aligned, align};
 use builder::appearance::build::Basis;
 use builder::appearance::completion::complete;
 use builder::appearance::fit::fit;
+use builder::appearance::naive::naive;
 use builder::appearance::pca::components;
 use builder::appearance::store::Store;
+use builder::appearance::stored::stored_quality;
 use builder::appearance::textures::{Texture, TextureFiles, TextureSource};
 use builder::appearance::{AppearanceError, AppearanceOptions, Charts, build};
 use builder::progress::silent;
+use shared::bundle::AppearanceQuality;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 
 const SIZE: usize = 96;
@@ -160,6 +163,39 @@ fn as_few_components_as_reach_a_quality() {
     let (rough, fine) = (build(0.5), build(0.97));
     assert!(rough.textures + rough.warps < fine.textures + fine.warps, "{rough:?} {fine:?}");
     assert!(rough.ssim >= 0.5 && fine.ssim >= 0.97, "{rough:?} {fine:?}");
+}
+
+#[test]
+fn storing_is_measured_and_keeps_to_its_bytes() {
+    let textures = capture();
+    let options = AppearanceOptions { components: 9, ..AppearanceOptions::default() };
+    let (model, summary) = build(&textures[..], &charts(), &options, &silent).unwrap();
+    println!("before {} {}, stored {:?}", summary.ssim, summary.mean_square_error, summary.stored);
+    assert!(summary.stored.ssim <= summary.ssim + 0.01 && summary.stored.least_ssim <= summary.stored.ssim);
+    assert!(summary.stored.bytes_per_frame <= 8192.0 && summary.ssim - summary.stored.ssim < 0.05);
+    let frames = [0, 5, 11];
+    let with = |texture_step| {
+        let quality = AppearanceQuality { texture_step, ..summary.quality };
+        stored_quality(&textures[..], &charts(), &model, quality, &frames).unwrap()
+    };
+    let (coarse, fine) = (with(0.05), with(0.005));
+    assert!(coarse.ssim < fine.ssim && coarse.bytes_per_frame < fine.bytes_per_frame, "{coarse:?} {fine:?}");
+    assert!(coarse.psnr < fine.psnr && coarse.frames == 3);
+}
+
+#[test]
+fn naive_components_of_all_frames_rebuild_all_frames() {
+    let textures = capture();
+    let model = naive(&textures[..], &charts(), FRAMES).unwrap();
+    assert_eq!((model.textures.len(), model.warps.len(), model.frame_count()), (FRAMES - 3, 0, FRAMES));
+    // Twelve complete frames have eleven components, which leave nothing of them.
+    let wanted = builder::appearance::align::colours(&textures[5], &charts());
+    let mut found = model.mean_texture.clone();
+    for (mode, factor) in model.textures.iter().zip(&model.texture_coefficients[5 * (FRAMES - 3)..]) {
+        found.iter_mut().zip(mode).for_each(|(sum, value)| *sum += factor * value);
+    }
+    let most = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
+    assert!(most < 2e-3, "{most}");
 }
 
 /// A folder that is removed in the end.

@@ -209,6 +209,73 @@ fn textures_are_one_for_all_or_one_a_frame() {
 }
 
 #[test]
+fn masks_belong_to_the_textures_of_their_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    sequence(f, "w/f", 0..3);
+    sequence(f, "k/f", 0..2);
+    for k in 0..3 {
+        write_bytes(f, &format!("w/f{k}.png"), &png(2, [k, 0, 0]));
+        write_bytes(f, &format!("k/f{k}.png"), &png(2, [k, 0, 0]));
+    }
+    write_bytes(f, "seen/hidden_1.png", &png(2, [255; 3]));
+    let toml =
+        "[[sequence]]\ninput = \"w\"\nmask = \"seen\"\n[[sequence]]\ninput = \"k\"\ntexture = \"k/f%d.png:0:1\"\n";
+    write(f, &[("c.toml", toml)]);
+    let read = read_plain(f, &["c.toml"]);
+    assert_eq!(read.frame_masks, [None, Some(f.join("seen/hidden_1.png")), None, None, None]);
+    assert_eq!(read_plain(f, &["w"]).frame_masks, Vec::<Option<std::path::PathBuf>>::new());
+    let refused = |name: &str, image: &[u8], said: &str| {
+        write_bytes(f, &format!("seen/{name}"), image);
+        let (code, message) = refusal(f, &["c.toml"]);
+        assert!(code == "E_MASK" && message.contains(name) && message.contains(said), "{message}");
+        std::fs::remove_file(f.join("seen").join(name)).unwrap();
+    };
+    refused("hidden_7.png", &png(2, [0; 3]), "has the number 7");
+    refused("hidden.png", &png(2, [0; 3]), "does not end with");
+    refused("hidden_2.png", &png(4, [0; 3]), "frame 2 of sequence \"w\"");
+    refused("other_01.png", &png(2, [0; 3]), "frame 1 of sequence \"w\" has a mask already");
+    // One texture for all: masks say nothing.
+    write(
+        f,
+        &[(
+            "c.toml",
+            &toml.replace("\"seen\"", "\"seen\"\ntexture = \"w/f0.png\"").replace("k/f%d.png:0:1", "w/f0.png"),
+        )],
+    );
+    let still = read_plain(f, &["c.toml"]);
+    assert!(still.frame_masks.is_empty() && still.warnings.iter().any(|w| w.contains("masks are ignored")));
+}
+
+/// What may be wrong with textures of frames, each refused with the file, and the frame where there is one.
+#[test]
+fn textures_that_are_missing_or_differ_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    sequence(f, "w/f", 0..4);
+    for k in [0, 1, 3] {
+        write_bytes(f, &format!("t/t_{k:02}.png"), &png(2, [k, 0, 0]));
+    }
+    let with = |texture: &str| {
+        write(f, &[("c.toml", &format!("[[sequence]]\nname = \"walk\"\ninput = \"w\"\ntexture = \"{texture}\"\n"))]);
+        refusal(f, &["c.toml"])
+    };
+    let (code, message) = with("t/t_%02d.png:0:3");
+    assert!(code == "E_FRAME_MISSING" && message.contains("t_02.png"), "{code} {message}");
+    let (code, message) = with("t");
+    assert!(
+        code == "E_TEXTURE_COUNT" && message.contains("3 textures for the 4 frames of sequence \"walk\""),
+        "{message}"
+    );
+    write_bytes(f, "t/t_02.png", &png(4, [2, 0, 0]));
+    let (code, message) = with("t");
+    assert!(code == "E_IMAGE" && message.contains("t_02.png") && message.contains("frame 2"), "{message}");
+    write_bytes(f, "t/t_02.png", b"no image");
+    let (code, message) = with("t");
+    assert!(code == "E_IMAGE" && message.contains("t_02.png"), "{message}");
+}
+
+#[test]
 fn manifests_describe_captures() {
     let folder = tempfile::tempdir().unwrap();
     let f = folder.path();

@@ -17,7 +17,7 @@ use shared::appearance::AppearanceModel;
 use shared::appearance::basis::Mode;
 use shared::bundle::{
     AppearanceInput, AppearanceQuality, AppearanceReport, BundleError, BundleInput, BundleReader, EncodeError, Kind,
-    ModeDecoder, encode_with_appearance, validate,
+    ModeDecoder, Textures, encode_with_appearance, encode_with_looks, store_appearance, validate,
 };
 
 /// Remembers the largest single block that was asked for.
@@ -134,7 +134,7 @@ fn textures_and_warps_come_back_as_closely_as_reported() {
 fn every_byte_is_accounted_for() {
     let (bytes, report) = write(&small(), AppearanceQuality::default()).unwrap();
     let reader = BundleReader::from_bytes(&bytes).unwrap();
-    assert_eq!(reader.header().unwrap().minor, 1);
+    assert_eq!(reader.header().unwrap().minor, 2);
     let ours: Vec<_> = reader.sections().into_iter().filter(|section| section.name.starts_with("appearance")).collect();
     assert_eq!(ours.len(), 1 + 2 + 3 + 2);
     assert_eq!(ours.iter().map(|section| section.stored).sum::<u64>(), report.bytes);
@@ -309,4 +309,62 @@ proptest! {
         let _ = validate(&bytes);
         prop_assert!(LARGEST.load(Ordering::Relaxed) < LARGEST_BLOCK);
     }
+}
+
+/// Models to compare with lie beside the others, and say so in the version; what is forged in them is refused as well.
+#[test]
+fn naive_models_come_back_beside_the_others() {
+    let capture = cloth(4, 3, &FRAMES);
+    let graph = graph(&capture.timeline);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 6,
+        max_error: 0.001,
+        poisson_order: None,
+        generator: "reprise test".into(),
+    };
+    let (ours, naive) = (small(), looks::model([50, 37], [5, 0], 8));
+    let looks =
+        [&ours, &naive].map(|model| AppearanceInput { model, material: 1, quality: AppearanceQuality::default() });
+    let (bytes, _) = encode_with_looks(&input, &looks).unwrap();
+    let (alone, _) = encode_with_appearance(&input, Some(&looks[0])).unwrap();
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    assert_eq!((reader.header().unwrap().minor, validate(&bytes)), (2, validate(&alone)));
+    let counts = |textures| reader.appearance_of(textures).unwrap().layers.clone().map(|layer| layer.mode_count());
+    assert_eq!((counts(Textures::Aligned), counts(Textures::Naive)), ([3, 2], [5, 0]));
+    let before = BundleReader::from_bytes(&alone).unwrap();
+    assert!(before.appearance_of(Textures::Naive).is_none() && before.mode_bytes_of(Textures::Naive, 0).is_none());
+    for ordinal in 0..7 {
+        assert_eq!(reader.mode_bytes(ordinal), before.mode_bytes(ordinal));
+        assert!(reader.mode_bytes_of(Textures::Naive, ordinal).is_some());
+    }
+    // A mode too few, a mode before what it needs, a damaged mode.
+    let sections = raw_sections(&bytes);
+    let index = |kind: Kind| sections.iter().position(|section| section.number == kind.number()).unwrap();
+    let fewer: Vec<Section> = sections[..sections.len() - 1].to_vec();
+    assert!(matches!(BundleReader::from_bytes(&assembled(&fewer)), Err(BundleError::Inconsistent { .. })));
+    let mut early = sections.clone();
+    early.swap(index(Kind::Naive), index(Kind::NaiveMode));
+    assert!(BundleReader::from_bytes(&assembled(&early)).is_err());
+    let mut cut = sections.clone();
+    let damaged = &mut cut[index(Kind::NaiveMode)].raw;
+    damaged.truncate(damaged.len() / 2);
+    let findings = validate(&assembled(&cut));
+    assert!(findings.iter().any(|f| f.code == "damaged-mode" && f.message.contains("naive-mode 0")), "{findings:?}");
+}
+
+/// What is stored and read again for measuring is what a bundle holds.
+#[test]
+fn storing_is_measured_on_what_a_bundle_holds() {
+    let model = small();
+    let (bytes, report) = write(&model, AppearanceQuality::default()).unwrap();
+    let input = AppearanceInput { model: &model, material: 1, quality: AppearanceQuality::default() };
+    let stored = store_appearance(&input, 8, 2).unwrap();
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    assert_eq!(stored.report, report);
+    assert_eq!(stored.modes, modes(&reader, usize::MAX).unwrap());
+    assert_eq!(stored.layers, reader.appearance().unwrap().layers);
+    let texture = stored.texture(3, 1);
+    assert!(texture.len() == 3 * model.active_count() && texture.iter().all(|value| value.is_finite()));
 }

@@ -8,7 +8,7 @@ use shared::appearance::AppearanceModel;
 use shared::appearance::basis::Mode;
 use shared::appearance::dealign::Aligned;
 use shared::bundle::{
-    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, ModeDecoder, encode_with_appearance,
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, ModeDecoder, encode_with_looks,
 };
 use shared::capture::{Capture, Poses};
 use shared::pose_source::PoseSource;
@@ -120,7 +120,15 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
         reader.read(frame, &mut pose)?;
         poses.push(&pose);
     }
-    let model = model(active_texels(&surface, size), size, timeline.frame_count() as usize);
+    let active = active_texels(&surface, size);
+    let aligned = model(active, size, timeline.frame_count() as usize);
+    // To compare with: the same colours, which nothing moves.
+    let naive = AppearanceModel {
+        mean_warp: vec![0.0; aligned.mean_warp.len()],
+        warps: Vec::new(),
+        warp_coefficients: Vec::new(),
+        ..aligned.clone()
+    };
     let capture = Capture { name: meta.name, topology, surface, timeline, poses, vertex_of_file_vertex: Vec::new() };
     let input = BundleInput {
         capture: &capture,
@@ -130,8 +138,9 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
         poisson_order: reader.order(),
         generator: meta.generator,
     };
-    let appearance = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
-    Ok(encode_with_appearance(&input, Some(&appearance))?)
+    let looks =
+        [&aligned, &naive].map(|model| AppearanceInput { model, material: 0, quality: AppearanceQuality::default() });
+    Ok(encode_with_looks(&input, &looks)?)
 }
 
 /// All modes of a bundle, as the player reads them.

@@ -8,10 +8,11 @@ import { button, h } from './dom.js';
 /** Milliseconds of a display frame that go into reading modes. */
 const READING = 4;
 
-/** Ways to change the texture. A bundle holds models, not the textures they were made from, nor a naive model beside them. */
+/** Ways to change the texture. Not every bundle holds a naive model beside ours; none holds the textures as captured. */
 const WAYS = [
   { name: 'ours', title: 'Colours and their warp interpolated, as the shape is' },
   { name: 'cross-fade', title: 'The two textures blended linearly: details show twice' },
+  { name: 'naive', title: 'As many principal components of textures that were not aligned' },
   { name: 'original', title: 'Missing: the textures as captured are not in this file', missing: true },
 ];
 
@@ -51,6 +52,7 @@ export class Looks {
   /** One display frame's share of the work. @returns whether there is more to do */
   step(info, player, stage) {
     this.chip.hidden = !info.appearance;
+    this.list.children[2].hidden = info.naive === null;
     if (!info.appearance) return false;
     const more = player.refine(READING);
     const busy = stage.dress(player);

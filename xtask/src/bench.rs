@@ -15,13 +15,14 @@ use crate::{browser, demo, size, web};
 const FULL_SIZE: &str = "2633";
 
 /// Criterion's benchmarks: package and name.
-const BENCHES: [(&str, &str); 6] = [
+const BENCHES: [(&str, &str); 7] = [
     ("reprise-shared", "poisson"),
     ("reprise-shared", "bundle"),
     ("reprise-shared", "search"),
     ("reprise-builder", "distance"),
     ("reprise-builder", "transitions"),
     ("reprise-builder", "essential"),
+    ("reprise-builder", "appearance"),
 ];
 
 /// Measures everything and prints one table at the end.
@@ -150,6 +151,8 @@ fn kernel(id: &str, nanoseconds: f64, elements: f64) -> (f64, &'static str, Mark
         _ if id.starts_with("transitions/") => (elements / nanoseconds * 1e3, "Mcell/s", Mark::AtLeast(200.0)),
         _ if id.starts_with("pose distances/") => (nanoseconds / elements, "ns", Mark::None),
         _ if id.starts_with("essential graph/1000") => (nanoseconds / 1e6, "ms", Mark::AtMost(200.0, None)),
+        "50 components of 300 textures of 512 x 512" => (nanoseconds / 1e9, "s", Mark::AtMost(8.0, Some(4.0))),
+        "flow of two textures of 1024 x 1024" => (nanoseconds / 1e6, "ms", Mark::AtMost(60.0, None)),
         _ => (nanoseconds / 1e6, "ms", Mark::None),
     }
 }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use shared::appearance::AppearanceModel;
 use shared::appearance::quality::Similarity;
+use shared::bundle::AppearanceQuality;
 
 use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
@@ -10,6 +11,7 @@ use super::charts::Charts;
 use super::completion;
 use super::fit::{self, fit};
 use super::pca::{Components, components};
+use super::stored::{self, StoredQuality};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
 use crate::progress::{Progress, Report};
@@ -30,11 +32,13 @@ pub struct AppearanceOptions {
     pub ssim: Option<f64>,
     /// How textures are aligned.
     pub align: AlignOptions,
+    /// As many components of textures that are not aligned go into the bundle, so that the page can compare.
+    pub compare: bool,
 }
 
 impl Default for AppearanceOptions {
     fn default() -> Self {
-        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default() }
+        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default(), compare: false }
     }
 }
 
@@ -57,6 +61,10 @@ pub struct AppearanceSummary {
     pub ssim: f64,
     /// Mean square error of the same.
     pub mean_square_error: f64,
+    /// How finely the models are to be stored.
+    pub quality: AppearanceQuality,
+    /// The same after storing, as the player shows it.
+    pub stored: StoredQuality,
 }
 
 /// Eigen textures and Eigen warps of a number of components in all: two in three are textures.
@@ -98,7 +106,7 @@ pub fn build(
         0.0 => 1.0,
         total => components.variances.iter().sum::<f64>() / total,
     };
-    let summary = AppearanceSummary {
+    let mut summary = AppearanceSummary {
         textures: basis.textures.modes.len(),
         warps: basis.warps.modes.len(),
         reference: aligned.reference,
@@ -107,8 +115,13 @@ pub fn build(
         warp_variance: share(&basis.warps),
         ssim,
         mean_square_error,
+        quality: AppearanceQuality::default(),
+        stored: StoredQuality::default(),
     };
-    Ok((basis.into_model(charts), summary))
+    let model = basis.into_model(charts);
+    report(Progress { what: "appearance after storing", done: 0, total: 0 });
+    (summary.quality, summary.stored) = stored::choose(source, charts, &model, ssim, &sample)?;
+    Ok((model, summary))
 }
 
 /// The least count from 1 to `most` that is enough, where more is never worse; `most` where none is.
@@ -184,7 +197,7 @@ impl Basis {
         means(found)
     }
 
-    fn into_model(self, charts: &Charts) -> AppearanceModel {
+    pub(super) fn into_model(self, charts: &Charts) -> AppearanceModel {
         AppearanceModel {
             width: charts.width as u32,
             height: charts.height as u32,

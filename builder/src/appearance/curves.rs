@@ -14,8 +14,10 @@ use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, align, colours};
 use super::build::{Basis, combine, compared, means, split};
 use super::charts::Charts;
+use super::naive::captured;
 use super::pca::{Components, components};
 use super::store::Store;
+use super::stored;
 use super::textures::TextureSource;
 use super::views::Views;
 use super::warp::Warping;
@@ -52,6 +54,10 @@ pub struct Reconstruction {
     pub ours: Quality,
     /// The same, moved directly.
     pub direct: Quality,
+    /// The same after storing, as the player shows it.
+    pub stored: Quality,
+    /// Bytes of what is stored, a frame of the whole capture.
+    pub stored_bytes: f64,
     /// Naive PCA.
     pub naive: Quality,
     /// Pictures of the actor in our textures.
@@ -135,7 +141,7 @@ pub fn curves(
 ) -> Result<Curves, AppearanceError> {
     let Subject { source, charts, sequences, views } = subject;
     let aligned = align(*source, charts, options, report)?;
-    let raw = raw(*source, charts)?;
+    let raw = captured(*source, charts)?;
     let all = aligned.complete.clone();
     let similarity = Similarity::new(charts.width as u32, &charts.active());
     let bench = Bench { source: *source, aligned, raw, similarity, views };
@@ -158,16 +164,6 @@ pub fn curves(
     drop(naive);
     told(10);
     Ok(Curves { reconstruction, generalisation: bench.generalisation(&all)?, interpolation, ghosting })
-}
-
-/// The textures as they are, a row a frame.
-fn raw(source: &(impl TextureSource + ?Sized), charts: &Charts) -> Result<Store, AppearanceError> {
-    let store = Store::new(source.frame_count(), 3 * charts.texels().len(), 2.0)?;
-    let written: Result<Vec<()>, AppearanceError> = (0..source.frame_count())
-        .into_par_iter()
-        .map(|frame| store.write(frame, &colours(&source.read(frame)?, charts)))
-        .collect();
-    written.map(|_| store)
 }
 
 struct Bench<'a, S: TextureSource + ?Sized> {
@@ -207,9 +203,14 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
         let frames = evenly(frames, SAMPLE);
         let (textures, warps) = split(count);
         let ours = |frame, how| basis.rebuild(&self.aligned.warper, frame, textures, warps, how);
+        let before = self.over(&frames, |frame| ours(frame, Warping::Poisson))?;
+        let (model, charts) = (basis.clone().into_model(&self.aligned.charts), &self.aligned.charts);
+        let (_, stored) = stored::choose(self.source, charts, &model, before.ssim, &frames)?;
         Ok(Reconstruction {
             components: count,
-            ours: self.over(&frames, |frame| ours(frame, Warping::Poisson))?,
+            ours: before,
+            stored: Quality { ssim: stored.ssim, mse: stored.mean_square_error },
+            stored_bytes: stored.bytes_per_frame,
             direct: self.over(&frames, |frame| ours(frame, Warping::Direct))?,
             naive: self.over(&frames, |frame| combine(naive, frame, count))?,
             ours_seen: self.seen(&frames, |frame| ours(frame, Warping::Poisson))?,

@@ -53,6 +53,9 @@ pub enum AppearanceError {
     /// A picture of the actor could not be drawn.
     #[error("the actor cannot be drawn: {0}")]
     View(#[from] crate::export::ExportError),
+    /// The models cannot be stored.
+    #[error("the appearance cannot be stored: {0}")]
+    Stored(#[from] shared::bundle::EncodeError),
     /// The scratch file failed.
     #[error("cannot use a scratch file in {folder}: {source}. Make room, or set TMPDIR to another folder")]
     Scratch {

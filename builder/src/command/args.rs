@@ -82,7 +82,9 @@ pub struct PackArguments {
     /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,
-    /// What becomes of textures that change from frame to frame. Eigen maps are not as good yet as they must be: try them.
+    /// What becomes of textures that change from frame to frame. Eigen maps look as
+    /// captured and do not ghost in transitions, but take minutes, and at 1024 x 1024 storing short captures in 8 KB a frame
+    /// costs detail: see docs/appearance.md.
     #[arg(long, value_enum, default_value_t = AppearanceKind::Static)]
     pub appearance: AppearanceKind,
     /// Eigen textures and Eigen warps together; two in three are textures.
@@ -91,6 +93,10 @@ pub struct PackArguments {
     /// As few components as reach this structural similarity of textures, for example 0.98.
     #[arg(long, value_name = "SSIM", conflicts_with = "appearance_components")]
     pub appearance_ssim: Option<f64>,
+    /// Also store as many components of textures that are not aligned, so that the page can compare: about as many bytes
+    /// again.
+    #[arg(long)]
+    pub appearance_compare: bool,
     /// Print an object with times, sizes and errors on stdout at the end.
     #[arg(long)]
     pub json: bool,

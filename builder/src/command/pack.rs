@@ -85,6 +85,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
             AppearanceKind::Eigen => AppearanceChoice::Eigen(AppearanceOptions {
                 components: arguments.appearance_components.into(),
                 ssim: arguments.appearance_ssim,
+                compare: arguments.appearance_compare,
                 ..AppearanceOptions::default()
             }),
         },
@@ -123,11 +124,16 @@ fn summary(report: &PackReport) -> String {
     ];
     if let Some(appearance) = &report.appearance {
         lines.push(format!(
-            "appearance: {} Eigen textures, {} Eigen warps, SSIM {:.4}, PSNR {:.1} dB, in {:.1} s",
+            "appearance: {} Eigen textures, {} Eigen warps, SSIM {:.4}, PSNR {:.1} dB; stored in {:.0} bytes a frame: SSIM \
+             {:.4}, at least {:.4}, PSNR {:.1} dB; in {:.1} s",
             appearance.textures,
             appearance.warps,
             appearance.ssim,
             shared::appearance::quality::psnr(appearance.mean_square_error),
+            appearance.stored.bytes_per_frame,
+            appearance.stored.ssim,
+            appearance.stored.least_ssim,
+            appearance.stored.psnr,
             seconds.appearance
         ));
     }

@@ -21,7 +21,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
              builder performer --artefacts all -o capture, then builder evaluate capture --sections appearance.",
         ));
     };
-    let files = TextureFiles::new(paths, Vec::new())?;
+    let files = TextureFiles::new(paths, subject.masks.clone())?;
     let (width, height) = files.size();
     let (charts, _) = Charts::new(&subject.capture.surface, width, height)?;
     let range = |first: u32, count: u32| first as usize..(first + count) as usize;
@@ -53,6 +53,9 @@ fn write(curves: &Curves, (width, height): (u32, u32)) -> SectionReport {
             "components",
             "ours, SSIM",
             "ours, MSE",
+            "ours stored, SSIM",
+            "ours stored, MSE",
+            "bytes a frame",
             "ours moved directly, SSIM",
             "ours moved directly, MSE",
             "naive, SSIM",
@@ -64,9 +67,11 @@ fn write(curves: &Curves, (width, height): (u32, u32)) -> SectionReport {
         ],
     );
     for row in &curves.reconstruction {
-        let values = [row.ours, row.direct, row.naive, row.ours_seen, row.naive_seen];
-        let cells = values.into_iter().flat_map(cells);
-        reconstruction.rows.push(std::iter::once(Cell::Count(row.components as u64)).chain(cells).collect());
+        let mut line = vec![Cell::Count(row.components as u64)];
+        line.extend([row.ours, row.stored].into_iter().flat_map(cells));
+        line.push(Cell::Count(row.stored_bytes.round() as u64));
+        line.extend([row.direct, row.naive, row.ours_seen, row.naive_seen].into_iter().flat_map(cells));
+        reconstruction.rows.push(line);
     }
     let mut generalisation = Table::new(
         "appearance_generalisation",
@@ -203,7 +208,11 @@ fn plots(curves: &Curves) -> Vec<Plot> {
             "Textures rebuilt (thesis figure 4.9)",
             "components",
             "SSIM",
-            vec![line("ours", 0, rebuilt(|row| row.ours.ssim)), line("naive", 1, rebuilt(|row| row.naive.ssim))],
+            vec![
+                line("ours", 0, rebuilt(|row| row.ours.ssim)),
+                line("naive", 1, rebuilt(|row| row.naive.ssim)),
+                line("ours, stored", 2, rebuilt(|row| row.stored.ssim)),
+            ],
         ),
         plot(
             "Textures rebuilt (thesis figure 4.9)",

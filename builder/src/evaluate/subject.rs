@@ -24,6 +24,8 @@ pub struct Subject {
     pub capture: Capture,
     /// Texture files of all frames, where every frame has its own.
     pub textures: Option<Vec<PathBuf>>,
+    /// Masks of what no camera saw, one a frame, where there are any.
+    pub masks: Vec<Option<PathBuf>>,
     /// Its skeleton's truth, where it came with one.
     pub truth: Option<Truth>,
     /// How it is evaluated.
@@ -51,7 +53,7 @@ impl Subject {
         let imported = import(inputs, import_options, &|step| report(step))?;
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
         let subject = Self::new(imported.capture, truth, options, report)?;
-        Ok(Self { textures: imported.frame_textures, ..subject })
+        Ok(Self { textures: imported.frame_textures, masks: imported.frame_masks, ..subject })
     }
 
     /// Measures the pose distances of a capture in memory.
@@ -73,6 +75,7 @@ impl Subject {
             contacts,
             capture,
             textures: None,
+            masks: Vec::new(),
             truth,
             options,
             measured,

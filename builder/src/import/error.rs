@@ -174,6 +174,14 @@ pub enum ImportError {
         /// The sequence.
         sequence: String,
     },
+    /// A mask that fits no frame.
+    #[error("{path}: {reason}. Masks are numbered like the textures that they belong to")]
+    Mask {
+        /// The mask.
+        path: PathBuf,
+        /// What does not fit, and where.
+        reason: String,
+    },
     /// A glTF file breaks the format's rules.
     #[error("{path}: {reason}. Check the file with the glTF validator and export it again")]
     Gltf {
@@ -275,6 +283,7 @@ impl ImportError {
             Self::NoTriangles { .. } => "E_NO_TRIANGLES",
             Self::Image { .. } => "E_IMAGE",
             Self::TextureCount { .. } => "E_TEXTURE_COUNT",
+            Self::Mask { .. } => "E_MASK",
             Self::Gltf { .. } => "E_GLTF",
             Self::Compressed { .. } => "E_GLTF_COMPRESSED",
             Self::Extension { .. } => "E_GLTF_EXTENSION",

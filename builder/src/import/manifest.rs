@@ -44,6 +44,7 @@ pub(super) struct ManifestSequence {
     #[serde(default)]
     pub cyclic: bool,
     pub texture: Option<String>,
+    pub mask: Option<String>,
 }
 
 impl Manifest {

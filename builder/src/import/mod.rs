@@ -33,6 +33,7 @@ mod gltf;
 mod images;
 mod inputs;
 mod manifest;
+mod masks;
 mod mesh;
 mod mtl;
 mod numbered;
@@ -89,6 +90,8 @@ pub struct Imported {
     pub warnings: Vec<Warning>,
     /// The texture file of each frame of the capture, where frames have their own; the first is also the static one.
     pub frame_textures: Option<Vec<PathBuf>>,
+    /// For each of these a mask, bright where no camera saw the texel; empty where no frame has one.
+    pub frame_masks: Vec<Option<PathBuf>>,
 }
 
 /// Reads a capture from `inputs`: files, folders, globs, frame patterns or manifests, in the order of their sequences.
@@ -110,20 +113,22 @@ pub fn import(
     let mut recording = read::read(&plan, progress, &mut warnings)?;
     let own = std::mem::take(&mut recording.textures);
     let frame_textures = textures::settle(&plan, &mut recording.mesh, &own, &recording.frame_counts, &mut warnings)?;
+    let frame_masks = masks::settle(&plan, frame_textures.as_deref(), &recording.frame_counts, &mut warnings)?;
     progress(Progress { what: "welding", done: 0, total: 1 });
     let before = recording.frame_counts.clone();
     let (capture, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     progress(Progress { what: "welding", done: 1, total: 1 });
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
-    Ok(Imported { capture, warnings, frame_textures })
+    let frame_masks = without_dropped(frame_masks, &before, &dropped);
+    Ok(Imported { capture, warnings, frame_textures, frame_masks })
 }
 
-/// Takes out the textures of the last frames of those sequences that lost theirs.
-fn without_dropped(textures: Vec<PathBuf>, frame_counts: &[usize], dropped: &[bool]) -> Vec<PathBuf> {
-    let mut rest = textures.into_iter();
+/// Takes out what belongs to the last frames of those sequences that lost theirs.
+fn without_dropped<T>(of_frames: Vec<T>, frame_counts: &[usize], dropped: &[bool]) -> Vec<T> {
+    let mut rest = of_frames.into_iter();
     let mut kept = Vec::new();
     for (&count, &dropped) in frame_counts.iter().zip(dropped) {
-        let of_sequence: Vec<PathBuf> = rest.by_ref().take(count).collect();
+        let of_sequence: Vec<T> = rest.by_ref().take(count).collect();
         kept.extend(of_sequence.into_iter().take(count - usize::from(dropped)));
     }
     kept

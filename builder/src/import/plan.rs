@@ -30,6 +30,8 @@ pub(super) struct PlannedSequence {
     pub source: Source,
     /// Textures that the user names: none, one for all frames, or one a frame.
     pub textures: Vec<PathBuf>,
+    /// Masks that the user names, of some frames' textures.
+    pub masks: Vec<PathBuf>,
 }
 
 /// Finds all sequences of `inputs`; options win over manifests.
@@ -77,7 +79,14 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
 
 impl PlannedSequence {
     fn plain(found: Found) -> Self {
-        Self { name: found.name, labels: Vec::new(), cyclic: false, source: found.source, textures: Vec::new() }
+        Self {
+            name: found.name,
+            labels: Vec::new(),
+            cyclic: false,
+            source: found.source,
+            textures: Vec::new(),
+            masks: Vec::new(),
+        }
     }
 }
 
@@ -155,12 +164,14 @@ fn manifest_sequence(
     }
     let texture = entry.texture.as_ref().or(manifest.texture.as_ref());
     let textures = texture.map_or(Ok(Vec::new()), |texture| textures_of(texture, folder))?;
+    let masks = entry.mask.as_ref().map_or(Ok(Vec::new()), |mask| textures_of(mask, folder))?;
     sequences.extend(found.into_iter().map(|found| PlannedSequence {
         name: entry.name.clone().unwrap_or(found.name),
         labels: entry.labels.clone(),
         cyclic: entry.cyclic,
         source: found.source,
         textures: textures.clone(),
+        masks: masks.clone(),
     }));
     Ok(())
 }

@@ -128,14 +128,15 @@ fn per_frame(
 fn check_sizes(textures: &[PathBuf]) -> Result<(), ImportError> {
     let mut expected = None;
     let mut last: Option<&PathBuf> = None;
-    for path in textures {
+    for (frame, path) in textures.iter().enumerate() {
         if last.replace(path) == Some(path) {
             continue;
         }
         let (width, height) = size_of(path)?;
         let (w, h) = *expected.get_or_insert((width, height));
         if (w, h) != (width, height) {
-            let reason = format!("it has {width} x {height} pixels, the first frame's texture {w} x {h}");
+            let reason =
+                format!("frame {frame}: it has {width} x {height} pixels, the first frame's texture {w} x {h}");
             return Err(ImportError::Image { path: path.clone(), reason });
         }
     }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::Serialize;
 
-use super::appearance::{AppearanceInput, AppearanceReport, encode as appearance};
+use super::appearance::{AppearanceInput, AppearanceReport, Textures, encode as appearance};
 use super::error::EncodeError;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
 use super::geometry::quantise::Grid;
@@ -98,6 +98,18 @@ pub fn encode_with_appearance(
     input: &BundleInput,
     appearance: Option<&AppearanceInput>,
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
+    encode_with_looks(input, appearance.map_or(&[], std::slice::from_ref))
+}
+
+/// As [`encode`], with the models of the capture's aligned textures, then those of the textures as captured, to compare
+/// with; or only the former, or neither.
+///
+/// # Errors
+/// As [`encode`]; models that do not fit the capture.
+pub fn encode_with_looks(
+    input: &BundleInput,
+    looks: &[AppearanceInput],
+) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
     let capture = input.capture;
     check(input)?;
     let (lowest, highest) = bounds(capture.poses.iter());
@@ -124,10 +136,11 @@ pub fn encode_with_appearance(
     };
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
     let mut drafts = drafts(input, &meta, geometry)?;
-    let appearance = match appearance {
-        Some(appearance) => Some(add_appearance(&mut drafts, appearance, capture)?),
-        None => None,
-    };
+    let mut appearance = None;
+    for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
+        let report = add_appearance(&mut drafts, textures, models, capture)?;
+        appearance = appearance.or(Some(report));
+    }
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;
         return Err(EncodeError::TooLarge { what: "bytes in one section", count, limit: MAX_SECTION_BYTES });
@@ -140,18 +153,20 @@ pub fn encode_with_appearance(
     Ok((bytes, report))
 }
 
-/// What the first pose is painted with comes right after it; what refines that comes last.
+/// What the first pose is painted with comes right after it; what refines that, or is there to compare with, comes last.
 fn add_appearance(
     drafts: &mut Vec<Draft>,
+    textures: Textures,
     input: &AppearanceInput,
     capture: &Capture,
 ) -> Result<AppearanceReport, EncodeError> {
     let coded = appearance::encode(input, capture.timeline.frame_count(), capture.surface.materials.len())?;
-    let first = drafts.iter().position(|draft| draft.kind == Kind::Geometry).map_or(drafts.len(), |first| first + 1);
-    drafts.insert(first, Draft { kind: Kind::Appearance, ordinal: 0, raw: coded.head });
+    let soon = drafts.iter().position(|draft| draft.kind == Kind::Geometry).filter(|_| textures == Textures::Aligned);
+    let first = soon.map_or(drafts.len(), |first| first + 1);
+    drafts.insert(first, Draft { kind: textures.kind(), ordinal: 0, raw: coded.head });
     for (ordinal, raw) in (0..).zip(coded.modes) {
         let place = if ordinal == 0 { first + 1 } else { drafts.len() };
-        drafts.insert(place, Draft { kind: Kind::AppearanceMode, ordinal, raw });
+        drafts.insert(place, Draft { kind: textures.modes_kind(), ordinal, raw });
     }
     Ok(coded.report)
 }

@@ -41,6 +41,10 @@ pub enum Kind {
     Appearance,
     /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
     AppearanceMode,
+    /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.2.
+    Naive,
+    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.2.
+    NaiveMode,
     /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
     /// What stands on the ground in every frame. Since 1.2.
@@ -49,7 +53,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -60,6 +64,8 @@ impl Kind {
         Self::FileVertices,
         Self::Appearance,
         Self::AppearanceMode,
+        Self::Naive,
+        Self::NaiveMode,
         Self::Motion,
         Self::Contacts,
     ];
@@ -78,6 +84,8 @@ impl Kind {
             Self::FileVertices => 8,
             Self::Appearance => 32,
             Self::AppearanceMode => 33,
+            Self::Naive => 34,
+            Self::NaiveMode => 35,
             Self::Motion => 64,
             Self::Contacts => 65,
         }
@@ -103,6 +111,8 @@ impl Kind {
             Self::FileVertices => "file-vertices",
             Self::Appearance => "appearance",
             Self::AppearanceMode => "appearance-mode",
+            Self::Naive => "naive",
+            Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
             Self::Contacts => "contacts",
         }
@@ -111,14 +121,14 @@ impl Kind {
     /// Whether a bundle may hold several of it, told apart by their ordinals.
     #[must_use]
     pub fn is_repeated(self) -> bool {
-        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode)
+        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode | Self::NaiveMode)
     }
 
     /// The minor version that brought it.
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
-            Self::Contacts => 2,
+            Self::Contacts | Self::Naive | Self::NaiveMode => 2,
             Self::Appearance | Self::AppearanceMode | Self::Motion => 1,
             _ => 0,
         }

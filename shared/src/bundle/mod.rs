@@ -24,8 +24,13 @@ mod surface;
 mod triangles;
 mod validate;
 
-pub use appearance::{Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder};
-pub use encode::{BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance};
+pub use appearance::{
+    Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder, StoredAppearance, Textures,
+    store_appearance,
+};
+pub use encode::{
+    BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_looks,
+};
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};

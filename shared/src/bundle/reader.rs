@@ -10,7 +10,7 @@ use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, Kind, SectionEntry};
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, appearance, contacts, graph, integers, layout, motion, surface};
+use super::{Appearance, Textures, appearance, contacts, graph, integers, layout, motion, surface};
 use crate::contacts::Contacts;
 use crate::graph::EssentialGraph;
 use crate::pose_source::{PoseError, PoseSource};
@@ -48,6 +48,12 @@ pub struct BundleReader {
     file_vertices: Option<Vec<u32>>,
     motion: Option<Motion>,
     contacts: Contacts,
+    looks: [Looks; 2],
+}
+
+/// Models of textures that have arrived.
+#[derive(Debug, Default)]
+struct Looks {
     appearance: Option<Appearance>,
     modes: Vec<Option<Vec<u8>>>,
 }
@@ -194,13 +200,25 @@ impl BundleReader {
     /// What the textures of all frames share; `None` also where the bundle has none.
     #[must_use]
     pub fn appearance(&self) -> Option<&Appearance> {
-        self.appearance.as_ref()
+        self.appearance_of(Textures::Aligned)
+    }
+
+    /// The same for the textures as they were captured, where the bundle has these models to compare with.
+    #[must_use]
+    pub fn appearance_of(&self, textures: Textures) -> Option<&Appearance> {
+        self.looks[textures as usize].appearance.as_ref()
     }
 
     /// Bytes of section `ordinal` of the modes, for a [`super::ModeDecoder`], once they have arrived.
     #[must_use]
     pub fn mode_bytes(&self, ordinal: u32) -> Option<&[u8]> {
-        self.modes.get(ordinal as usize)?.as_deref()
+        self.mode_bytes_of(Textures::Aligned, ordinal)
+    }
+
+    /// As [`Self::mode_bytes`], of either models.
+    #[must_use]
+    pub fn mode_bytes_of(&self, textures: Textures, ordinal: u32) -> Option<&[u8]> {
+        self.looks[textures as usize].modes.get(ordinal as usize)?.as_deref()
     }
 
     /// Whether the positions of `frame` have arrived.
@@ -322,7 +340,7 @@ impl BundleReader {
             return Ok(());
         }
         let Some(topology) = &self.topology else { return Err(wrong("came too early")) };
-        let ordinal = entry.ordinal as usize;
+        let (ordinal, looks) = (entry.ordinal as usize, Textures::of(kind));
         match kind {
             Kind::Model => {
                 let model = Model::decode(&raw, topology, meta.group > 1).map_err(wrong)?;
@@ -350,17 +368,19 @@ impl BundleReader {
             Kind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
-            Kind::Appearance => {
+            Kind::Appearance | Kind::Naive => {
                 let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
                 let appearance = appearance::decode::head(&raw, timeline.frame_count(), materials).map_err(wrong)?;
-                let count = self.header.as_ref().map_or(0, |header| layout::count(header, Kind::AppearanceMode));
+                let count = self.header.as_ref().map_or(0, |header| layout::count(header, looks.modes_kind()));
                 if count != appearance.section_count() as usize {
                     return Err(wrong("declares another number of modes than there are"));
                 }
-                self.modes = vec![None; count];
-                self.appearance = Some(appearance);
+                self.looks[looks as usize] = Looks { appearance: Some(appearance), modes: vec![None; count] };
             }
-            Kind::AppearanceMode => *self.modes.get_mut(ordinal).ok_or_else(|| wrong("is not declared"))? = Some(raw),
+            Kind::AppearanceMode | Kind::NaiveMode => {
+                let mode = self.looks[looks as usize].modes.get_mut(ordinal);
+                *mode.ok_or_else(|| wrong("is not declared"))? = Some(raw);
+            }
             Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => {}
         }
         Ok(())

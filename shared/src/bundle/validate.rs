@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::appearance::ModeDecoder;
+use super::appearance::{ModeDecoder, Textures};
 use super::error::BundleError;
 use super::header::VERSION_MINOR;
 use super::reader::BundleReader;
@@ -113,11 +113,17 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
 }
 
 fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {
-    let Some(appearance) = reader.appearance() else { return Vec::new() };
+    let both = [Textures::Aligned, Textures::Naive].into_iter();
+    both.flat_map(|textures| mode_findings(reader, textures)).collect()
+}
+
+fn mode_findings(reader: &BundleReader, textures: Textures) -> Vec<Finding> {
+    let Some(appearance) = reader.appearance_of(textures) else { return Vec::new() };
     let modes = (0..appearance.section_count()).filter_map(|ordinal| {
         let (layer, _) = appearance.place(ordinal)?;
-        let mode = ModeDecoder::default().advance(reader.mode_bytes(ordinal)?, &appearance.layers[layer], usize::MAX);
-        let message = format!("section appearance-mode {ordinal} {}", mode.err()?);
+        let bytes = reader.mode_bytes_of(textures, ordinal)?;
+        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX);
+        let message = format!("section {} {ordinal} {}", textures.modes_kind().name(), mode.err()?);
         Some(Finding::new("damaged-mode", Severity::Error, message))
     });
     modes.collect()

@@ -81,6 +81,9 @@ export const tests = {
     await player.part('.choices .chip:has-text("cross-fade")').click();
     const faded = await player.run((element) => element.testing.texture('half'));
     assert.ok(apart(ours, faded) > 0.5, 'cross-fading looks the same');
+    await player.part('.choices .chip:has-text("naive")').click();
+    const naive = await player.run((element) => element.testing.texture('half'));
+    assert.ok(apart(ours, naive) > 0.5 && apart(faded, naive) > 0.5, 'the naive model looks the same');
     assert.equal(await player.part('.choices .chip:has-text("original")').isDisabled(), true);
     await player.part('.choices .chip:has-text("ours")').click();
     const again = await player.run((element) => element.testing.texture('half'));

@@ -4,6 +4,7 @@
 
 use glam::{Vec2, Vec3};
 use js_sys::{Float32Array, Promise, Uint8ClampedArray};
+use shared::bundle::Textures;
 use wasm_bindgen::prelude::*;
 use web_sys::{HtmlCanvasElement, ImageBitmap};
 
@@ -37,6 +38,8 @@ pub struct Stage {
     time: f64,
     /// Whether textures are cross-faded in transitions, for comparison.
     cross_fade: bool,
+    /// Which models the texture should come from, and which it came from last.
+    textures: [Textures; 2],
 }
 
 /// The adapter as the page reads it.
@@ -88,6 +91,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             eased: false,
             time: now(),
             cross_fade: false,
+            textures: Default::default(),
         };
         Ok(stage.into())
     }))
@@ -234,16 +238,22 @@ impl Stage {
 
     /// Brings the actor's texture up to what the player shows; true where it may have to be asked again.
     pub fn dress(&mut self, player: &Player) -> bool {
-        let (Some(appearance), Some(picture)) = (player.inner.appearance(), player.inner.picture()) else {
+        // What has not arrived is not worn: the aligned ones come first.
+        let of = self.textures[0];
+        let of = if player.inner.modes(of)[0].is_empty() { Textures::Aligned } else { of };
+        let (Some(appearance), Some(picture)) = (player.inner.appearance(of), player.inner.picture()) else {
             return false;
         };
         if self.lost() {
             return false;
         }
         let (scene, slow) = (&mut self.scene, self.adapter.device_type == wgpu::DeviceType::Cpu);
-        let looks =
-            scene.looks.get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
-        looks.take(&scene.gpu, player.inner.modes());
+        let looks = scene.looks[of as usize]
+            .get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
+        if std::mem::replace(&mut self.textures[1], of) != of {
+            looks.take_off();
+        }
+        looks.take(&scene.gpu, player.inner.modes(of));
         let layers = &appearance.layers;
         let wanted = if self.cross_fade {
             let [(colours, lambda), (warps, _)] = [0, 1].map(|layer| picture.ends(&layers[layer]));
@@ -260,7 +270,7 @@ impl Stage {
     /// with any other the device's speed decides.
     pub fn texture_setting(&mut self, wanted: Option<String>) -> Option<String> {
         let words = [(Setting::Half, "half"), (Setting::Direct, "direct"), (Setting::Poisson, "poisson")];
-        let looks = self.scene.looks.as_mut()?;
+        let looks = self.scene.looks[self.textures[1] as usize].as_mut()?;
         if let Some(wanted) = wanted {
             looks.keep(words.iter().find(|(_, word)| *word == wanted).map(|(setting, _)| *setting));
         }
@@ -348,7 +358,9 @@ impl Stage {
             look.dark = theme.as_string().as_deref() == Some("dark");
         }
         if let Some(compare) = given("compare") {
-            self.cross_fade = compare.as_string().as_deref() == Some("cross-fade");
+            let compare = compare.as_string();
+            self.cross_fade = compare.as_deref() == Some("cross-fade");
+            self.textures[0] = if compare.as_deref() == Some("naive") { Textures::Naive } else { Textures::Aligned };
         }
         let switches = [("tint", &mut look.tint), ("grid", &mut look.grid), ("path", &mut look.path)];
         for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
@@ -464,7 +476,7 @@ impl Stage {
     pub fn read_texture(&self) -> Result<Promise, JsValue> {
         self.alive()?;
         let missing = || error(Kind::NotLoaded, "the actor's texture has no modes");
-        let texture = self.scene.looks.as_ref().ok_or_else(missing)?.texture();
+        let texture = self.scene.looks[self.textures[1] as usize].as_ref().ok_or_else(missing)?.texture();
         let size = [texture.width(), texture.height()];
         Ok(pixels_promise(|then| read(&self.scene.gpu, texture, size, false, then)))
     }

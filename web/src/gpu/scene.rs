@@ -66,8 +66,8 @@ pub struct Scene {
     pub look: Look,
     /// The mesh with its materials.
     pub mesh: Mesh,
-    /// The texture that is rebuilt from modes, where the actor has one.
-    pub looks: Option<Looks>,
+    /// The texture that is rebuilt from modes, where the actor has one: from aligned ones, and from naive ones.
+    pub looks: [Option<Looks>; 2],
     /// Poses shown translucent.
     pub ghosts: Ghosts,
     /// What tools mark on the ground.
@@ -109,7 +109,7 @@ impl Scene {
             gpu,
             look,
             mesh,
-            looks: None,
+            looks: [None, None],
             ghosts,
             marks,
             measures,

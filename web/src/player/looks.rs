@@ -1,7 +1,7 @@
 //! How the actor looks: modes as they arrive, and the coefficients of a moment.
 
 use shared::appearance::basis::{Layer, Mode};
-use shared::bundle::{Appearance, BundleReader, ModeDecoder};
+use shared::bundle::{Appearance, BundleReader, ModeDecoder, Textures};
 
 use super::loading::Source;
 use super::produce::At;
@@ -23,9 +23,11 @@ pub struct Looks {
 
 impl Looks {
     /// Reads on until `end` says so. True where there is more to read at once.
-    fn refine(&mut self, reader: &BundleReader, end: impl Fn() -> bool) -> Result<bool, PlayerError> {
-        let Some(appearance) = reader.appearance() else { return Ok(false) };
-        while let (Some((layer, _)), Some(bytes)) = (appearance.place(self.section), reader.mode_bytes(self.section)) {
+    fn refine(&mut self, reader: &BundleReader, of: Textures, end: &dyn Fn() -> bool) -> Result<bool, PlayerError> {
+        let Some(appearance) = reader.appearance_of(of) else { return Ok(false) };
+        while let (Some((layer, _)), Some(bytes)) =
+            (appearance.place(self.section), reader.mode_bytes_of(of, self.section))
+        {
             if end() {
                 return Ok(true);
             }
@@ -52,22 +54,28 @@ impl Player {
     pub fn refine(&mut self, milliseconds: f64) -> Result<bool, PlayerError> {
         let Source::Bundle(reader) = &self.loading.source else { return Ok(false) };
         let (now, start) = (self.now, (self.now)());
-        self.looks.refine(reader, || now() - start > milliseconds)
+        let end = || now() - start > milliseconds;
+        for of in [Textures::Aligned, Textures::Naive] {
+            if self.looks[of as usize].refine(reader, of, &end)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// What all textures share, once it has arrived.
     #[must_use]
-    pub fn appearance(&self) -> Option<&Appearance> {
+    pub fn appearance(&self, of: Textures) -> Option<&Appearance> {
         match &self.loading.source {
-            Source::Bundle(reader) => reader.appearance(),
+            Source::Bundle(reader) => reader.appearance_of(of),
             Source::Memory(_) => None,
         }
     }
 
     /// Modes that have been read.
     #[must_use]
-    pub fn modes(&self) -> &[Vec<Mode>; 2] {
-        &self.looks.modes
+    pub fn modes(&self, of: Textures) -> &[Vec<Mode>; 2] {
+        &self.looks[of as usize].modes
     }
 }
 

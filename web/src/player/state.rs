@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use serde::Serialize;
+use shared::bundle::Textures;
 use shared::sort::{key, numbers, sort};
 
 use super::plan::{Goal, LegReport, report_legs};
@@ -120,6 +121,8 @@ pub struct Info<'a> {
     images: Vec<ImageInfo>,
     /// Modes of colours and of warps in the textures; `null` where no texture changes, or it has not arrived.
     appearance: Option<[usize; 2]>,
+    /// Modes of textures that were not aligned, to compare with.
+    naive: Option<usize>,
     main: usize,
 }
 
@@ -226,7 +229,8 @@ impl Player {
             alpha: graph.map_or(0.0, shared::graph::EssentialGraph::alpha),
             sequences: sequences.collect(),
             images: images.collect(),
-            appearance: self.appearance().map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
+            naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
+            appearance: self.appearance(Textures::Aligned).map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
             main: main.iter().filter(|&&inside| inside).count(),
         })
     }

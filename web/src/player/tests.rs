@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 use shared::align::Placement;
 use shared::appearance::AppearanceModel;
-use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, encode, encode_with_appearance};
+use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, encode_with_appearance};
 use shared::capture::{Capture, Poses};
 use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
@@ -444,8 +444,8 @@ fn coefficients_are_interpolated_as_the_shape_is() {
     let mut player = Player::new(Loading::default(), || 0.0);
     player.push(&bytes).unwrap();
     assert!(!player.refine(1e9).unwrap());
-    assert_eq!([player.modes()[0].len(), player.modes()[1].len()], [2, 2]);
-    let layers = player.appearance().unwrap().layers.clone();
+    assert_eq!([player.modes(Textures::Aligned)[0].len(), player.modes(Textures::Aligned)[1].len()], [2, 2]);
+    let layers = player.appearance(Textures::Aligned).unwrap().layers.clone();
     // The coefficient of the only mode: its weight, without its step.
     let coefficient = |weights: &[f32], layer: usize| weights[1] / layers[layer].steps[1];
     player.go_to(28).unwrap();

@@ -19,7 +19,7 @@ use crate::bundle::error::EncodeError;
 use crate::bundle::limits::{MAX_MODES, MAX_TEXTURE_SIDE};
 
 /// How finely appearance is stored.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AppearanceQuality {
     /// Step of colours, 1 being the range of a channel.
     pub texture_step: f32,
@@ -81,7 +81,7 @@ pub fn encode(input: &AppearanceInput, frame_count: u32, material_count: usize) 
             return Ok(sections);
         }
         // Bytes shrink a little slower than steps grow.
-        let growth = (sections.report.bytes as f32 / most.max(1) as f32).powf(1.1).clamp(1.05, 4.0);
+        let growth = (sections.report.bytes as f32 / most.max(1) as f32).powf(1.1).clamp(1.02, 4.0);
         quality.texture_step *= growth;
         quality.warp_step *= growth;
     }

@@ -13,8 +13,39 @@ use serde::{Deserialize, Serialize};
 pub use decode::ModeDecoder;
 pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 
-use crate::appearance::basis::Layer;
-use crate::appearance::mask::Mask;
+use super::error::EncodeError;
+use super::header::Kind;
+use crate::appearance::basis::{Layer, Mode};
+use crate::appearance::dealign::Aligned;
+use crate::appearance::mask::{ACTIVE, Mask};
+use crate::appearance::transform::SIDE;
+
+/// Which textures a bundle's models are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Textures {
+    /// Aligned ones, which warps move back.
+    #[default]
+    Aligned,
+    /// Textures as they were captured, to compare with: there is nothing to move.
+    Naive,
+}
+
+impl Textures {
+    /// Those that a section of `kind` is about.
+    pub(super) fn of(kind: Kind) -> Self {
+        if matches!(kind, Kind::Naive | Kind::NaiveMode) { Self::Naive } else { Self::Aligned }
+    }
+
+    /// The kind of section that holds what they share.
+    pub(super) fn kind(self) -> Kind {
+        [Kind::Appearance, Kind::Naive][self as usize]
+    }
+
+    /// The kind of section that holds one of their modes.
+    pub(super) fn modes_kind(self) -> Kind {
+        [Kind::AppearanceMode, Kind::NaiveMode][self as usize]
+    }
+}
 
 /// What all frames' textures share, and each frame's coefficients. The modes arrive later.
 #[derive(Clone, Debug)]
@@ -27,6 +58,23 @@ pub struct Appearance {
     pub mask: Rc<Mask>,
     /// Colours, then warps.
     pub layers: [Layer; 2],
+}
+
+impl StoredAppearance {
+    /// The texture of a frame as the player rebuilds it, by `cycles` multigrid cycles: three values per active texel.
+    #[must_use]
+    pub fn texture(&self, frame: u32, cycles: usize) -> Vec<f32> {
+        let Self { mask, layers, .. } = self;
+        let field = |layer: usize| {
+            let own: &Layer = &layers[layer];
+            own.rebuild(mask, &self.modes[layer], &own.weights(frame, frame, 0.0), SIDE)
+        };
+        let cell = (1 << layers[1].level) as f32;
+        let aligned = Aligned { texture: field(0), warp: field(1), texel: 1.0, cell, fill: [0.5; 3] };
+        let shown = aligned.dealign(mask, cycles);
+        let active = shown.iter().zip(&mask.full().flags).filter(|(_, flags)| **flags & ACTIVE != 0);
+        active.flat_map(|(colour, _)| *colour).collect()
+    }
 }
 
 impl Appearance {
@@ -44,6 +92,41 @@ impl Appearance {
     pub fn section_count(&self) -> u32 {
         (self.layers[0].steps.len() + self.layers[1].steps.len()) as u32
     }
+}
+
+/// Models as a reader gets them back from a bundle, to measure what storing costs.
+#[derive(Clone, Debug)]
+pub struct StoredAppearance {
+    /// Which texels are active.
+    pub mask: Mask,
+    /// Colours, then warps.
+    pub layers: [Layer; 2],
+    /// Modes of colours, then of warps; the mean first.
+    pub modes: [Vec<Mode>; 2],
+    /// What they weigh.
+    pub report: AppearanceReport,
+}
+
+/// Codes the models of `input` for a capture of `frame_count` frames as a bundle does, and reads them again.
+///
+/// # Errors
+/// Models that do not fit the capture.
+pub fn store_appearance(
+    input: &AppearanceInput,
+    frame_count: u32,
+    material_count: usize,
+) -> Result<StoredAppearance, EncodeError> {
+    let wrong = |reason: &str| EncodeError::Inconsistent(format!("the appearance that was just written {reason}"));
+    let sections = encode::encode(input, frame_count, material_count)?;
+    let appearance = decode::head(&sections.head, frame_count, material_count).map_err(wrong)?;
+    let mut modes = [Vec::new(), Vec::new()];
+    for (ordinal, bytes) in (0..).zip(&sections.modes) {
+        let (layer, _) = appearance.place(ordinal).ok_or_else(|| wrong("has too many modes"))?;
+        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX).map_err(wrong)?;
+        modes[layer].push(mode.ok_or_else(|| wrong("ends too early"))?);
+    }
+    let Appearance { mask, layers, .. } = appearance;
+    Ok(StoredAppearance { mask: Rc::unwrap_or_clone(mask), layers, modes, report: sections.report })
 }
 
 fn place(counts: [usize; 2], ordinal: usize) -> Option<(usize, usize)> {

@@ -118,8 +118,11 @@ impl Looks {
             return false;
         }
         let size = self.layers[0].size(setting == Setting::Half);
-        if [self.texture.width(), self.texture.height()] != size {
+        let same = [self.texture.width(), self.texture.height()] == size;
+        if !same {
             self.texture = mesh.textures().create(gpu, size);
+        }
+        if !same || self.shown.is_none() {
             mesh.paint(gpu, self.appearance.material as usize, &self.texture);
         }
         match &wanted.0 {
@@ -137,6 +140,11 @@ impl Looks {
         self.under_way = Some((now(), done));
         self.shown = Some(wanted);
         true
+    }
+
+    /// Another texture is on the mesh now: the next one shown is painted on it anew.
+    pub fn take_off(&mut self) {
+        self.shown = None;
     }
 
     /// Whether a rebuild is under way, so that the picture may have to be brought up to date.
