@@ -31,9 +31,9 @@ export function frameOfTarget(target, director) {
  */
 export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
-  const { x, z, heading, path, stretches = [], shape = 'spline', behaviour, hold } = target;
+  const { x, z, heading, path, stretches = [], shape = 'spline', vertices, behaviour, hold } = target;
   if (behaviour !== undefined && hold) return { behaviour: { name: behaviour, hold } };
-  if (path !== undefined) return { path: { points: path, stretches, shape } };
+  if (path !== undefined) return { path: { points: path, stretches, shape, vertices } };
   if (x === undefined && z === undefined) return null;
   return { place: { x, z, ...(heading === undefined || heading === null ? {} : { heading }) } };
 }
