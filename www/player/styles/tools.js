@@ -83,6 +83,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits[data-held] { background: color-mix(in srgb, var(--accent) 16%, transparent); }
 .waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { grid-column: 1 / -1; }
 .times th { color: var(--muted); font-weight: 400; }

@@ -12,6 +12,8 @@ export const EMPTY = Object.freeze({
   path: { points: [], stretches: [], shape: 'spline' },
   keys: [],
   wander: { seed: 1, weights: {} },
+  /** Targets that wait, as `queue` takes them. */
+  queue: [],
 });
 
 /** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
