@@ -61,12 +61,12 @@ impl Actor {
 fn the_performer_comes_to_places_and_faces_as_asked() {
     let folder = tempfile::tempdir().unwrap();
     let capture = folder.path().join("performer");
-    let options = PerformerOptions { frames: 500, vertices: 400, texture_size: 32, ..PerformerOptions::default() };
+    let options = PerformerOptions { frames: 500, vertices: 1500, texture_size: 128, ..PerformerOptions::default() };
     write_performer(&options, &capture, &|_| ()).unwrap();
     let actor = Actor::pack(&capture, folder.path());
     let (mut sums, mut most, mut count) = ([0.0; 2], [0.0_f64; 2], 0.0);
     for place in [(0.8, PI), (1.5, 0.8), (2.0, -2.2), (4.0, 0.2)] {
-        for quarter in 0..4 {
+        for quarter in [0, 2] {
             let (report, _) = actor.go(10, place, quarter as f32 * FRAC_PI_2 - 1.0);
             for (at, error) in [report.distance, report.turn.unwrap()].into_iter().enumerate() {
                 sums[at] += error;
@@ -82,8 +82,8 @@ fn the_performer_comes_to_places_and_faces_as_asked() {
         100.0 * most[0],
         most[1].to_degrees()
     );
-    assert!(sums[0] / count < 0.05 && sums[1] / count < 0.08, "{sums:?} of {count}");
-    assert!(most[0] < 0.3 && most[1] < 0.4, "{most:?}");
+    assert!(sums[0] / count < 0.03 && sums[1] / count < 0.05, "{sums:?} of {count}");
+    assert!(most[0] < 0.15 && most[1] < 0.26, "{most:?}");
 }
 
 #[test]
@@ -95,10 +95,10 @@ fn where_no_motion_leads_the_answer_says_so() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    // A fox that walks and runs on the spot.
+    // A fox that walks and runs straight on: nothing turns it.
     let actor = Actor::pack(&data.join("gltf/fox/Fox.glb"), folder.path());
     let (report, answer) = actor.go(5, (2.0, 0.7), 1.0);
     println!("{report:?} {:?}", answer.parts[0].notes);
-    assert!(report.distance > 0.5, "{report:?}");
-    assert!(answer.parts[0].notes[0].contains("from the place"), "{:?}", answer.parts[0].notes);
+    assert!(report.turn.unwrap() > 0.5, "{report:?}");
+    assert!(answer.notes().any(|note| note.contains("the heading asked for")), "{:?}", answer.parts[0].notes);
 }
