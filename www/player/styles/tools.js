@@ -30,7 +30,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
 .field input { inline-size: 64px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
 
-.path-dock .field input { inline-size: 52px; }
+.path-dock .field span:first-child { display: none; }
 
 .path-strip { position: relative; block-size: 44px; margin-block-end: 18px; border-radius: 4px; background: var(--strip); touch-action: pan-y; cursor: crosshair; }
 .path-strip canvas { position: absolute; inset: 0; border-radius: 4px; pointer-events: none; }
