@@ -8,6 +8,7 @@ use shared::appearance::AppearanceModel;
 use shared::bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
 use shared::capture::Capture;
 use shared::cholesky::elimination_order;
+use shared::contacts::Contacts;
 use shared::graph::EssentialGraph;
 use thiserror::Error;
 
@@ -34,6 +35,8 @@ pub struct PackOptions {
     pub transition: TransitionOptions,
     /// Weight of a frame's duration against surface deformation.
     pub alpha: f64,
+    /// Whether transitions keep still what stands on the ground on both sides; else they follow the papers alone.
+    pub hold_contacts: bool,
     /// Largest error of a stored vertex position in metres; by the body's height where not given.
     pub max_error: Option<f32>,
     /// What becomes of textures that change from frame to frame.
@@ -288,7 +291,12 @@ fn essential_graph(
         transitions: &transitions,
         options: &options.transition,
     };
-    let graph = essential::build_graph(capture, &findings, &essential.edges, options.alpha)
+    let contacts = if options.hold_contacts {
+        essential::contacts(&capture.topology, &capture.timeline, &capture.poses)
+    } else {
+        Contacts::default()
+    };
+    let graph = essential::build_graph(capture, &findings, &essential.edges, options.alpha, contacts)
         .map_err(|error| PackError::Ours(error.to_string()))?;
     let components = essential::strongly_connected(timeline, &essential.edges);
     seconds.graph = start.elapsed().as_secs_f64();

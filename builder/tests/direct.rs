@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use shared::align::{Placement, centre_of_mass};
 use shared::bundle::{BundleInput, BundleReader, encode};
 use shared::capture::{Capture, Poses};
+use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
 use shared::search::Walk;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
@@ -88,7 +89,8 @@ fn write_bundle(path: &Path) -> Capture {
         let mut memory = PoseMemory::default();
         let weights = capture.topology.weights().to_vec();
         let mut ground = PosesOnGround::new(&mut capture.poses, &weights, &mut memory);
-        let placement = transition_placement(&capture.timeline, &mut ground, (from, to), &warp).unwrap();
+        let placement =
+            transition_placement(&capture.timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
         transitions.push(Transition { from, to, deformation: 0.2, warp, placement });
     }
     let graph = EssentialGraph::new(0.01, transitions, &capture.timeline).unwrap();

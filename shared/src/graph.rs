@@ -4,6 +4,7 @@
 
 use thiserror::Error;
 
+use crate::contacts::Contacts;
 use crate::timeline::Timeline;
 use crate::warp::Warp;
 use kernels::align::Placement;
@@ -71,6 +72,7 @@ pub struct EssentialGraph {
     alpha: f64,
     transitions: Vec<Transition>,
     first_transition: Vec<u32>,
+    contacts: Contacts,
 }
 
 impl EssentialGraph {
@@ -97,7 +99,21 @@ impl EssentialGraph {
         for frame in 0..frame_count {
             first_transition[frame + 1] += first_transition[frame];
         }
-        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition })
+        let contacts = Contacts::default();
+        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts })
+    }
+
+    /// The same graph, whose transitions keep still what stands on the ground on both sides. Their placements have to be
+    /// found with the same contacts.
+    #[must_use]
+    pub fn with_contacts(self, contacts: Contacts) -> Self {
+        Self { contacts, ..self }
+    }
+
+    /// What stands on the ground in its frames; empty where that is not known or not to be kept still.
+    #[must_use]
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
     }
 
     /// Cost of a recorded step: the weight of a frame's duration.

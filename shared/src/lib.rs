@@ -15,6 +15,7 @@
 pub mod appearance;
 pub mod bundle;
 pub mod capture;
+pub mod contacts;
 pub mod graph;
 pub mod pose_source;
 pub mod search;

@@ -7,13 +7,14 @@
 
 mod captures;
 
-use captures::{graph, timeline};
+use captures::{contacts, graph, timeline};
 use glam::Vec3;
 use shared::appearance::AppearanceModel;
 use shared::bundle::{
     AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_appearance, validate,
 };
 use shared::capture::{Capture, Poses};
+use shared::contacts::Contacts;
 use shared::pose_source::PoseSource;
 use shared::search::Motion;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
@@ -22,6 +23,7 @@ use shared::topology::Topology;
 const GOLDEN: &[u8] = include_bytes!("golden/v1.1.reprise");
 /// What earlier versions wrote.
 const GOLDEN_1_0: &[u8] = include_bytes!("golden/v1.0.reprise");
+const GOLDEN_WITH_CONTACTS: &[u8] = include_bytes!("golden/v1.2.reprise");
 const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.1-appearance.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
@@ -75,9 +77,10 @@ fn looks() -> AppearanceModel {
     }
 }
 
-fn check_writer(appearance: Option<&AppearanceInput>, golden: &[u8]) {
+fn check_writer(appearance: Option<&AppearanceInput>, contacts: Contacts, golden: &[u8]) {
     let capture = pyramid();
-    let graph = graph_without_transcendentals(&capture);
+    let standing = contacts.parts() > 0;
+    let graph = graph_without_transcendentals(&capture).with_contacts(contacts);
     let order = [4, 2, 0, 1, 3];
     let generator = "reprise 0.1.0".into();
     let poisson_order = Some(&order[..]);
@@ -85,7 +88,7 @@ fn check_writer(appearance: Option<&AppearanceInput>, golden: &[u8]) {
         BundleInput { capture: &capture, graph: &graph, first_frame: 10, max_error: 0.001, poisson_order, generator };
     let (bytes, _) = encode_with_appearance(&input, appearance).unwrap();
     if bytes != golden {
-        let path = format!("{}/written-{}.reprise", env!("CARGO_TARGET_TMPDIR"), appearance.is_some());
+        let path = format!("{}/written-{}-{standing}.reprise", env!("CARGO_TARGET_TMPDIR"), appearance.is_some());
         std::fs::write(&path, &bytes).unwrap();
         panic!(
             "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside the old file"
@@ -95,14 +98,24 @@ fn check_writer(appearance: Option<&AppearanceInput>, golden: &[u8]) {
 
 #[test]
 fn the_writer_has_not_changed() {
-    check_writer(None, GOLDEN);
+    check_writer(None, Contacts::default(), GOLDEN);
+}
+
+#[test]
+fn the_writer_of_contacts_has_not_changed() {
+    check_writer(None, contacts(&pyramid().timeline), GOLDEN_WITH_CONTACTS);
+}
+
+#[test]
+fn version_1_2_can_be_read() {
+    check_golden(GOLDEN_WITH_CONTACTS, contacts(&pyramid().timeline));
 }
 
 #[test]
 fn the_writer_of_appearance_has_not_changed() {
     let model = looks();
     let appearance = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
-    check_writer(Some(&appearance), GOLDEN_WITH_APPEARANCE);
+    check_writer(Some(&appearance), Contacts::default(), GOLDEN_WITH_APPEARANCE);
 }
 
 #[test]
@@ -145,7 +158,7 @@ fn graph_without_transcendentals(capture: &Capture) -> shared::graph::EssentialG
 #[test]
 fn all_versions_can_be_read() {
     for golden in [GOLDEN_1_0, GOLDEN] {
-        check_golden(golden);
+        check_golden(golden, Contacts::default());
     }
     assert_eq!(BundleReader::from_bytes(GOLDEN_1_0).unwrap().motion(), None);
     let capture = pyramid();
@@ -157,7 +170,7 @@ fn all_versions_can_be_read() {
     assert!(stored.fits(&capture.timeline));
 }
 
-fn check_golden(golden: &[u8]) {
+fn check_golden(golden: &[u8], contacts: Contacts) {
     let capture = pyramid();
     let mut reader = BundleReader::from_bytes(golden).unwrap();
     assert_eq!(validate(golden), []);
@@ -165,7 +178,7 @@ fn check_golden(golden: &[u8]) {
     assert_eq!(reader.timeline(), Some(&capture.timeline));
     assert_eq!(reader.surface(), Some(&capture.surface));
     assert_eq!(reader.topology().unwrap().triangles(), capture.topology.triangles());
-    assert_eq!(reader.graph(), Some(&graph_without_transcendentals(&capture)));
+    assert_eq!(reader.graph(), Some(&graph_without_transcendentals(&capture).with_contacts(contacts)));
     assert_eq!(reader.order(), Some(&[4, 2, 0, 1, 3][..]));
     assert_eq!(reader.file_vertices(), Some(&[4, 3, 2, 1, 0, 0][..]));
     let mut pose = [Vec3::ZERO; 5];

@@ -144,8 +144,9 @@ fn sections_must_be_there_once_and_in_order() {
     let sections = raw_sections(&small_bundle());
     assert!(use_all(&assembled(&sections)).is_ok());
     for place in 0..sections.len() {
-        let optional =
-            [Kind::Order, Kind::FileVertices, Kind::Motion].map(Kind::number).contains(&sections[place].number);
+        let optional = [Kind::Order, Kind::FileVertices, Kind::Motion, Kind::Contacts]
+            .map(Kind::number)
+            .contains(&sections[place].number);
         let mut without = sections.clone();
         without.remove(place);
         assert_eq!(use_all(&assembled(&without)).is_ok(), optional);

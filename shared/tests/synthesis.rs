@@ -6,6 +6,7 @@ mod common;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use shared::align::{Placement, centre_of_mass};
 use shared::capture::Poses;
+use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
 use shared::pose_source::{PoseError, PoseSource};
 use shared::search::{Leg, Walk, cheapest_walk};
@@ -31,7 +32,7 @@ fn transition(
     let warp = Warp::new(moves);
     let mut memory = PoseMemory::default();
     let mut ground = PosesOnGround::new(poses, topology.weights(), &mut memory);
-    let placement = transition_placement(timeline, &mut ground, (from, to), &warp).unwrap();
+    let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
     Transition { from, to, deformation: 0.1, warp, placement }
 }
 

@@ -21,6 +21,7 @@ fn options(fps: Option<f32>) -> PackOptions {
         distance: DistanceOptions::default(),
         transition: TransitionOptions::default(),
         alpha: DEFAULT_ALPHA,
+        hold_contacts: true,
         max_error: None,
         appearance: AppearanceChoice::Static,
     }

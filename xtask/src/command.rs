@@ -1,7 +1,7 @@
 //! Runs other programs from the workspace's root.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -37,6 +37,41 @@ pub fn run(what: &str, command: &mut Command) -> Result<()> {
     }
     println!("== {what}: {:.1} s", start.elapsed().as_secs_f32());
     Ok(())
+}
+
+/// A command that runs while others do; it says nothing but what is wrong. Ended where it is dropped unfinished.
+pub struct Beside {
+    what: &'static str,
+    child: Child,
+    start: Instant,
+}
+
+impl Beside {
+    /// Starts `command`.
+    pub fn start(what: &'static str, command: &mut Command) -> Result<Self> {
+        println!("== {what}, beside what follows");
+        let child = command.stdout(Stdio::null()).spawn();
+        let child = child.with_context(|| format!("{what}: cannot start {:?}", command.get_program()))?;
+        Ok(Self { what, child, start: Instant::now() })
+    }
+
+    /// Waits for its end.
+    pub fn finish(mut self) -> Result<()> {
+        let status = self.child.wait().with_context(|| format!("{}: lost sight of it", self.what))?;
+        if !status.success() {
+            bail!("{} failed ({status})", self.what);
+        }
+        println!("== {}: {:.1} s since it was begun", self.what, self.start.elapsed().as_secs_f32());
+        Ok(())
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        // One that has ended already cannot be ended again, and that is as well.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
 }
 
 /// Whether `program arguments` can be run and succeeds.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use crate::command::{cargo, run, target};
+use crate::command::{Beside, cargo, run, target};
 use crate::{serve, web};
 
 /// Builds the page, packs the built-in performer and serves both.
@@ -22,7 +22,10 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
             other => bail!("demo knows no {other:?}; usage: cargo xtask demo [--port N] [--no-serve]"),
         }
     }
+    // The page's last step optimises all of it as one, on one core: the builder takes the others meanwhile.
+    let builder = Beside::start("the builder", build("release").arg("-q"))?;
     let dist = web::build()?;
+    builder.finish()?;
     pack(&dist.join("demo.reprise"), "release")?;
     if serving { serve::serve(&dist, port) } else { Ok(()) }
 }
@@ -33,10 +36,17 @@ pub fn pack(bundle: &Path, profile: &str) -> Result<PathBuf> {
     if capture.exists() {
         fs::remove_dir_all(&capture).with_context(|| format!("cannot clear {}", capture.display()))?;
     }
-    run("the builder", cargo().args(["build", "-p", "reprise-builder", "--profile", profile]))?;
+    run("the builder", &mut build(profile))?;
     run("the performer's capture", builder(profile).arg("performer").arg("-o").arg(&capture))?;
     run("the performer's bundle", builder(profile).arg("pack").arg(&capture).arg("-o").arg(bundle))?;
     Ok(capture)
+}
+
+/// Compiles the builder.
+fn build(profile: &str) -> std::process::Command {
+    let mut command = cargo();
+    command.args(["build", "-p", "reprise-builder", "--profile", profile]);
+    command
 }
 
 /// The `builder` command of a profile.

@@ -15,6 +15,7 @@ mod bundle;
 mod command;
 mod demo;
 mod figures;
+mod names;
 mod serve;
 mod size;
 mod strip;

@@ -9,6 +9,7 @@ use wasm_bindgen_cli_support::Bindgen;
 
 use crate::bundle::bundle;
 use crate::command::{cargo, root, run, succeeds, target};
+use crate::names::shorten;
 use crate::strip::strip;
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -20,7 +21,9 @@ const PARTS: &str = "player";
 pub fn build() -> Result<PathBuf> {
     add_wasm_target()?;
     let mut command = cargo();
-    command.args(["build", "-p", "reprise-web", "--lib", "--target", TARGET, "--profile", "wasm"]);
+    command.args(["rustc", "-p", "reprise-web", "--lib", "--target", TARGET, "--profile", "wasm"]);
+    // The library for native tests, beside it, would keep the crates from being optimised as one.
+    command.args(["--crate-type", "cdylib"]);
     // Flags from the environment would replace the ones in .cargo/config.toml, and with them SIMD.
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     run("player to WebAssembly", &mut command)?;
@@ -29,16 +32,7 @@ pub fn build() -> Result<PathBuf> {
     let package = dist.join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
     let wasm = target().join(TARGET).join("wasm/web.wasm");
-    Bindgen::new()
-        .input_path(&wasm)
-        .web(true)?
-        .typescript(true)
-        .remove_name_section(true)
-        .remove_producers_section(true)
-        .generate(&package)
-        .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
-    let bindings = package.join("web.js");
-    strip_file(&bindings, &bindings)?;
+    bind(&wasm, &package).with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
     copy_folder(&www, &dist)?;
     // Modules of a build before this one.
     let parts = dist.join(PARTS);
@@ -48,6 +42,23 @@ pub fn build() -> Result<PathBuf> {
     let player = dist.join(PLAYER);
     fs::write(&player, bundle(&www, PLAYER)?).with_context(|| format!("cannot write {}", player.display()))?;
     Ok(dist)
+}
+
+/// Writes the WebAssembly that browsers load and its bindings.
+fn bind(wasm: &Path, package: &Path) -> Result<()> {
+    let mut output = Bindgen::new()
+        .input_path(wasm)
+        .web(true)?
+        .typescript(true)
+        .remove_name_section(true)
+        .remove_producers_section(true)
+        .generate_output()?;
+    let script = output.js().to_owned();
+    let names = output.wasm_mut().imports.iter_mut().map(|import| &mut import.name);
+    let script = shorten(names, &strip(&script));
+    output.emit(package)?;
+    let bindings = package.join("web.js");
+    fs::write(&bindings, script).with_context(|| format!("cannot write {}", bindings.display()))
 }
 
 /// Adds the WebAssembly target to the toolchain where it is missing.

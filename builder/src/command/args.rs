@@ -76,6 +76,9 @@ pub struct PackArguments {
     /// How the lengths of a transition's segments are chosen.
     #[arg(long, value_enum, default_value_t = TransitionLength::Total)]
     pub transition_length: TransitionLength,
+    /// Let feet slide in transitions as in the papers, instead of keeping still what stands on both sides.
+    #[arg(long)]
+    pub no_contacts: bool,
     /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,

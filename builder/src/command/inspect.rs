@@ -105,7 +105,7 @@ fn sequences(timeline: &Timeline) -> Vec<Value> {
         .map(|s| {
             json!({
                 "name": s.name, "labels": s.labels, "first_frame": s.first_frame, "frames": s.frame_count,
-                "seconds": s.frame_count as f32 / fps, "cyclic": s.cyclic,
+                "seconds": f64::from(s.frame_count) / f64::from(fps), "cyclic": s.cyclic,
             })
         })
         .collect()

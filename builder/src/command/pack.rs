@@ -78,6 +78,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
             },
         },
         alpha: arguments.alpha,
+        hold_contacts: !arguments.no_contacts,
         max_error: arguments.max_error,
         appearance: match arguments.appearance {
             AppearanceKind::Static => AppearanceChoice::Static,

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3Swizzles};
 use rayon::prelude::*;
 use shared::align::centre_of_mass;
 use shared::capture::Capture;
+use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, GraphError, Transition};
 use shared::pose_source::PoseError;
 use shared::synthesis::{Ground, transition_placement};
@@ -58,6 +59,8 @@ pub struct Findings<'a> {
 
 /// The essential graph of `capture` from the synthetic `edges` (from, to) that are kept, which are sorted.
 ///
+/// `contacts` are what its transitions keep still; none of them, and they follow the papers alone.
+///
 /// The warp of each edge is found again here, since only costs and lengths are kept for all pairs.
 ///
 /// # Errors
@@ -67,6 +70,7 @@ pub fn build_graph(
     findings: &Findings,
     edges: &[(u32, u32)],
     alpha: f64,
+    contacts: Contacts,
 ) -> Result<EssentialGraph, BuildError> {
     let timeline = &capture.timeline;
     let weights = capture.topology.weights();
@@ -81,11 +85,11 @@ pub fn build_graph(
                 .find(from, to, cost.source_length.into(), cost.destination_length.into())
                 .map_err(|cause| BuildError::Warp { from, to, cause })?;
             let mut ground = Recorded { headings: findings.headings, centres: &centres };
-            let placement = transition_placement(timeline, &mut ground, (from, to), &warp)?;
+            let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &contacts)?;
             Ok(Transition { from, to, deformation: cost.deformation, warp, placement })
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
-    Ok(EssentialGraph::new(alpha, transitions, timeline)?)
+    Ok(EssentialGraph::new(alpha, transitions, timeline)?.with_contacts(contacts))
 }
 
 /// Where recorded frames stand, from the tables of the builder.

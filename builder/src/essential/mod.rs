@@ -6,6 +6,7 @@
 //! compared with all paths over a node in between.
 
 mod components;
+mod contacts;
 mod costs;
 mod graph;
 mod motion_graph;
@@ -17,6 +18,7 @@ use shared::timeline::Timeline;
 use thiserror::Error;
 
 pub use self::components::{Components, strongly_connected};
+pub use self::contacts::contacts;
 pub(crate) use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;

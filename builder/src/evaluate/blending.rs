@@ -26,7 +26,7 @@ const SKATE_TRANSITIONS: usize = 200;
 
 /// Makes the section.
 pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
-    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
+    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let order = elimination_order(&subject.capture.topology);
     let mut section = SectionReport::default();
     trajectories(subject, &mut section);
@@ -49,7 +49,11 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
             .into_iter()
             .map(|place| walks.transitions[place])
             .collect();
-        let slides = skate(subject, recordings, &order, &graph, &few, report)?;
+        let free = Recordings { contacts: &shared::contacts::Contacts::default(), ..recordings };
+        let slides = Skate {
+            held: skate(subject, recordings, &order, &graph, &few, report)?,
+            free: skate(subject, free, &order, &graph, &few, report)?,
+        };
         skates.push((choice, walks, slides));
     }
     skate_table(subject, &recordings, &skates, &mut section);
@@ -210,6 +214,12 @@ struct Slides {
     standing: Vec<f64>,
 }
 
+/// The same transitions with what stands kept still, and as in the papers.
+struct Skate {
+    held: Slides,
+    free: Slides,
+}
+
 fn recorded_slides(subject: &Subject, recordings: &Recordings, contacts: &Contacts) -> Slides {
     let mut slides = Slides::default();
     for sequence in subject.timeline().sequences() {
@@ -273,7 +283,7 @@ fn skate(
 fn skate_table(
     subject: &Subject,
     recordings: &Recordings,
-    skates: &[(LengthChoice, Walks, Slides)],
+    skates: &[(LengthChoice, Walks, Skate)],
     section: &mut SectionReport,
 ) {
     let contacts = Contacts::of(recordings, subject.truth.as_ref());
@@ -305,26 +315,29 @@ fn skate_table(
     add("recorded", "touching", &recorded.touching);
     let still = add("recorded", "standing", &recorded.standing);
     let mut sliding = Vec::new();
-    for (choice, _, slides) in skates {
-        let name =
-            if *choice == LengthChoice::Total { "synthetic, lengths by the sum" } else { "synthetic, by the mean" };
-        add(name, "touching", &slides.touching);
-        sliding.push(add(name, "standing", &slides.standing));
+    for (choice, _, Skate { held, free }) in skates {
+        let lengths = if *choice == LengthChoice::Total { "lengths by the sum" } else { "lengths by the mean" };
+        for (slides, way) in [(held, "contacts held"), (free, "as in the papers")] {
+            let name = format!("synthetic, {way}, {lengths}");
+            add(&name, "touching", &slides.touching);
+            sliding.push(add(&name, "standing", &slides.standing));
+        }
     }
     section.tables.push(table);
     section.tables.push(walks_table(skates, fps));
-    if subject.truth.is_some() {
+    if let (Some(_), [held, free, ..]) = (&subject.truth, sliding.as_slice()) {
         section.text.push(format!(
-            "A foot that stands slides {:.2} mm a frame in synthetic frames against {:.2} mm in recorded ones: blends \
-             follow the centre of mass, not the feet, and the feet of both sides stand where they did only when their \
-             steps agree.",
-            sliding[0] * 1e3,
+            "A foot that stands slides {:.2} mm a frame in synthetic frames, {:.2} mm where the blend follows the centre \
+             of mass alone as in the papers, and {:.2} mm in recorded frames. What is left is feet that stand further apart \
+             on one side than on the other: no step of the body can keep both still.",
+            held * 1e3,
+            free * 1e3,
             still * 1e3
         ));
     }
 }
 
-fn walks_table(skates: &[(LengthChoice, Walks, Slides)], fps: f64) -> Table {
+fn walks_table(skates: &[(LengthChoice, Walks, Skate)], fps: f64) -> Table {
     let mut table = Table::new(
         "walks",
         format!("{WALKS} cheapest walks between frames drawn at random, those that exist."),

@@ -39,7 +39,7 @@ pub(super) struct Error {
 pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
     let topology = &subject.capture.topology;
     let order = elimination_order(topology);
-    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
+    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let (n, seed) = (subject.frame_count() as u64, subject.options.seed);
     let draw = |index: u64| ((mix(seed, 2 * index) % n) as u32, (mix(seed, 2 * index + 1) % n) as u32);
     let pairs: Vec<(u32, u32)> = (0..PAIRS as u64).map(draw).filter(|(i, j)| i != j).collect();

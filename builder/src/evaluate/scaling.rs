@@ -148,7 +148,7 @@ fn distances_of_part(subject: &Subject, share: f64, times: &mut Vec<Time>) -> Re
 /// Seconds of processor time for a Poisson in-between of any two frames.
 fn in_betweens(subject: &Subject) -> Result<f64, EvaluateError> {
     let order = elimination_order(&subject.capture.topology);
-    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres);
+    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let mut stage = Stage::new(recordings, &order)?;
     let (n, seed) = (subject.frame_count() as u64, subject.options.seed);
     let frame = |index: u64| (mix(seed, index) % n) as u32;

@@ -137,6 +137,7 @@ impl Actor {
             poses: &self.poses,
             headings: None,
             centres: &self.centres,
+            contacts: self.graph.contacts(),
         }
     }
 }

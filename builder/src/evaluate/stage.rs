@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use shared::align::{Placement, align_heading};
 use shared::capture::{Capture, Poses};
 use shared::cholesky::CholeskyError;
+use shared::contacts::Contacts;
 use shared::graph::Transition;
 use shared::poisson::{KeyedPose, PoissonInterpolator};
 use shared::pose_source::PoseError;
@@ -27,16 +28,24 @@ pub struct Recordings<'a> {
     pub headings: Option<&'a HeadingMatrix>,
     /// Centres of mass of all frames along (X, Z).
     pub centres: &'a [Vec2],
+    /// What transitions keep still.
+    pub contacts: &'a Contacts,
 }
 
 impl<'a> Recordings<'a> {
-    pub(super) fn of(capture: &'a Capture, headings: &'a HeadingMatrix, centres: &'a [Vec2]) -> Self {
+    pub(super) fn of(
+        capture: &'a Capture,
+        headings: &'a HeadingMatrix,
+        centres: &'a [Vec2],
+        contacts: &'a Contacts,
+    ) -> Self {
         Self {
             topology: &capture.topology,
             timeline: &capture.timeline,
             poses: &capture.poses,
             headings: Some(headings),
             centres,
+            contacts,
         }
     }
 
@@ -48,7 +57,7 @@ impl<'a> Recordings<'a> {
         let (ends, warp) = ((transition.from, transition.to), &transition.warp);
         let mut blend = Blend::begin(self.timeline, &mut { *self }, ends, warp, Placement::IDENTITY)?;
         let mut blends = vec![blend];
-        while let Some(next) = blend.next(self.timeline, &mut { *self }, warp)? {
+        while let Some(next) = blend.next(self.timeline, &mut { *self }, warp, self.contacts)? {
             blend = next;
             blends.push(blend);
         }

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use glam::{Vec2, Vec3Swizzles};
 use shared::align::centre_of_mass;
 use shared::capture::Capture;
+use shared::contacts::Contacts;
 use shared::graph::EssentialGraph;
 use shared::timeline::Timeline;
 
@@ -30,6 +31,8 @@ pub struct Subject {
     pub(super) measured: Measured,
     /// Centres of mass along (X, Z).
     pub(super) centres: Vec<Vec2>,
+    /// What its transitions keep still.
+    pub(super) contacts: Contacts,
     total: OnceLock<TransitionMatrix>,
     mean: OnceLock<TransitionMatrix>,
 }
@@ -65,7 +68,9 @@ impl Subject {
         let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), &told)?;
         let weights = capture.topology.weights();
         let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
+        let contacts = essential::contacts(&capture.topology, &capture.timeline, &capture.poses);
         Ok(Self {
+            contacts,
             capture,
             textures: None,
             truth,
@@ -116,7 +121,7 @@ impl Subject {
             transitions,
             options: &TransitionOptions { choice, ..self.options.transition },
         };
-        Ok(essential::build_graph(&self.capture, &findings, &essential.edges, alpha)?)
+        Ok(essential::build_graph(&self.capture, &findings, &essential.edges, alpha, self.contacts.clone())?)
     }
 
     pub(super) fn facts(&self) -> Vec<(String, String)> {

@@ -13,7 +13,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{graph, integers, motion, surface};
+use super::{contacts, graph, integers, motion, surface};
 use crate::capture::Capture;
 use crate::graph::EssentialGraph;
 use crate::pose_source::{PoseError, PoseSource};
@@ -187,6 +187,11 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     drafts.extend(chunks);
     let graph = graph::encode(input.graph)
         .map_err(|transition| EncodeError::Inconsistent(format!("transition {transition} leads too far away")))?;
+    if input.graph.contacts().parts() > 0 {
+        let contacts = contacts::encode(input.graph.contacts(), capture.timeline.frame_count());
+        let contacts = contacts.ok_or_else(|| EncodeError::Inconsistent("a contact is too far out".into()))?;
+        drafts.push(one(Kind::Contacts, contacts));
+    }
     drafts.push(one(Kind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {
         drafts.push(one(Kind::Motion, motion));

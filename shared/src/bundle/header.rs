@@ -9,7 +9,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 1;
+pub const VERSION_MINOR: u16 = 2;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
@@ -41,13 +41,15 @@ pub enum Kind {
     Appearance,
     /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
     AppearanceMode,
-    /// Where the actor is and which way it faces in every frame.
+    /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
+    /// What stands on the ground in every frame. Since 1.2.
+    Contacts,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -59,6 +61,7 @@ impl Kind {
         Self::Appearance,
         Self::AppearanceMode,
         Self::Motion,
+        Self::Contacts,
     ];
 
     /// Its number in the file. Numbers 32 to 63 are reserved for appearance, those from 64 on for direction.
@@ -76,6 +79,7 @@ impl Kind {
             Self::Appearance => 32,
             Self::AppearanceMode => 33,
             Self::Motion => 64,
+            Self::Contacts => 65,
         }
     }
 
@@ -100,6 +104,7 @@ impl Kind {
             Self::Appearance => "appearance",
             Self::AppearanceMode => "appearance-mode",
             Self::Motion => "motion",
+            Self::Contacts => "contacts",
         }
     }
 
@@ -112,7 +117,11 @@ impl Kind {
     /// The minor version that brought it.
     #[must_use]
     pub fn since(self) -> u16 {
-        u16::from(matches!(self, Self::Appearance | Self::AppearanceMode | Self::Motion))
+        match self {
+            Self::Contacts => 2,
+            Self::Appearance | Self::AppearanceMode | Self::Motion => 1,
+            _ => 0,
+        }
     }
 }
 

@@ -50,7 +50,7 @@ pub(super) fn count(header: &Header, kind: Kind) -> usize {
 fn needs(kind: Kind) -> &'static [Kind] {
     match kind {
         Kind::Meta => &[],
-        Kind::Surface | Kind::Graph | Kind::Motion => &[Kind::Meta],
+        Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => &[Kind::Meta],
         Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices | Kind::Appearance => &[Kind::Meta, Kind::Surface],
         Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
         Kind::AppearanceMode => &[Kind::Appearance],

@@ -9,6 +9,7 @@ pub mod geometry;
 
 mod appearance;
 mod checksum;
+mod contacts;
 mod encode;
 mod error;
 mod graph;

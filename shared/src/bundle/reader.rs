@@ -10,7 +10,8 @@ use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, Kind, SectionEntry};
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, appearance, graph, integers, layout, motion, surface};
+use super::{Appearance, appearance, contacts, graph, integers, layout, motion, surface};
+use crate::contacts::Contacts;
 use crate::graph::EssentialGraph;
 use crate::pose_source::{PoseError, PoseSource};
 use crate::search::Motion;
@@ -46,6 +47,7 @@ pub struct BundleReader {
     order: Option<Vec<u32>>,
     file_vertices: Option<Vec<u32>>,
     motion: Option<Motion>,
+    contacts: Contacts,
     appearance: Option<Appearance>,
     modes: Vec<Option<Vec<u8>>>,
 }
@@ -303,7 +305,16 @@ impl BundleReader {
             return Ok(());
         }
         if kind == Kind::Graph {
-            self.graph = Some(graph::decode(&raw, meta.transition_count, timeline)?);
+            let graph = graph::decode(&raw, meta.transition_count, timeline)?;
+            self.graph = Some(graph.with_contacts(std::mem::take(&mut self.contacts)));
+            return Ok(());
+        }
+        if kind == Kind::Contacts {
+            let contacts = contacts::decode(&raw, timeline).map_err(wrong)?;
+            match self.graph.take() {
+                Some(graph) => self.graph = Some(graph.with_contacts(contacts)),
+                None => self.contacts = contacts,
+            }
             return Ok(());
         }
         if kind == Kind::Motion {
@@ -350,7 +361,7 @@ impl BundleReader {
                 self.appearance = Some(appearance);
             }
             Kind::AppearanceMode => *self.modes.get_mut(ordinal).ok_or_else(|| wrong("is not declared"))? = Some(raw),
-            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion => {}
+            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => {}
         }
         Ok(())
     }

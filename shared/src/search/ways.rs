@@ -319,7 +319,7 @@ impl Survey {
         let points = &self.ways.points;
         let mut blend = Blend::begin(timeline, &mut motion, ends, warp, kernels::align::Placement::IDENTITY)?;
         let mut track = vec![(points[transition.from as usize], transition.from)];
-        while let Some(next) = blend.next(timeline, &mut motion, warp)? {
+        while let Some(next) = blend.next(timeline, &mut motion, warp, graph.contacts())? {
             blend = next;
             let side = |side: usize| blend.placements[side].apply(points[blend.frames[side] as usize]);
             let looks_like = blend.frames[usize::from(blend.lambda >= 0.5)];

@@ -176,7 +176,7 @@ impl Synthesiser {
             State::Synthetic { transition: index, mut blend } => {
                 let warp = &transition(graph, index)?.warp;
                 let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-                while let Some(next) = blend.next(timeline, &mut ground, warp)? {
+                while let Some(next) = blend.next(timeline, &mut ground, warp, graph.contacts())? {
                     blend = next;
                 }
                 Ok(Some(blend.placements[1]))
@@ -206,7 +206,7 @@ impl Synthesiser {
             State::Synthetic { transition: index, blend } => {
                 let to = transition(graph, index)?;
                 let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-                let next = blend.next(timeline, &mut ground, &to.warp)?;
+                let next = blend.next(timeline, &mut ground, &to.warp, graph.contacts())?;
                 self.show_node(source, index, to, next.unwrap_or(blend), out)
             }
         }
@@ -243,7 +243,7 @@ impl Synthesiser {
                 check_leg(to.from, frame)?;
                 let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
                 let first = Blend::begin(timeline, &mut ground, (to.from, to.to), &to.warp, placement)?;
-                let second = first.next(timeline, &mut ground, &to.warp)?;
+                let second = first.next(timeline, &mut ground, &to.warp, graph.contacts())?;
                 self.interpolator.restart();
                 self.show_node(source, index, to, second.unwrap_or(first), out)
             }

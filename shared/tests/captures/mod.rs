@@ -7,6 +7,7 @@ use std::process::Command;
 use glam::{Quat, Vec2, Vec3};
 use shared::align::Placement;
 use shared::capture::{Capture, Poses};
+use shared::contacts::{Contact, Contacts};
 use shared::graph::{EssentialGraph, Transition};
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use shared::timeline::{Sequence, Timeline};
@@ -128,7 +129,16 @@ pub fn graph(timeline: &Timeline) -> EssentialGraph {
             }
         }
     }
-    EssentialGraph::new(0.01, transitions, timeline).unwrap()
+    EssentialGraph::new(0.01, transitions, timeline).unwrap().with_contacts(contacts(timeline))
+}
+
+/// Two parts that stand now and then and move on while they do not.
+pub fn contacts(timeline: &Timeline) -> Contacts {
+    let contact = |index: u32| {
+        let (frame, part) = ((index / 2) as f32, (index % 2) as f32);
+        Contact::rounded(Vec2::new(part - frame / 8.0, frame / 64.0), ((index % 5) as f32 - 1.0) / 3.0)
+    };
+    Contacts::new(2, (0..2 * timeline.frame_count()).map(contact).collect(), timeline).unwrap()
 }
 
 /// The real capture of MIT (Vlasic et al. 2008): crane and jumping, 325 frames of 10,002 vertices.

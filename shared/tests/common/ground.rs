@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use shared::align::Placement;
+use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
 use shared::search::{Motion, Scene, Ways};
 use shared::synthesis::transition_placement;
@@ -96,7 +97,8 @@ pub mod random_scene {
             let holds = timeline.offset(from, li as i64 - 1).is_some() && timeline.offset(to, 1 - lj as i64).is_some();
             if holds && from != to {
                 let mut ground = motion;
-                let placement = transition_placement(timeline, &mut ground, (from, to), &warp).unwrap();
+                let placement =
+                    transition_placement(timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
                 made.push(Transition { from, to, deformation: random.range(0.05, 2.0), warp, placement });
             }
         }

@@ -5,6 +5,7 @@ use shared::align::Placement;
 use shared::appearance::AppearanceModel;
 use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, encode, encode_with_appearance};
 use shared::capture::{Capture, Poses};
+use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
 use shared::search::{Goal, PathRequest, Progress, Request, RequestError, Target};
 use shared::surface::{Corner, Material, Part, Surface};
@@ -75,7 +76,8 @@ fn capture(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> (Capture, Essenti
         let mut memory = PoseMemory::default();
         let mut ground = PosesOnGround::new(&mut capture.poses, capture.topology.weights(), &mut memory);
         let ends = (transition.from, transition.to);
-        transition.placement = transition_placement(&capture.timeline, &mut ground, ends, &transition.warp).unwrap();
+        transition.placement =
+            transition_placement(&capture.timeline, &mut ground, ends, &transition.warp, &Contacts::default()).unwrap();
     }
     let graph = EssentialGraph::new(0.01, transitions, &capture.timeline).unwrap();
     (capture, graph)

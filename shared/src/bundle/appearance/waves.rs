@@ -2,7 +2,8 @@
 
 use crate::appearance::transform::{AREA, SIDE};
 use crate::bundle::entropy::binary::{Bit, Decoder, Encoder};
-use crate::bundle::entropy::numbers::{Number, unzigzag, zigzag};
+use crate::bundle::entropy::numbers::Number;
+use kernels::codec::zigzag::{unzigzag, zigzag};
 use kernels::sort::{key, numbers, sort};
 
 /// An encoder, which passes on what it is given, or a decoder, which gives what it reads.

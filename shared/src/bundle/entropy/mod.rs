@@ -1,8 +1,7 @@
 //! Entropy coders of our own: small, total on hostile input, and the same bit for bit natively and in wasm.
 //!
-//! [`binary`] adapts while it codes and serves the sections that are read once; [`rans`] works from tables that are
-//! known beforehand, which is what makes a single frame of geometry quick to decode.
+//! [`binary`] adapts while it codes and serves the sections that are read once; [`kernels::codec::rans`] works from tables that are
+//! known beforehand, which is what makes a single frame of geometry quick to decode: it lies among the kernels.
 
 pub mod binary;
 pub mod numbers;
-pub mod rans;

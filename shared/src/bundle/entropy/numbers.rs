@@ -1,6 +1,7 @@
 //! Whole numbers as adaptive decisions: how long the number is, its two highest bits, then the rest as it is.
 
 use super::binary::{Bit, Decoder, Encoder};
+use kernels::codec::zigzag::{unzigzag, zigzag};
 
 /// What has been learnt about one kind of number from 0 to 2^32 - 2.
 #[derive(Clone, Debug, Default)]
@@ -58,18 +59,6 @@ impl Number {
     }
 }
 
-/// 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
-#[must_use]
-pub fn zigzag(value: i32) -> u32 {
-    (value << 1 ^ value >> 31) as u32
-}
-
-/// The inverse of [`zigzag`].
-#[must_use]
-pub fn unzigzag(value: u32) -> i32 {
-    (value >> 1) as i32 ^ -((value & 1) as i32)
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -89,9 +78,5 @@ mod tests {
             prop_assert!(decoder.at_end());
         }
 
-        #[test]
-        fn zigzag_is_undone(value: i32) {
-            prop_assert_eq!(unzigzag(zigzag(value)), value);
-        }
     }
 }

@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-use super::super::entropy::rans::Decoder;
 use super::Steps;
-use super::model::{Model, WEIGHT_BITS};
-use super::quantise;
-use super::residual::{context_of_sum, magnitude, read};
+use super::model::Model;
 use super::schedule::{CLASSES, Coding, coding};
+pub use kernels::codec::frame::BadFrame;
+use kernels::codec::frame::{Prediction, add_mean, decode, positions};
+use kernels::codec::residual::context_of_sum;
 
 /// A geometry section: the streams of its frames.
 #[derive(Clone, Debug)]
@@ -78,10 +78,6 @@ struct Remembered {
     slots: Vec<Steps>,
 }
 
-/// A frame's stream does not hold what it should.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BadFrame;
-
 impl FrameDecoder {
     /// Number of decoded frames that are remembered: all that the deepest frame of the largest group needs, and a few.
     pub const REMEMBERED: usize = 10;
@@ -107,12 +103,8 @@ impl FrameDecoder {
     ) -> Result<(), BadFrame> {
         self.ensure(model, index, chunk, local, CLASSES + 2)?;
         let found = self.find(index, local).ok_or(BadFrame)?;
-        let slots = self.remembered[found].slots.get(1..).unwrap_or_default();
-        for (steps, &vertex) in slots.iter().zip(&model.traversal.vertex_of_place) {
-            if let Some(position) = pose.get_mut(vertex as usize) {
-                *position = quantise::position(*steps, self.step);
-            }
-        }
+        let slots = &self.remembered[found].slots;
+        positions(slots, &model.traversal.vertex_of_place, self.step, pose);
         Ok(())
     }
 
@@ -153,24 +145,18 @@ impl FrameDecoder {
         stream: &[u8],
         slots: &mut [Steps],
     ) -> Result<(), BadFrame> {
-        self.magnitudes.clear();
-        self.magnitudes.resize(slots.len(), 0);
-        let scratch = &mut self.magnitudes;
-        let contexts = &self.contexts;
-        match model.traversal.most_parents {
-            2 => decode_slots::<2>(model, coding, stream, contexts, scratch, slots),
-            4 => decode_slots::<4>(model, coding, stream, contexts, scratch, slots),
-            8 => decode_slots::<8>(model, coding, stream, contexts, scratch, slots),
-            _ => Err(BadFrame),
-        }?;
+        let prediction = Prediction {
+            most_parents: model.traversal.most_parents,
+            parent_slots: &model.traversal.parent_slots,
+            weights: &model.weights[usize::from(coding.references.is_some())],
+            tables: model.tables_of(coding.class()),
+            contexts: &self.contexts[..],
+        };
+        decode(&prediction, stream, &mut self.magnitudes, slots)?;
         if let Some((low, high)) = coding.references {
             let (low, high) = (self.find(index, low).ok_or(BadFrame)?, self.find(index, high).ok_or(BadFrame)?);
             let (low, high) = (&self.remembered[low].slots, &self.remembered[high].slots);
-            for ((slot, a), b) in slots.iter_mut().zip(low).zip(high) {
-                for lane in 0..4 {
-                    slot[lane] = slot[lane].wrapping_add(mean(a[lane], b[lane]));
-                }
-            }
+            add_mean(slots, low, high);
         }
         Ok(())
     }
@@ -190,57 +176,4 @@ impl FrameDecoder {
         let oldest = (0..self.remembered.len()).min_by_key(|&i| self.remembered[i].last_use);
         oldest.map(|oldest| self.remembered.swap_remove(oldest).slots).unwrap_or_default()
     }
-}
-
-/// What a frame between two others is expected to be. Rounds down; the same on both sides is all that matters.
-#[inline(always)]
-#[must_use]
-pub fn mean(a: i32, b: i32) -> i32 {
-    a.wrapping_add(b) >> 1
-}
-
-/// The weighted sum of a vertex's parents, rounded. Wraps: forged numbers give wrong positions, never a panic.
-#[inline(always)]
-#[must_use]
-pub fn predict<const PARENTS: usize>(slots: &[Steps], parents: &[u32; PARENTS], weights: &[i16; PARENTS]) -> Steps {
-    let mut sum = [1 << (WEIGHT_BITS - 1); 4];
-    for parent in 0..PARENTS {
-        let steps = slots[parents[parent] as usize];
-        let weight = i32::from(weights[parent]);
-        for lane in 0..4 {
-            sum[lane] = weight.wrapping_mul(steps[lane]).wrapping_add(sum[lane]);
-        }
-    }
-    sum.map(|lane| lane >> WEIGHT_BITS)
-}
-
-/// Decodes residuals and adds predictions. Slot 0 is no vertex: it is what missing parents point to, and stays zero.
-fn decode_slots<const PARENTS: usize>(
-    model: &Model,
-    coding: Coding,
-    stream: &[u8],
-    contexts: &[u8],
-    magnitudes: &mut [u8],
-    slots: &mut [Steps],
-) -> Result<(), BadFrame> {
-    let tables = model.tables_of(coding.class());
-    let weights = &model.weights[usize::from(coding.references.is_some())];
-    let rows = model.traversal.parent_slots.as_chunks::<PARENTS>().0.iter().zip(weights.as_chunks::<PARENTS>().0);
-    let mut decoder = Decoder::new(stream).ok_or(BadFrame)?;
-    let mut before = 0;
-    let mut done = 0;
-    for (place, (parents, weights)) in rows.enumerate() {
-        let near = usize::from(magnitudes[parents[0] as usize]) + usize::from(magnitudes[parents[1] as usize]);
-        let table = &tables[usize::from(contexts[near + usize::from(before)])];
-        let x = read(&mut decoder, 0, table);
-        let y = read(&mut decoder, 1, table);
-        let z = read(&mut decoder, 2, table);
-        before = magnitude(x, y, z);
-        magnitudes[place + 1] = before;
-        let predicted = predict(slots, parents, weights);
-        slots[place + 1] =
-            [predicted[0].wrapping_add(x), predicted[1].wrapping_add(y), predicted[2].wrapping_add(z), 0];
-        done += 1;
-    }
-    if decoder.finished() && done + 1 == slots.len() { Ok(()) } else { Err(BadFrame) }
 }

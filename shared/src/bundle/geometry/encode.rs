@@ -2,17 +2,17 @@
 
 use glam::Vec3;
 
-use super::super::entropy::rans::{Encoder, Table, frequencies};
 use super::super::meta::Chunk;
 use super::Steps;
-use super::decode::{mean, predict};
 use super::model::{self, Weights};
-use super::quantise::{Grid, position};
-use super::residual::{CONTEXTS, Coded, SYMBOLS, context_of_sum, magnitude};
+use super::quantise::Grid;
 use super::schedule::{CLASSES, Coding, chunk_lengths, coding, coding_order};
 use super::training::{Trainer, untrained};
 use super::traversal::Traversal;
 use crate::capture::Capture;
+use kernels::codec::frame::{mean, position, predict};
+use kernels::codec::rans::{Encoder, Table, frequencies};
+use kernels::codec::residual::{CONTEXTS, Coded, SYMBOLS, context_of_sum, magnitude};
 
 /// Frames of a chunk: a few groups and the frame that ends the last one.
 const CHUNK_FRAMES: u32 = 33;

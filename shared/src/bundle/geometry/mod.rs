@@ -14,12 +14,8 @@ pub mod decode;
 pub mod encode;
 pub mod model;
 pub mod quantise;
-pub mod residual;
 pub mod schedule;
 pub mod training;
 pub mod traversal;
 
-/// A position or a difference of positions in steps of the quantisation; the fourth lane is not used.
-///
-/// Four lanes, because that is what the processor works on at once.
-pub type Steps = [i32; 4];
+pub use kernels::codec::Steps;

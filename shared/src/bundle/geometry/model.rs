@@ -2,14 +2,13 @@
 
 use super::super::entropy::binary::{Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::super::entropy::numbers::Number;
-use super::super::entropy::rans::{FREQUENCY_SUM, Table};
-use super::residual::{CONTEXTS, SYMBOLS};
 use super::schedule::CLASSES;
 use super::traversal::Traversal;
+pub use kernels::codec::frame::WEIGHT_BITS;
+use kernels::codec::rans::{FREQUENCY_SUM, Table};
+use kernels::codec::residual::{CONTEXTS, SYMBOLS};
 use kernels::topology::Topology;
 
-/// Weights are multiples of 1 / 256.
-pub const WEIGHT_BITS: u32 = 8;
 /// The weight 1.
 pub const ONE: i32 = 1 << WEIGHT_BITS;
 /// Numbers of parents that a model may have.

@@ -76,13 +76,6 @@ impl Grid {
     }
 }
 
-/// A decoded position in metres: a single multiplication, the same everywhere.
-#[inline(always)]
-#[must_use]
-pub fn position(steps: Steps, step: f32) -> Vec3 {
-    Vec3::new(steps[0] as f32 * step, steps[1] as f32 * step, steps[2] as f32 * step)
-}
-
 /// About the bits that a residual costs.
 fn cost(residual: i32) -> f64 {
     // log2(1 + |residual|) without a logarithm, which need not be the same on every machine.
@@ -99,6 +92,7 @@ fn cost(residual: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use kernels::codec::frame::position;
     use proptest::prelude::*;
 
     use super::*;

@@ -1,8 +1,8 @@
 //! Residuals as symbols: small ones each have their own, large ones share one with others of about their size and
 //! carry the rest of their bits as they are.
 
-use super::super::entropy::numbers::{unzigzag, zigzag};
-use super::super::entropy::rans::{Decoder, Encoder, Table};
+use super::rans::{Decoder, Encoder, Table};
+use super::zigzag::{unzigzag, zigzag};
 
 /// Number of symbols of the alphabet.
 pub const SYMBOLS: usize = DIRECT as usize + 2 * 28;
@@ -91,7 +91,7 @@ pub fn context_of_sum() -> [u8; 3 * LARGEST as usize + 1] {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::super::entropy::rans::{FREQUENCY_SUM, LANES};
+    use super::super::rans::{FREQUENCY_SUM, LANES};
     use super::*;
 
     proptest! {
