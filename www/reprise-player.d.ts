@@ -135,10 +135,13 @@ export interface PictureOptions {
   height?: number;
 }
 
-/** A place on the ground, and which way to face there; or a path of points (x, z) that a spline goes through. */
+/**
+ * A place on the ground, and which way to face there; or a path that a spline goes through, of points all (x, z) or all
+ * (x, y, z). It is followed by the middle of the body, or by that of some vertices, such as a hand's.
+ */
 export type GroundTarget =
   | { x: number; z: number; heading?: number | null }
-  | { path: [number, number][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline' };
+  | { path: number[][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline'; vertices?: number[] };
 
 /** A part of a path that demands a behaviour. Ends are counted in points: 1.5 is between the second and the third. */
 export interface Stretch {
@@ -169,6 +172,8 @@ export type RequestTarget =
         stretches?: Stretch[];
         /** Whether the actor may begin with any pose, on the path's first point. */
         free_start?: boolean;
+        /** Vertices whose mean follows the path, in place of the body's middle. */
+        vertices?: number[];
         realism?: number;
       };
     }

@@ -80,7 +80,7 @@ function searching(element) {
   let ready = false;
   const figures = { search_prepared: 0, search_first: 0, search_slice: 0 };
   while (!ready) {
-    const [done, taken] = timed(() => inner.prepare_search(4));
+    const [done, taken] = timed(() => inner.prepare_search([], 4));
     ready = done;
     figures.search_prepared += taken;
   }

@@ -11,6 +11,9 @@ import { Timeline } from './timeline.js';
 
 const LONGEST_LABEL = 84;
 
+/** CSS pixels above the score that belong to the stage's chips: the tooltip stays clear of them. */
+const CHIPS = 34;
+
 export class Score {
   /**
    * @param {object} act what the score asks of the player
@@ -216,6 +219,6 @@ export class Score {
   /** Where the tooltip of a pose points: over its place, above all strips, so that it hides none. */
   screenPlace(frame) {
     const { left } = this.sheet.getBoundingClientRect();
-    return { x: left + this.layout.xOf(frame), y: this.root.getBoundingClientRect().top + 6 };
+    return { x: left + this.layout.xOf(frame), y: this.root.getBoundingClientRect().top - CHIPS };
   }
 }

@@ -31,9 +31,9 @@ export function frameOfTarget(target, director) {
  */
 export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
-  const { x, z, heading, path, stretches = [], shape = 'spline', behaviour, hold } = target;
+  const { x, z, heading, path, stretches = [], shape = 'spline', vertices, behaviour, hold } = target;
   if (behaviour !== undefined && hold) return { behaviour: { name: behaviour, hold } };
-  if (path !== undefined) return { path: { points: path, stretches, shape } };
+  if (path !== undefined) return { path: { points: path, stretches, shape, vertices } };
   if (x === undefined && z === undefined) return null;
   return { place: { x, z, ...(heading === undefined || heading === null ? {} : { heading }) } };
 }
@@ -95,11 +95,21 @@ export class Queue {
     this.targets = [];
     /** Hears of every change. */
     this.changed = () => {};
+    /** Hears of changes that somebody wanted, and of targets whose turn has come. */
+    this.edited = () => {};
+    this.taken = () => {};
+  }
+
+  /** Shows other targets, as undoing does. */
+  show(targets) {
+    this.targets = targets;
+    this.changed();
   }
 
   set(targets) {
-    this.targets = targets;
-    this.changed();
+    if (targets.length === 0 && this.targets.length === 0) return;
+    this.show(targets);
+    this.edited();
   }
 
   clear() {
@@ -117,7 +127,8 @@ export class Queue {
   next() {
     const [target, ...rest] = this.targets;
     if (target === undefined) return;
-    this.set(rest);
+    this.show(rest);
+    this.taken(target);
     this.go(target);
   }
 }

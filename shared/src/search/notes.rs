@@ -4,6 +4,10 @@ use super::answer::KeyRow;
 use super::path::PathReport;
 use super::place::PlaceReport;
 
+/// Metres off a place and radians off a heading (10 degrees) that are worth a sentence.
+const PLACE_OFF: f64 = 0.1;
+const HEADING_OFF: f64 = 0.175;
+
 pub(super) fn path_notes(report: &PathReport) -> Vec<String> {
     let mut notes = Vec::new();
     if report.travelled + 0.05 < report.length {
@@ -24,14 +28,14 @@ pub(super) fn path_notes(report: &PathReport) -> Vec<String> {
 
 pub(super) fn place_notes(report: &PlaceReport) -> Vec<String> {
     let mut notes = Vec::new();
-    if report.distance > 0.3 {
-        notes.push(format!(
-            "The walk ends {:.1} m from the place: no motion of this capture gets closer.",
-            report.distance
-        ));
+    if report.distance > PLACE_OFF {
+        notes.push(format!("The walk ends {:.2} m from the place: none was found that comes closer.", report.distance));
     }
-    if let Some(turn) = report.turn.filter(|&turn| turn > 0.35) {
-        notes.push(format!("It faces {:.0} degrees away from the heading asked for.", turn.to_degrees()));
+    if let Some(turn) = report.turn.filter(|&turn| turn > HEADING_OFF) {
+        let degrees = turn.to_degrees();
+        notes.push(format!(
+            "It faces {degrees:.0} degrees away from the heading asked for: no walk was found that turns closer."
+        ));
     }
     notes
 }

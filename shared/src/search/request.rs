@@ -266,7 +266,9 @@ pub enum RequestError {
     #[error("a queue cannot hold a queue")]
     Nested,
     /// The ways are not those of the group of vertices that is to follow the path.
-    #[error("the motion of these vertices has not been measured yet")]
+    #[error(
+        "the motion of these vertices has not been measured: all paths of a request must be followed by the same ones"
+    )]
     OtherGroup,
     /// A vertex that the capture does not have.
     #[error("there is no vertex {0}")]

@@ -130,6 +130,34 @@ export const tests = {
     await player.close();
   },
 
+  'a finger that rests on what waits drags it, one that does not scrolls the row': async (browser) => {
+    const player = await using(browser, 'pose', PHONE);
+    await player.run((element, frame) => {
+      element.goTo(frame);
+      element.pause();
+      element.queue(...element.behaviours.slice(1, 4).map((behaviour) => ({ behaviour, hold: 2 })));
+    }, await player.target());
+    const queued = () => player.run((element) => element.queued.map(({ behaviour }) => behaviour));
+    const [a, b, c] = await queued();
+    const touch = await player.page.context().newCDPSession(player.page);
+    const send = (type, ...points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const slide = async (from, to, rests) => {
+      const [start, end] = [await player.part('.waits').nth(from).boundingBox(), await player.part('.waits').nth(to).boundingBox()];
+      const at = (box, share) => [box.x + share * box.width, box.y + box.height / 2];
+      await send('touchStart', at(start, 0.5));
+      await player.page.waitForTimeout(rests);
+      for (const share of [0.3, 0.6, 1]) await send('touchMove', [at(start, 0.5)[0] * (1 - share) + at(end, 0.7)[0] * share, at(end, 0.5)[1]]);
+      await send('touchEnd');
+    };
+    await slide(0, 1, 400);
+    assert.deepEqual(await queued(), [b, a, c]);
+    await player.part('.toolbar .round').first().tap();
+    assert.deepEqual(await queued(), [a, b, c]);
+    await slide(1, 0, 0);
+    assert.deepEqual(await queued(), [a, b, c], 'a finger that only passed has moved a target');
+    await player.close();
+  },
+
   'behaviours are gone to and held, and what is clicked with shift comes after': async (browser) => {
     const player = await using(browser, 'pose');
     const names = await player.run((element) => element.behaviours);
@@ -173,6 +201,20 @@ export const tests = {
     await player.mouse.move(to.x + to.width - 10, to.y + 10, { steps: 5 });
     await player.mouse.up();
     assert.deepEqual(await queued(), [first, second]);
+    // Undone and done again: the drag, the target from the page, what was taken out, what was moved.
+    const undo = player.part('.toolbar .round').first();
+    await undo.click();
+    assert.deepEqual(await queued(), [second, first]);
+    await player.keyboard.press('Control+z');
+    assert.deepEqual(await queued(), [second]);
+    await player.keyboard.press('Control+z');
+    assert.deepEqual(await queued(), [second, first]);
+    await player.keyboard.press('Control+z');
+    assert.deepEqual(await queued(), [first, second]);
+    assert.equal(await player.part('.waits').count(), 2);
+    for (let step = 0; step < 4; step += 1) await player.keyboard.press('Control+y');
+    assert.deepEqual(await queued(), [first, second]);
+    assert.deepEqual((await asked(player)).target.queue.length, 3);
     const link = await player.run((element) => element.link);
 
     // All of it is done, one after the other.
@@ -184,6 +226,10 @@ export const tests = {
     assert.deepEqual(await queued(), []);
     const shown = await player.run((element) => element.info.sequences.find(({ first: at, count }) => element.state.frame >= at && element.state.frame < at + count));
     assert.ok(shown.name === names[2] || shown.labels.includes(names[2]), `it ends in ${shown.name}`);
+    // What is done is not waited for again.
+    for (let step = 0; step < 3; step += 1) await player.keyboard.press('Control+z');
+    assert.deepEqual(await queued(), []);
+    assert.equal(await player.run((element) => element.state.target), null);
 
     // The link brings back what is under way and what waits.
     await player.run((element, address) => {
@@ -262,6 +308,105 @@ export const tests = {
     assert.deepEqual((await points())[1], lifted);
     await player.part('.chip').filter({ hasText: '3D' }).click();
     assert.ok((await points()).every((point) => point.length === 2));
+    await player.close();
+  },
+
+  'a hand follows a path through the air, picked with the pointer or with the keys': async (browser) => {
+    const player = await using(browser, 'path');
+    // The hand's own way when the actor waves or dances: no middle of a body goes like that.
+    const hand = await player.run((element) => {
+      const { testing, info } = element;
+      const { first } = info.sequences.find(({ name }) => name === 'wave') ?? info.sequences[0];
+      element.seek(first + 12);
+      const pose = testing.pose();
+      const points = Array.from({ length: pose.length / 3 }, (_, vertex) => pose.slice(3 * vertex, 3 * vertex + 3));
+      const { x, z } = element.state;
+      const far = ([px, , pz]) => Math.hypot(px - x, pz - z);
+      const tip = points.filter(([, y]) => y > 0.9).reduce((one, other) => (far(other) > far(one) ? other : one));
+      const vertices = points.flatMap((point, vertex) => (Math.hypot(...point.map((part, axis) => part - tip[axis])) < 0.07 ? [vertex] : []));
+      const middle = (vertex, axis) => vertices.reduce((sum, at) => sum + testing.recordedPose(vertex)[3 * at + axis], 0) / vertices.length;
+      const way = Array.from({ length: 9 }, (_, step) => [0, 1, 2].map((axis) => middle(first + 12 + 3 * step, axis)));
+      // From the frame's recorded place to where it stands.
+      const [moved, sin, cos] = [way[0], Math.sin(element.state.heading), Math.cos(element.state.heading)];
+      const now = [0, 1, 2].map((axis) => vertices.reduce((sum, at) => sum + pose[3 * at + axis], 0) / vertices.length);
+      const points3 = way.map(([px, py, pz]) => {
+        const [dx, dz] = [px - moved[0], pz - moved[2]];
+        return [now[0] + cos * dx + sin * dz, py, now[2] + cos * dz - sin * dx];
+      });
+      const { state } = element;
+      return { vertices, points: points3, frame: state.frame, stands: [state.heading, state.x, state.z] };
+    });
+    assert.ok(hand.vertices.length > 3, JSON.stringify(hand.vertices));
+    // How far the hand itself gets from the path on the walk that was found, for whoever follows it.
+    const walked = (vertices) =>
+      player.run(async (element, [path, followers, frame, all]) => {
+        element.cancel();
+        element.seek(frame);
+        const answer = await element.goTo({ path, ...(followers ? { vertices: followers } : {}) });
+        const apart = [];
+        while (element.state.target !== null && apart.length < 2000) {
+          element.testing.tick(0.04);
+          const pose = element.testing.pose();
+          const at = [0, 1, 2].map((axis) => all.reduce((sum, vertex) => sum + pose[3 * vertex + axis], 0) / all.length);
+          apart.push(Math.min(...path.map((point) => Math.hypot(...point.map((part, axis) => part - at[axis])))));
+        }
+        return { path: answer.path, mean: apart.reduce((sum, one) => sum + one, 0) / apart.length };
+      }, [hand.points, vertices, hand.frame, hand.vertices]);
+    const own = await walked(hand.vertices);
+    const middle = await walked(null);
+    console.log(`        the hand is ${(100 * own.mean).toFixed(1)} cm off the path where it follows, ${(100 * middle.mean).toFixed(1)} cm where the body's middle does; planned ${(100 * own.path.mean).toFixed(1)} and ${(100 * middle.path.mean).toFixed(1)}`);
+    assert.ok(own.path.mean < 0.05 && own.mean < 0.06, `the hand is ${own.path.mean} and ${own.mean} m off`);
+    assert.ok(own.mean < 0.5 * middle.mean, `${own.mean} m with the hand, ${middle.mean} m with the middle`);
+
+    // A path of the hand's is no path of a vertex that there is not.
+    const refused = await player.run((element, path) => element.goTo({ path, vertices: [1e6] }).catch(({ kind, message }) => `${kind}: ${message}`), hand.points);
+    assert.match(refused, /^bad-argument: there is no vertex 1000000/);
+
+    // Picked on the stage: the path keeps its points, and is searched for anew; undone, the middle follows again.
+    await player.run((element, points) => {
+      element.cancel();
+      element.seek(element.info.sequences[0].first + 10);
+      element.direction = { version: 1, target: { path: { points, shape: 'spline' } } };
+    }, [[0, 0], [0.5, 1], [1, 2]]);
+    const followers = async () => (await asked(player)).target.path.vertices ?? [];
+    const part = player.part('.chip').filter({ hasText: 'Part' });
+    await part.click();
+    const spot = await player.run((element) => {
+      const pose = element.testing.pose();
+      let top = 0;
+      for (let at = 0; at < pose.length; at += 3) if (pose[at + 1] > pose[top + 1]) top = at;
+      return Array.from(element.testing.stage.project(pose[top], pose[top + 1] - 0.08, pose[top + 2]));
+    });
+    const stage = await player.part('.view').boundingBox();
+    await player.mouse.click(stage.x + 8, stage.y + 8);
+    assert.deepEqual(await followers(), []);
+    await player.mouse.click(stage.x + spot[0], stage.y + spot[1]);
+    const head = await followers();
+    assert.ok(head.length > 3, `${head.length} vertices of the head`);
+    assert.equal(await part.getAttribute('aria-pressed'), 'true');
+    const answer = await found(player);
+    assert.ok(answer.path.length > 2 && answer.path.max >= answer.path.mean);
+    const link = await player.run((element) => element.link);
+    await player.keyboard.press('Control+z');
+    assert.deepEqual(await followers(), []);
+    await player.run((element, address) => element.openLink(address), link);
+    assert.deepEqual(await followers(), head);
+    await part.click();
+    assert.deepEqual(await followers(), []);
+
+    // With the keys: the cross is in the middle of the stage at first.
+    await part.focus();
+    await player.keyboard.press('Enter');
+    const steps = await player.run((element) => {
+      const [x, y] = element.testing.stage.project(element.state.x, 1, element.state.z);
+      const { width, height } = element.shadowRoot.querySelector('.view').getBoundingClientRect();
+      return [Math.round((x - width / 2) / 6), Math.round((y - height / 2) / 6)];
+    });
+    for (const [axis, keys] of [['ArrowLeft', 'ArrowRight'], ['ArrowUp', 'ArrowDown']].entries()) {
+      for (let step = 0; step < Math.abs(steps[axis]); step += 1) await player.keyboard.press(keys[Number(steps[axis] > 0)]);
+    }
+    await player.keyboard.press('Enter');
+    assert.ok((await followers()).length > 3, 'the cross has picked nothing');
     await player.close();
   },
 
@@ -465,9 +610,12 @@ export const tests = {
       await player.until(`a sentence on ${name}`, (element) => /no (behaviour|frame)/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
       assert.equal(await player.part('.error').isVisible(), false, name);
     }
-    // The player measures the centre of mass alone.
-    await player.run((element, request) => (element.direction = request), { version: 1, target: { path: { points: [[0, 0], [1, 1]], vertices: [1, 2, 3] } } });
-    await player.until('a sentence on vertices', (element) => /not been measured/.test(element.shadowRoot.querySelector('.status').textContent), null, 60_000);
+    // Vertices that there are not, and paths that different vertices are to follow.
+    const along = (vertices) => ({ path: { points: [[0, 0], [1, 1]], vertices } });
+    await player.run((element, target) => (element.direction = { version: 1, target }), along([1, 999999]));
+    await player.until('a sentence on the vertex', (element) => /no vertex 999999/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
+    await player.run((element, target) => (element.direction = { version: 1, target }), { queue: [along([1, 2, 3]), along([])] });
+    await player.until('a sentence on groups', (element) => /followed by the same ones/.test(element.shadowRoot.querySelector('.status').textContent), null, 60_000);
     assert.equal((await player.heard('error')).length, 0);
     await player.close();
   },

@@ -11,12 +11,13 @@ use crate::player::direct::Origin;
 
 #[wasm_bindgen]
 impl Player {
-    /// Gets ready for searches, for about `milliseconds`; whether that is done.
+    /// Gets ready for searches in which `vertices` follow paths (the centre of mass, where there are none), for about
+    /// `milliseconds`; whether that is done.
     ///
     /// # Errors
-    /// The graph or a frame has not arrived.
-    pub fn prepare_search(&mut self, milliseconds: f64) -> Result<bool, JsValue> {
-        Ok(self.inner.prepare_search(milliseconds)?)
+    /// The graph or a frame has not arrived, or there is no such vertex.
+    pub fn prepare_search(&mut self, vertices: &[u32], milliseconds: f64) -> Result<bool, JsValue> {
+        Ok(self.inner.prepare_search(vertices, milliseconds)?)
     }
 
     /// Checks of a request what can be checked without the actor.

@@ -42,6 +42,9 @@ pub struct Stage {
     textures: [Textures; 2],
 }
 
+/// How far a part of the body that is picked reaches, in heights of the actor.
+const PART: f32 = 0.04;
+
 /// The adapter as the page reads it.
 #[derive(serde::Serialize)]
 struct Adapter<'a> {
@@ -425,6 +428,17 @@ impl Stage {
             self.scene.ghosts.shown().iter().filter_map(|ghost| Some((distance(&ghost.pose)?, ghost.frame as i32)));
         let nearest = actor.into_iter().chain(ghosts).min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.map_or(-1, |(_, what)| what)
+    }
+
+    /// The vertices of the actor around the point of it that is under the pointer (CSS pixels), a hand's size, or none.
+    #[must_use]
+    pub fn part_at(&self, player: &Player, x: f32, y: f32) -> Vec<u32> {
+        let seen = self.camera.view();
+        let ray = seen.ray(Vec2::new(x, y) / self.css_size());
+        let pose = player.inner.picture().map(|picture| picture.pose()).unwrap_or_default();
+        let Some(distance) = nearest_hit(seen.eye, ray, &self.scene.triangles, &pose) else { return Vec::new() };
+        let (hit, reach) = (seen.eye + ray * distance, self.scene.measures.height * PART);
+        (0..).zip(&pose).filter(|(_, point)| point.distance(hit) < reach).map(|(vertex, _)| vertex).collect()
     }
 
     /// Where the point of the world is seen: CSS x, CSS y, and 1 where it is in the picture, else 0.

@@ -1,17 +1,19 @@
 //! Directing: a request becomes a walk by a search that is worked on in slices, and the walk becomes the route.
 //!
-//! The search needs to know where every frame and every transition leads on the ground; that is prepared once, in slices
-//! too. A slice looks at the clock after every few dozen states, so that the page's frames stay short.
+//! The search needs to know where every frame and every transition leads on the ground; that is prepared in slices too, once
+//! for the centre of mass, and anew whenever other vertices are to follow a path. A slice looks at the clock after every few
+//! dozen states, so that the page's frames stay short.
 
 use std::rc::Rc;
 
+use glam::Vec3;
 use serde::Serialize;
 use shared::align::Placement;
 use shared::graph::EssentialGraph;
 use shared::pose_source::PoseError;
 use shared::search::{
     Answer, DEFAULT_EFFORT, Direction, Leg, Motion, MotionMeter, Progress, Request, RequestError, Scene, Spot, Start,
-    Survey, Walk, Ways,
+    Survey, Walk, Ways, limits, measure_group,
 };
 use thiserror::Error;
 
@@ -58,6 +60,9 @@ pub enum Origin {
 /// What is known for searches, and the search under way.
 #[derive(Default)]
 pub struct Directing {
+    motion: Option<Rc<Motion>>,
+    /// The vertices that are, or shall be, followed; empty for the centre of mass.
+    group: Vec<u32>,
     preparing: Option<Preparing>,
     ways: Option<Rc<Ways>>,
     direction: Option<Direction>,
@@ -66,7 +71,29 @@ pub struct Directing {
 /// How far the preparations are.
 enum Preparing {
     Measuring(Box<MotionMeter>),
-    Surveying(Rc<Motion>, Box<Survey>),
+    /// The group's middle in the frames so far.
+    Grouping(Vec<Vec3>),
+    Surveying(Box<Survey>),
+}
+
+impl Directing {
+    /// From now on these vertices are followed: what was known of others is dropped.
+    fn follow(&mut self, vertices: &[u32], vertex_count: usize) -> Result<(), RequestError> {
+        if self.group == vertices {
+            return Ok(());
+        }
+        if vertices.len() > limits::MAX_VERTICES {
+            let (what, limit) = ("vertices", limits::MAX_VERTICES);
+            return Err(RequestError::TooMany { what, count: vertices.len(), limit });
+        }
+        if let Some(&vertex) = vertices.iter().find(|&&vertex| vertex as usize >= vertex_count) {
+            return Err(RequestError::UnknownVertex(vertex));
+        }
+        self.group = vertices.to_vec();
+        self.preparing.take_if(|state| !matches!(state, Preparing::Measuring(_)));
+        (self.ways, self.direction) = (None, None);
+        Ok(())
+    }
 }
 
 /// An answer as the page reads it.
@@ -91,12 +118,14 @@ pub struct TrackPiece {
 }
 
 impl Player {
-    /// Gets ready for searches, for about `milliseconds`; whether that is done.
+    /// Gets ready for searches in which `vertices` follow paths (the centre of mass, where there are none), for about
+    /// `milliseconds`; whether that is done.
     ///
     /// # Errors
-    /// The graph or a frame has not arrived.
-    pub fn prepare_search(&mut self, milliseconds: f64) -> Result<bool, DirectError> {
+    /// The graph or a frame has not arrived, or there is no such vertex.
+    pub fn prepare_search(&mut self, vertices: &[u32], milliseconds: f64) -> Result<bool, DirectError> {
         let (actor, graph) = self.ready(0)?;
+        self.directing.follow(vertices, actor.topology.vertex_count())?;
         let now = self.producer.now;
         let end = now() + milliseconds;
         while self.directing.ways.is_none() {
@@ -109,37 +138,52 @@ impl Player {
     }
 
     fn prepare_more(&mut self, actor: &Actor, graph: &EssentialGraph) -> Result<(), DirectError> {
-        let timeline = &actor.timeline;
-        let survey = |motion: Motion| -> Result<Preparing, PoseError> {
-            let survey = Survey::new(graph, timeline, &motion, None)?;
-            Ok(Preparing::Surveying(Rc::new(motion), Box::new(survey)))
+        let Some(motion) = self.directing.motion.clone() else { return self.measure_more(actor) };
+        let (timeline, directing, source) = (&actor.timeline, &mut self.directing, &mut self.loading.source);
+        let survey = |group| -> Result<_, PoseError> {
+            Ok(Some(Preparing::Surveying(Box::new(Survey::new(graph, timeline, &motion, group)?))))
         };
-        let state = match self.directing.preparing.take() {
-            Some(state) => state,
-            None => match &self.loading.source {
-                Source::Bundle(reader) if reader.motion().is_some() => {
-                    survey(reader.motion().cloned().ok_or(PlayerError::NotLoaded)?)?
-                }
-                _ => Preparing::Measuring(Box::new(MotionMeter::new(actor.topology.weights()))),
-            },
-        };
-        self.directing.preparing = Some(match state {
-            Preparing::Measuring(mut meter) => match meter.advance(timeline, &mut self.loading.source, FRAMES) {
-                Ok(true) => survey(meter.finish(timeline, &mut self.loading.source)?)?,
-                Ok(false) => Preparing::Measuring(meter),
-                Err(error) => {
-                    self.directing.preparing = Some(Preparing::Measuring(meter));
-                    return Err(error.into());
-                }
-            },
-            Preparing::Surveying(motion, mut survey) => {
+        directing.preparing = match directing.preparing.take() {
+            Some(Preparing::Surveying(mut survey)) => {
                 if survey.advance(graph, timeline, &motion, TRANSITIONS)? {
-                    self.directing.ways = Some(Rc::new(survey.finish()));
+                    directing.ways = Some(Rc::new(survey.finish()));
                     return Ok(());
                 }
-                Preparing::Surveying(motion, survey)
+                Some(Preparing::Surveying(survey))
             }
-        });
+            Some(Preparing::Grouping(mut points)) => {
+                let (vertices, count) = (&directing.group, actor.topology.vertex_count());
+                match measure_group(timeline, source, count, vertices, &mut points, FRAMES)? {
+                    true => survey(Some((vertices.clone(), points)))?,
+                    false => Some(Preparing::Grouping(points)),
+                }
+            }
+            _ if directing.group.is_empty() => survey(None)?,
+            _ => Some(Preparing::Grouping(Vec::new())),
+        };
+        Ok(())
+    }
+
+    /// Learns the motion: the bundle knows it, or some more poses are measured.
+    fn measure_more(&mut self, actor: &Actor) -> Result<(), DirectError> {
+        if let Source::Bundle(reader) = &self.loading.source
+            && let Some(motion) = reader.motion()
+        {
+            self.directing.motion = Some(Rc::new(motion.clone()));
+            return Ok(());
+        }
+        let (timeline, source) = (&actor.timeline, &mut self.loading.source);
+        let mut meter = match self.directing.preparing.take() {
+            Some(Preparing::Measuring(meter)) => meter,
+            _ => Box::new(MotionMeter::new(actor.topology.weights())),
+        };
+        match meter.advance(timeline, source, FRAMES) {
+            Ok(true) => self.directing.motion = Some(Rc::new(meter.finish(timeline, source)?)),
+            other => {
+                self.directing.preparing = Some(Preparing::Measuring(meter));
+                other?;
+            }
+        }
         Ok(())
     }
 

@@ -7,12 +7,14 @@ use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, 
 use shared::capture::{Capture, Poses};
 use shared::contacts::Contacts;
 use shared::graph::{EssentialGraph, Transition};
+use shared::search::{Goal, PathRequest, Progress, Request, RequestError, Target};
 use shared::surface::{Corner, Material, Part, Surface};
 use shared::synthesis::{PoseMemory, PosesOnGround, transition_placement};
 use shared::timeline::{Sequence, Timeline};
 use shared::topology::Topology;
 use shared::warp::{Move, Warp};
 
+use super::direct::{DirectError, Origin};
 use super::events::Event;
 use super::loading::{Loading, Phase};
 use super::produce::At;
@@ -410,6 +412,34 @@ fn stands_where_it_is_told() {
     assert_eq!(player.stand(99, glam::Vec2::ZERO, 0.0), Err(PlayerError::NoFrame(99)));
     assert!(player.stand(3, glam::Vec2::NAN, 0.0).is_err());
     assert!(player.ground().unwrap().distance(glam::Vec2::new(2.0, -3.0)) < 1e-6);
+}
+
+#[test]
+fn paths_are_followed_by_the_vertices_asked_for() {
+    let mut player = player(&[(20, false), (12, false)], &[(4, 26), (28, 6)]);
+    let path = |vertices: &[u32]| {
+        let points = vec![vec![0.0, 0.0], vec![0.15, 0.0]];
+        Request::new(Target::Path(PathRequest { points, vertices: vertices.to_vec(), ..PathRequest::default() }))
+    };
+    assert_eq!(player.prepare_search(&[2, 4], 1e9), Err(DirectError::Request(RequestError::UnknownVertex(4))));
+    for group in [&[][..], &[3], &[0, 1], &[]] {
+        assert!(player.prepare_search(group, 1e9).unwrap());
+        player.search(&path(group), Origin::Here).unwrap();
+        while player.search_on(1e9).unwrap() == Progress::Running {}
+        let report = player.answer_report().unwrap();
+        let Goal::Path(found) = &report.answer.parts[0].goal else { panic!("{report:?}") };
+        let [_, x, _, z] = found.track[0];
+        // Where they are in the second frame, as the capture was made.
+        let turn = Quat::from_rotation_y(0.01);
+        let weights = player.actor().unwrap().topology.weights().to_vec();
+        let middle = match group {
+            [] => shared::align::centre_of_mass(&CORNERS.map(|p| turn * p), &weights),
+            _ => group.iter().map(|&vertex| turn * CORNERS[vertex as usize]).sum::<Vec3>() / group.len() as f32,
+        } + 0.01 * Vec3::X;
+        assert!((x - middle.x).abs() + (z - middle.z).abs() < 1e-3, "{group:?}: {x} {z} {middle}");
+        // Prepared for one group, no other can be asked for.
+        assert!(player.search(&path(&[1]), Origin::Here).is_err());
+    }
 }
 
 /// Models of one texel whose only mode's coefficient is the frame's number, for colours and for warps.

@@ -30,6 +30,8 @@ button:disabled { opacity: 0.38; cursor: default; }
 .field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
 .field input { inline-size: 64px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
 
+.path-dock .field span:first-child { display: none; }
+
 .path-strip { position: relative; block-size: 44px; margin-block-end: 18px; border-radius: 4px; background: var(--strip); touch-action: pan-y; cursor: crosshair; }
 .path-strip canvas { position: absolute; inset: 0; border-radius: 4px; pointer-events: none; }
 .painted span {
@@ -81,6 +83,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .queue:empty { display: none; }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
+.waits[data-held] { background: color-mix(in srgb, var(--accent) 16%, transparent); }
 .waits::after { content: "×"; margin-inline-start: 6px; color: var(--muted); }
 .go-row { grid-column: 1 / -1; }
 .times th { color: var(--muted); font-weight: 400; }
@@ -100,6 +103,8 @@ button:disabled { opacity: 0.38; cursor: default; }
 .handles[data-brush] .handle { pointer-events: none; opacity: 0.5; }
 .handle.turn::before { border-radius: 2px; rotate: 45deg; inset: 9px; }
 .handle.chosen::before { background: var(--accent); }
+.part-mark { position: absolute; inset: 0 auto auto 0; inline-size: 18px; block-size: 18px; margin: -9px; border: 2px solid var(--accent); border-radius: 50%; box-shadow: 0 0 0 1px var(--surface); }
+.part-mark[data-picking] { border-radius: 0; border-color: transparent; background: linear-gradient(var(--accent) 0 0) 50% / 2px 100% no-repeat, linear-gradient(var(--accent) 0 0) 50% / 100% 2px no-repeat; box-shadow: none; }
 .air { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; fill: none; }
 .air .posts { stroke: var(--muted); stroke-width: 1; stroke-dasharray: 3 3; }
 .air .taken { stroke: var(--ink); stroke-width: 1.5; opacity: 0.6; }

@@ -33,6 +33,11 @@ export class History {
     this.steps[this.at] = { ...this.now, ...part };
   }
 
+  /** Changes all that was asked before and after. @param {(document: object) => object} work */
+  rewrite(work) {
+    this.steps = this.steps.map(work);
+  }
+
   /** What comes is a change of its own, whatever its name. */
   settle() {
     this.merging = null;

@@ -7,7 +7,7 @@ import { EMPTY, MOST_POINTS } from './request.js';
 /** Metres of the drawn line that simplifying may lose, and between two points of it while it is drawn. */
 const SLACK = 0.07;
 const SPACING = 0.04;
-/** Metres from the actor within which a drawn path begins under its feet. */
+/** Metres from the actor within which a drawn path begins where it stands. */
 const UNDER_FEET = 0.8;
 /** CSS pixels around the path that belong to it. */
 const REACH = 18;
@@ -48,7 +48,7 @@ export class PathPen {
     const start = stage.under(event, []);
     if (!start) return null;
     box.director?.tell('pause');
-    const feet = box.director ? [box.director.state.x, box.director.state.z] : start;
+    const feet = box.director ? tool.part.middle().slice(0, 2) : start;
     this.drawn = apart(feet, start) < UNDER_FEET ? [feet] : [start];
     const stop = () => {
       const points = this.drawn;
@@ -66,7 +66,7 @@ export class PathPen {
       end: () => {
         const points = simplify(stop(), SLACK).slice(0, MOST_POINTS);
         tool.armed = false;
-        if (points.length > 1) tool.set({ ...EMPTY.path, points });
+        if (points.length > 1) tool.set({ ...EMPTY.path, vertices: tool.path.vertices, points });
         else tool.refresh();
       },
       drop: stop,

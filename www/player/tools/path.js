@@ -10,6 +10,7 @@ import { Choice, NumberField, centimetres } from './dock.js';
 import { Handles, putAt } from './handles.js';
 import { apart } from './marks.js';
 import { PathPen } from './path-pen.js';
+import { Part } from './part.js';
 import { PathStrip } from './path-strip.js';
 import { EMPTY, MOST_POINTS } from './request.js';
 import { paint, pointDeleted, pointInserted } from './stretches.js';
@@ -38,13 +39,14 @@ export class PathTool extends Tool {
     this.behaviours = [];
     /** The point that had the focus last: its height can be typed. */
     this.chosen = 0;
+    this.part = new Part(this);
     this.choice = new Choice('Brush', (value) => this.takeBrush(value));
     this.anew = button('Draw anew', 'Draw another path in its place', () => this.arm());
     this.longer = button('Add point', 'A point one metre on', () => this.extend());
-    this.space = button('3D', 'Gives the points heights: the middle of the body follows the curve through the air', () => this.toggleHeights(), { 'aria-pressed': 'false' });
+    this.space = button('3D', 'Gives the points heights: what follows the path does so through the air', () => this.toggleHeights(), { 'aria-pressed': 'false' });
     this.height = new NumberField('height', 'm', 'Of the point chosen last; or Alt and drag it, or Page Up and Down', { min: -HIGHEST, max: HIGHEST, step: 0.05 }, (value) => value !== null && this.setHeight(this.chosen, value));
     this.strip = new PathStrip({ paint: (from, to, merge) => this.paint(from, to, merge), brush: () => this.brush });
-    this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, this.space, this.anew, this.longer), this.strip.root, this.row.root);
+    this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, this.part.button, this.space, this.anew, this.longer), this.strip.root, this.row.root);
     this.labels = h('div', { class: 'ground-labels', 'aria-hidden': 'true' });
     this.air = new Air();
     this.handles = new Handles(box, {
@@ -58,7 +60,15 @@ export class PathTool extends Tool {
   }
 
   grab(event) {
-    return this.pen.grab(event);
+    return this.part.cross ? this.part.grab(event) : this.pen.grab(event);
+  }
+
+  key(event) {
+    return this.part.key(event);
+  }
+
+  get hint() {
+    return this.part.cross ? 'Click the part of the body that shall follow the path, or move the cross with the arrows.' : PathTool.hint;
   }
 
   get path() {
@@ -97,14 +107,16 @@ export class PathTool extends Tool {
   }
 
   enter() {
-    this.box.core.view.handles.prepend(this.air.root, this.labels);
+    this.box.core.view.handles.prepend(this.air.root, this.labels, this.part.mark);
   }
 
   leave() {
     this.handles.hide();
+    this.part.cross = null;
     this.box.core.view.handles.removeAttribute('data-brush');
     this.box.core.view.stage.root.removeAttribute('data-drawing');
     this.labels.remove();
+    this.part.mark.remove();
     this.air.root.remove();
   }
 
@@ -146,17 +158,17 @@ export class PathTool extends Tool {
 
   removePoint(index) {
     const points = this.path.points.toSpliced(index, 1);
-    if (points.length < 2) this.set(EMPTY.path);
+    if (points.length < 2) this.set({ ...EMPTY.path, vertices: this.path.vertices });
     else this.set({ ...this.path, points, stretches: pointDeleted(this.path.stretches, index, points.length) });
   }
 
   /** One metre on from the end: a path can be made with the keyboard alone. */
   extend() {
-    const { points } = this.path;
-    const { x, z } = this.box.director?.state ?? { x: 0, z: 0 };
+    const { points, vertices } = this.path;
+    const [x, z] = this.box.director ? this.part.middle() : [0, 0];
     if (points.length < 2) {
       const yaw = this.box.core.view.stage.stage?.camera()[0] ?? 0;
-      this.set({ ...EMPTY.path, points: [[x, z], [x + Math.cos(yaw), z - Math.sin(yaw)]] });
+      this.set({ ...EMPTY.path, vertices, points: [[x, z], [x + Math.cos(yaw), z - Math.sin(yaw)]] });
     } else {
       const [before, end] = points.slice(-2);
       this.insertPoint(points.length, mix(before, end, 1 + 1 / (apart(end, before) || 1)));
@@ -177,7 +189,7 @@ export class PathTool extends Tool {
     this.handles.show(this.path.points, (at) => (at === index ? 'chosen' : ''));
   }
 
-  /** All points get the height of the body's middle now, which is what follows the path; or lose theirs. */
+  /** All points get the height that what follows the path has now; or lose theirs. */
   toggleHeights() {
     const points = this.isLifted ? this.path.points.map(([x, z]) => [x, z]) : this.lifted();
     this.set({ ...this.path, points });
@@ -185,9 +197,8 @@ export class PathTool extends Tool {
 
   lifted() {
     if (this.isLifted) return this.path.points;
-    const heights = this.box.director.player.pose().filter((_, at) => at % 3 === 1);
-    const middle = heights.reduce((sum, one) => sum + one, 0) / heights.length;
-    return this.path.points.map(([x, z]) => [x, z, middle]);
+    const [, , height] = this.part.middle();
+    return this.path.points.map(([x, z]) => [x, z, height]);
   }
 
   lift(index, by, merge) {
@@ -212,9 +223,10 @@ export class PathTool extends Tool {
     this.handles.show(points, (index) => (index === this.chosen && this.isLifted ? 'chosen' : ''));
     this.labels.replaceChildren(...stretches.map(({ behaviour }) => h('span', { class: `ground-label b${this.hue(behaviour)}` }, words(behaviour))));
     handles.toggleAttribute('data-brush', this.brush !== null || this.armed);
-    stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null);
+    stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null || this.part.cross !== null);
     for (const one of [this.anew, this.space]) one.disabled = !this.curve;
     this.showHeight();
+    this.part.show();
     this.strip.show(this.curve, stretches, (behaviour) => this.hue(behaviour));
     this.answered(this.box.answer);
   }
@@ -238,6 +250,7 @@ export class PathTool extends Tool {
   }
 
   place(seen) {
+    this.part.place(seen);
     this.handles.place(seen);
     this.path.stretches.forEach(({ from, to }, index) => {
       const label = this.labels.children[index];

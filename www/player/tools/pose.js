@@ -11,6 +11,8 @@ import { Tool } from './tool.js';
 
 /** CSS pixels that a press may tremble and still be a click. */
 const TREMBLE = 6;
+/** Milliseconds that a finger rests on a target before it drags it. */
+const REST = 250;
 /** Seconds that a behaviour is held unless told otherwise, and at most. */
 const HOLD = 5;
 const LONGEST = 3600;
@@ -46,6 +48,9 @@ export class PoseTool extends Tool {
     });
     this.list.addEventListener('pointerdown', (event) => this.press(event));
     this.list.addEventListener('pointermove', (event) => this.drag(event));
+    this.list.addEventListener('pointerup', () => this.release(true));
+    this.list.addEventListener('pointercancel', () => this.release(false));
+    this.list.addEventListener('touchmove', (event) => this.held && event.preventDefault(), { passive: false });
     this.build(this.names, hold.root, this.later, this.list);
   }
 
@@ -102,19 +107,38 @@ export class PoseTool extends Tool {
     this.box.core.say(`${nameOf(targets[from], this.box.core.director)} is number ${to + 1}`);
   }
 
-  /** Fingers scroll the row. */
+  /** A finger scrolls the row, unless it rests on a target first. */
   press({ pointerType, target, clientX }) {
-    this.held = pointerType === 'touch' ? null : { at: this.indexOf(target), x: clientX };
+    const at = this.indexOf(target);
+    if (at < 0) return;
+    const take = () => {
+      this.held = { chip: target, at, x: clientX };
+      target.dataset.held = '';
+    };
+    if (pointerType === 'touch') this.taking = setTimeout(take, REST);
+    else take();
   }
 
   drag({ buttons, clientX, pointerId }) {
-    if (!this.held || !buttons || Math.abs(clientX - this.held.x) < TREMBLE) return;
+    const { held, list } = this;
+    if (!held || !buttons || Math.abs(clientX - held.x) < TREMBLE || this.indexOf(held.chip) < 0) return;
     // From here on the list has the pointer, so that letting go is no click on a button.
-    this.list.setPointerCapture(pointerId);
-    const over = [...this.list.children].findIndex((one) => clientX < one.getBoundingClientRect().right);
-    const to = over < 0 ? this.list.children.length - 1 : over;
-    if (to === this.held.at) return;
-    this.move(this.held.at, to);
-    this.held = { at: to, x: clientX };
+    list.setPointerCapture(pointerId);
+    const over = [...list.children].find((one) => clientX < one.getBoundingClientRect().right) ?? list.lastChild;
+    if (over === held.chip) return;
+    held.x = clientX;
+    if (this.indexOf(over) > this.indexOf(held.chip)) over.after(held.chip);
+    else over.before(held.chip);
+  }
+
+  /** @param {boolean} drops whether it stays where it was dragged */
+  release(drops) {
+    clearTimeout(this.taking);
+    const { held } = this;
+    this.held = null;
+    if (!held) return;
+    delete held.chip.dataset.held;
+    if (drops) this.move(held.at, this.indexOf(held.chip));
+    else this.showQueue();
   }
 }

@@ -8,10 +8,12 @@ export const VERSION = 1;
 /** What the tools hold when nothing has been asked. */
 export const EMPTY = Object.freeze({
   place: null,
-  /** Points are x and z, or x, z and a height. */
+  /** Points are x and z, or x, z and a height; `vertices`, where there are any, follow it in place of the body's middle. */
   path: { points: [], stretches: [], shape: 'spline' },
   keys: [],
   wander: { seed: 1, weights: {} },
+  /** Targets that wait, as `queue` takes them. */
+  queue: [],
 });
 
 /** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
@@ -27,6 +29,11 @@ export function requestOf(tool, { place, path, keys, wander, pose }) {
   if (tool === 'timing') return keys.length > 0 ? request({ keys: { poses: keys.map(({ frame, seconds }) => ({ pose: frame, time: seconds })) } }) : null;
   if (tool === 'wander') return request({ wander: { seconds: WANDER, weights: wander.weights } }, wander.seed);
   return pose ? request(pose) : null;
+}
+
+/** The vertices that a request wants to follow its paths. */
+export function followersOf({ target }) {
+  return [target, ...(target.queue ?? [])].find(({ path }) => path?.vertices?.length)?.path.vertices ?? [];
 }
 
 /** Requests have the height in the middle. */
@@ -47,10 +54,10 @@ function tidy(value) {
 export function partOf({ target, seed = 1 }, timeline) {
   const { place, path, keys, wander } = target;
   if (place) return { tool: 'place', part: { place: { x: place.x, z: place.z, heading: place.heading ?? null } } };
-  const editable = path && path.points.length <= MOST_POINTS && !path.vertices?.length && !path.free_start;
+  const editable = path && path.points.length <= MOST_POINTS && !path.free_start;
   if (editable) {
-    const { points, stretches = [], shape = 'polyline' } = path;
-    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape } } };
+    const { points, stretches = [], shape = 'polyline', vertices } = path;
+    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape, vertices } } };
   }
   if (keys) {
     const poses = keys.poses.map(({ pose, time }) => ({ frame: frameOf(pose, timeline), seconds: time }));

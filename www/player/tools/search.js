@@ -5,6 +5,7 @@
 
 import { PlayerError } from '../errors.js';
 import { readAnswer } from './answer.js';
+import { followersOf } from './request.js';
 
 /** Milliseconds of work in a slice, and of rest after it. */
 const SLICE = 4;
@@ -47,7 +48,7 @@ export class SearchDriver {
   /** @param {object} request @param {'here' | 'anywhere' | 'end'} origin */
   start(request, origin = 'here') {
     this.drop();
-    this.task = { request, origin, text: JSON.stringify(request), begun: 0, looked: 0, answer: null, done: false };
+    this.task = { request, origin, text: JSON.stringify(request), followers: Uint32Array.from(followersOf(request)), begun: 0, looked: 0, answer: null, done: false };
     this.pump();
   }
 
@@ -94,7 +95,7 @@ export class SearchDriver {
   work(task, player, now) {
     if (task.done) return false;
     if (!task.begun) {
-      if (!player.prepare_search(SLICE)) return true;
+      if (!player.prepare_search(task.followers, SLICE)) return true;
       player.search(task.text, task.origin);
       task.begun = now;
       return true;

@@ -21,6 +21,12 @@ import { WanderTool } from './wander.js';
 /** The view of tools that draw on the ground: radians above it, and the distance, more for what lies farther away. */
 const OVERVIEW = { elevation: 0.66, distance: 2.1, perMetre: 0.6 };
 
+/** A list without the first of its parts that is this one. */
+function without(list, part) {
+  const at = list.indexOf(part);
+  return at < 0 ? list : list.toSpliced(at, 1);
+}
+
 export class Toolbox {
   /** @param {import('../core.js').Core} core */
   constructor(core) {
@@ -37,6 +43,9 @@ export class Toolbox {
     this.share = new Share(this);
     this.bar.root.append(this.share.root);
     this.tool = this.tools.pose;
+    core.queue.edited = () => this.queued();
+    // What is done is not to be waited for again.
+    core.queue.taken = (target) => this.history.rewrite((document) => ({ ...document, queue: without(document.queue, target) }));
     this.director = null;
     this.answer = null;
     this.trouble = null;
@@ -94,7 +103,8 @@ export class Toolbox {
     this.search.stop();
     this.answer = null;
     this.tool = tool;
-    this.core.queue.clear();
+    this.core.queue.show([]);
+    this.history.rewrite((document) => ({ ...document, queue: [] }));
     this.showTool();
     this.ask();
     this.core.dispatch('toolchange', { tool: tool.id });
@@ -150,8 +160,22 @@ export class Toolbox {
     this.core.dispatch('change', { tool: this.tool.id });
   }
 
+  /** What waits was changed by hand. */
+  queued() {
+    if (!this.director) return;
+    this.history.change({ ...this.document, queue: this.core.queue.targets });
+    this.refresh();
+    this.core.dispatch('change', { tool: this.tool.id });
+  }
+
   undo(by) {
+    const { pose, queue: waited } = this.document;
     if (!this.history.step(by)) return;
+    // Where the actor is under way to is not undone; what waits for that is.
+    this.history.amend({ pose });
+    const { queue } = this.core;
+    if (this.document.queue !== waited) queue.show(this.document.queue);
+    if (queue.targets.length > 0 && !this.isUnderWay) queue.next();
     this.refresh();
     this.ask();
     this.core.say(by < 0 ? 'undone' : 'done again');
@@ -188,7 +212,8 @@ export class Toolbox {
     this.refresh();
     this.ask();
     if (queue) {
-      this.core.queue.set(queue);
+      this.core.queue.show(queue);
+      this.history.amend({ queue });
       this.search.go(requestOf(tool, this.document));
     }
     this.core.dispatch('change', { tool });
