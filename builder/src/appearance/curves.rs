@@ -16,6 +16,7 @@ use super::build::{Basis, combine, compared, means, split};
 use super::charts::Charts;
 use super::naive::captured;
 use super::pca::{Components, components};
+use super::seams::{Moment, changes};
 use super::store::Store;
 use super::stored;
 use super::textures::TextureSource;
@@ -116,6 +117,10 @@ pub struct Curves {
     pub interpolation: Vec<Interpolation>,
     /// Against the distance of frames.
     pub ghosting: Vec<Ghosting>,
+    /// Root mean square changes of colours from each recorded frame to the next.
+    pub own_changes: Vec<f64>,
+    /// The same from a recorded frame to a synthetic one and back.
+    pub seam_changes: Vec<f64>,
 }
 
 /// What is measured.
@@ -126,6 +131,8 @@ pub struct Subject<'a, S: TextureSource + ?Sized> {
     pub charts: &'a Charts,
     /// Frames of each sequence.
     pub sequences: &'a [Range<usize>],
+    /// Seams of transitions: the moments before and after each.
+    pub seams: &'a [[Moment; 2]],
     /// The actor that wears them.
     pub views: Views<'a>,
 }
@@ -139,7 +146,7 @@ pub fn curves(
     options: &AlignOptions,
     report: Report,
 ) -> Result<Curves, AppearanceError> {
-    let Subject { source, charts, sequences, views } = subject;
+    let Subject { source, charts, sequences, seams, views } = subject;
     let aligned = align(*source, charts, options, report)?;
     let raw = captured(*source, charts)?;
     let all = aligned.complete.clone();
@@ -150,6 +157,13 @@ pub fn curves(
     let full = bench.learn(&all, USUAL)?;
     let ghosting = bench.ghosting(&full, sequences)?;
     let halves = bench.halves(&full, &all);
+    let steps: Vec<[Moment; 2]> = sequences
+        .iter()
+        .flat_map(|sequence| sequence.clone().zip(sequence.clone().skip(1)))
+        .map(|(before, after)| [before, after].map(Moment::recorded))
+        .collect();
+    let own_changes = changes(&bench.aligned, &full, &steps);
+    let seam_changes = changes(&bench.aligned, &full, seams);
     drop(full);
     let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
@@ -163,7 +177,14 @@ pub fn curves(
     }
     drop(naive);
     told(10);
-    Ok(Curves { reconstruction, generalisation: bench.generalisation(&all)?, interpolation, ghosting })
+    Ok(Curves {
+        reconstruction,
+        generalisation: bench.generalisation(&all)?,
+        interpolation,
+        ghosting,
+        own_changes,
+        seam_changes,
+    })
 }
 
 struct Bench<'a, S: TextureSource + ?Sized> {

@@ -2,16 +2,26 @@
 
 use std::ops::Range;
 
+use shared::synthesis::Blend;
+
+use super::blending::draw;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::plot::{Kind, Plot, Series};
+use super::stage::Recordings;
+use super::statistics::percentile;
 use super::subject::Subject;
 use super::{EvaluateError, missing};
 use crate::appearance::align::AlignOptions;
 use crate::appearance::curves::{Curves, Quality, Subject as Textured, curves};
+use crate::appearance::seams::Moment;
 use crate::appearance::textures::{TextureFiles, TextureSource};
 use crate::appearance::views::Views;
 use crate::appearance::{AppearanceError, Charts};
 use crate::progress::Report;
+use crate::transitions::LengthChoice;
+
+/// Transitions whose seams are looked at.
+const SEAM_TRANSITIONS: usize = 150;
 
 /// Makes the section.
 pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
@@ -29,7 +39,8 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         subject.timeline().sequences().iter().map(|s| range(s.first_frame, s.frame_count)).collect();
     let poses: Vec<Vec<glam::Vec3>> = subject.capture.poses.iter().map(<[glam::Vec3]>::to_vec).collect();
     let views = Views::new(&subject.capture.surface, &poses, &charts);
-    let textured = Textured { source: &files, charts: &charts, sequences: &sequences, views };
+    let seams = seams(subject, report)?;
+    let textured = Textured { source: &files, charts: &charts, sequences: &sequences, seams: &seams, views };
     match curves(&textured, &AlignOptions::default(), report) {
         Ok(curves) => Ok(write(&curves, (width, height))),
         Err(error @ (AppearanceError::NoCompleteFrames { .. } | AppearanceError::NoTexels)) => {
@@ -37,6 +48,22 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         }
         Err(error) => Err(error.into()),
     }
+}
+
+/// The textures on both sides of the seams of transitions drawn from the essential graph.
+fn seams(subject: &Subject, report: Report) -> Result<Vec<[Moment; 2]>, EvaluateError> {
+    let graph = subject.graph(LengthChoice::Total, report)?;
+    let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
+    let mut seams = Vec::new();
+    for index in draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed) {
+        let blends = recordings.blends(&graph.transitions()[index])?;
+        // A transition without a node of its own has no synthetic frame.
+        let [first, second, .., before_last, last] = blends.as_slice() else { continue };
+        let moment = |blend: &Blend| Moment { frames: blend.frames.map(|frame| frame as usize), lambda: blend.lambda };
+        seams.push([Moment::recorded(first.frames[0] as usize), moment(second)]);
+        seams.push([moment(before_last), Moment::recorded(last.frames[1] as usize)]);
+    }
+    Ok(seams)
 }
 
 fn cells(quality: Quality) -> [Cell; 2] {
@@ -129,13 +156,56 @@ fn write(curves: &Curves, (width, height): (u32, u32)) -> SectionReport {
         )],
         agreements: agreements(curves),
         plots: plots(curves),
-        tables: vec![reconstruction, generalisation, interpolation, ghosting],
+        tables: vec![reconstruction, generalisation, interpolation, ghosting, seam_table(curves)],
         ..SectionReport::default()
     }
 }
 
+/// The 99th percentile of the capture's own changes.
+fn limit(curves: &Curves) -> f64 {
+    percentile(&curves.own_changes, 0.99).unwrap_or(0.0)
+}
+
+fn above(curves: &Curves) -> usize {
+    curves.seam_changes.iter().filter(|&&change| change > limit(curves)).count()
+}
+
+fn seam_table(curves: &Curves) -> Table {
+    let mut table = Table::new(
+        "appearance_seams",
+        format!(
+            "Change of the texture from frame to frame, root mean square over active texels, in units of an 8-bit colour: of \
+             recorded frames, and where recorded and synthetic frames of up to {SEAM_TRANSITIONS} transitions drawn from the \
+             graph meet. 50 components."
+        ),
+        &["frames", "changes", "median", "95th percentile", "99th percentile", "most", "above the recorded 99th"],
+    );
+    for (name, changes, above) in
+        [("recorded", &curves.own_changes, None), ("seams", &curves.seam_changes, Some(above(curves)))]
+    {
+        let mut row = vec![name.into(), Cell::Count(changes.len() as u64)];
+        row.extend(
+            [0.5, 0.95, 0.99, 1.0]
+                .map(|share| percentile(changes, share).map_or(Cell::Empty, |change| Cell::Number(255.0 * change, 2))),
+        );
+        row.push(above.map_or(Cell::Empty, |above| Cell::Count(above as u64)));
+        table.rows.push(row);
+    }
+    table
+}
+
 fn agreements(curves: &Curves) -> Vec<Agreement> {
     let mut found = Vec::new();
+    if !curves.seam_changes.is_empty() {
+        let (above, count) = (above(curves), curves.seam_changes.len());
+        found.push(Agreement {
+            papers: "Our own mark: no seam changes the texture more than the capture itself does, 99 times in 100."
+                .into(),
+            found: format!("{above} of {count} seams above the recorded 99th percentile"),
+            verdict: Verdict::of(above * 100 <= count, above == 0),
+            why: String::new(),
+        });
+    }
     let up_to_50: Vec<_> = curves.reconstruction.iter().filter(|row| row.components <= 50).collect();
     let above = up_to_50.iter().filter(|row| row.ours.ssim > row.naive.ssim).count();
     if let Some(at_50) = up_to_50.last() {

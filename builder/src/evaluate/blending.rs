@@ -100,7 +100,7 @@ fn walks(subject: &Subject, graph: &EssentialGraph, report: Report) -> Walks {
 }
 
 /// Up to `most` of 0..count, in order.
-fn draw(count: usize, most: usize, seed: u64) -> Vec<usize> {
+pub(super) fn draw(count: usize, most: usize, seed: u64) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }
