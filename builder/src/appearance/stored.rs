@@ -59,8 +59,8 @@ pub fn stored_quality(
     compare(source, charts, &stored, frames)
 }
 
-/// The coarsest quality of those tried with which storing costs no more than [`LOSS`] of the similarity `before`, or the
-/// finest that keeps to [`MOST_BYTES`]; with what it comes to.
+/// The coarsest quality of those tried with which storing costs no more than `LOSS` of the similarity `before`, or the
+/// finest that keeps to `MOST_BYTES`; with what it comes to.
 ///
 /// # Errors
 /// As [`stored_quality`].

@@ -25,10 +25,9 @@ pub fn components(graph: &EssentialGraph, timeline: &Timeline) -> Components {
 #[must_use]
 pub fn components_of(timeline: &Timeline, transitions: Vec<(u32, u32)>) -> Components {
     let frames = timeline.frame_count();
-    let mut edges = with_recorded(timeline, transitions);
-    let forwards = Edges::new(frames, &mut edges);
-    edges.iter_mut().for_each(|edge| *edge = (edge.1, edge.0));
-    let backwards = Edges::new(frames, &mut edges);
+    let edges = with_recorded(timeline, transitions);
+    let forwards = Edges::new(frames, &edges, |edge| edge);
+    let backwards = Edges::new(frames, &edges, |(from, to)| (to, from));
 
     let mut reached = vec![false; frames as usize];
     let order: Vec<_> = (0..frames).flat_map(|frame| forwards.search(frame, &mut reached)).collect();
@@ -71,8 +70,7 @@ fn search_from(
     let frames = timeline.frame_count();
     let mut reached = vec![false; frames as usize];
     if start < frames {
-        let mut edges: Vec<_> = with_recorded(timeline, transitions).into_iter().map(turn).collect();
-        Edges::new(frames, &mut edges).search(start, &mut reached);
+        Edges::new(frames, &with_recorded(timeline, transitions), turn).search(start, &mut reached);
     }
     reached
 }
@@ -91,16 +89,22 @@ struct Edges {
 }
 
 impl Edges {
-    fn new(frames: u32, edges: &mut [(u32, u32)]) -> Self {
-        edges.sort_unstable();
+    /// Of `edges` between frames that exist, each turned by `turn`; counted rather than sorted, since pages do it too.
+    fn new(frames: u32, edges: &[(u32, u32)], turn: fn((u32, u32)) -> (u32, u32)) -> Self {
         let mut first = vec![0; frames as usize + 1];
-        for &(from, _) in edges.iter() {
-            first[from as usize + 1] += 1;
+        for &edge in edges {
+            first[turn(edge).0 as usize + 1] += 1;
         }
         for frame in 0..frames as usize {
             first[frame + 1] += first[frame];
         }
-        Self { first, ends: edges.iter().map(|&(_, to)| to).collect() }
+        let (mut next, mut ends) = (first.clone(), vec![0; edges.len()]);
+        for &edge in edges {
+            let (from, to) = turn(edge);
+            ends[next[from as usize] as usize] = to;
+            next[from as usize] += 1;
+        }
+        Self { first, ends }
     }
 
     fn of(&self, frame: u32) -> &[u32] {
