@@ -5,7 +5,7 @@
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
  * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `camera`,
- * `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
+ * `originals`, `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
  * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
  * `--reprise-background`, `--reprise-font`.
  */
@@ -35,6 +35,11 @@ export class ReprisePlayer extends HTMLElement {
    * angle above the ground, and the distance, 1 being that from which all of the actor is seen.
    */
   camera: string;
+  /**
+   * Addresses of the textures as captured, such as `textures/%05d.webp`: `%d` is the frame, counted over the whole capture.
+   * They are fetched when *original* is chosen to compare with what is rebuilt.
+   */
+  originals: string;
   /** The tool in use. */
   tool: Tool;
 

@@ -34,7 +34,7 @@ function define(name, get, set) {
   Object.defineProperty(AttributeElement.prototype, name, { get, set, configurable: true, enumerable: true });
 }
 
-for (const name of ['src', 'poster', 'alt', 'camera']) {
+for (const name of ['src', 'poster', 'alt', 'camera', 'originals']) {
   define(name, function () { return this.getAttribute(name) ?? ''; }, function (value) { this.setAttribute(name, value); });
 }
 

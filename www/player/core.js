@@ -119,7 +119,7 @@ export class Core {
     if (view.preview.update(start, changed)) this.showGhosts(changed);
     if (changed && poses.due(start)) poses.choose(director);
     const moving = live && view.stage.stage.camera_moving();
-    const dressing = live && view.looks.step(director.info, director.player, view.stage.stage);
+    const dressing = live && view.looks.step(director, view.stage.stage);
     const draws = changed || moving || dressing || this.dirty;
     if (draws) this.draw();
     const walk = view.preview.plan ?? director.walk;

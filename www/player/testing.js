@@ -76,6 +76,11 @@ export class Testing {
     return this.inside().view.stage.ghosts;
   }
 
+  /** The frame whose texture as captured is worn, or -1. */
+  looks() {
+    return { worn: this.inside().view.looks.worn };
+  }
+
   thumbnails() {
     const { shelf } = this.inside().view.score;
     return { drawn: shelf.pictures.size, complete: shelf.complete };
@@ -111,14 +116,18 @@ export class Testing {
     if (began) again();
   }
 
-  /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour. */
+  /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour, and its mean colour. */
   async picture() {
     this.inside().draw();
     const pixels = await this.stage.read_pixels();
     const { width, height } = this.inside().view.stage.canvas;
     const differs = (at) => [0, 1, 2].some((channel) => Math.abs(pixels[at + channel] - pixels[channel]) > 24);
     let drawn = 0;
-    for (let at = 0; at < pixels.length; at += 4) drawn += Number(differs(at));
-    return { width, height, bytes: pixels.length, drawn: drawn / (width * height), corner: Array.from(pixels.slice(0, 3)) };
+    const mean = [0, 0, 0];
+    for (let at = 0; at < pixels.length; at += 4) {
+      drawn += Number(differs(at));
+      for (let channel = 0; channel < 3; channel += 1) mean[channel] += (4 * pixels[at + channel]) / pixels.length;
+    }
+    return { width, height, bytes: pixels.length, drawn: drawn / (width * height), corner: Array.from(pixels.slice(0, 3)), mean };
   }
 }

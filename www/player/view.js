@@ -68,8 +68,11 @@ class View {
     this.error = new ErrorCard((action) => core.mend(action));
     this.looks = new Looks({
       compare: (compare) => this.stage.setOptions({ compare }),
+      originals: () => host.originals,
+      missing: (message) => core.say(message, 'waiting'),
       dressed: () => {
         core.session.rebuilt = true;
+        core.redraw();
         this.score.wantThumbnails();
       },
     });

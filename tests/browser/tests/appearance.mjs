@@ -84,10 +84,42 @@ export const tests = {
     await player.part('.choices .chip:has-text("naive")').click();
     const naive = await player.run((element) => element.testing.texture('half'));
     assert.ok(apart(ours, naive) > 0.5 && apart(faded, naive) > 0.5, 'the naive model looks the same');
-    assert.equal(await player.part('.choices .chip:has-text("original")').isDisabled(), true);
+    assert.equal(await player.part('.choices .chip:has-text("original")').isVisible(), false, 'there are no originals');
     await player.part('.choices .chip:has-text("ours")').click();
     const again = await player.run((element) => element.testing.texture('half'));
     assert.deepEqual(again, ours);
+    await player.close();
+  },
+
+  'appearance: recorded frames wear their textures as captured, if these are there': async (browser) => {
+    const player = await open(browser);
+    if (!player) return;
+    const asked = [];
+    await player.page.route('**/captured/*', async (route) => {
+      const name = route.request().url().split('/').pop();
+      asked.push(name);
+      if (name === '00027.png') return route.fulfill({ status: 404 });
+      // A captured texture of one colour, as no modes make it.
+      const pixel = 'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==';
+      return route.fulfill({ contentType: 'image/png', body: Buffer.from(pixel, 'base64') });
+    });
+    await player.run((element) => (element.originals = 'captured/%05d.png'));
+    const picture = () => player.run(async (element) => (await element.testing.picture()).mean);
+    const ours = await picture();
+    await player.part('.chips .chip:has-text("compare")').click();
+    await player.part('.choices .chip:has-text("original")').click();
+    await player.until('the captured texture', (element) => element.testing.looks().worn === 25);
+    assert.deepEqual(asked, ['00025.png']);
+    const captured = await picture();
+    assert.ok(Math.abs(ours[1] - captured[1]) > 1, `the picture is the same: ${ours} and ${captured}`);
+    await player.part('.choices .chip:has-text("ours")').click();
+    await player.until('what is rebuilt', (element) => element.testing.looks().worn === -1);
+    await player.until('its picture', async (element, wanted) => Math.abs((await element.testing.picture()).mean[1] - wanted) < 0.5, ours[1]);
+
+    await player.part('.choices .chip:has-text("original")').click();
+    await player.run((element) => element.seek(27));
+    await player.until('a sentence', (element) => /frame 27 is not at captured/.test(element.shadowRoot.querySelector('.status').textContent));
+    assert.equal(await player.part('.choices [aria-checked="true"]').textContent(), 'ours');
     await player.close();
   },
 

@@ -13,6 +13,7 @@ use super::player::{Player, now};
 use crate::camera::{Camera, Subject};
 use crate::gpu::appearance::{Looks, Setting, Wanted};
 use crate::gpu::context::{Gpu, extent};
+use crate::gpu::mesh::Mesh;
 use crate::gpu::pose::Numbered;
 use crate::gpu::readback::read;
 use crate::gpu::scene::{Measures, Moment, Scene};
@@ -40,6 +41,8 @@ pub struct Stage {
     cross_fade: bool,
     /// Which models the texture should come from, and which it came from last.
     textures: [Textures; 2],
+    /// Whether the actor wears a texture as captured instead, for comparison.
+    original: bool,
 }
 
 /// How far a part of the body that is picked reaches, in heights of the actor.
@@ -94,6 +97,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             eased: false,
             time: now(),
             cross_fade: false,
+            original: false,
             textures: Default::default(),
         };
         Ok(stage.into())
@@ -247,7 +251,7 @@ impl Stage {
         let (Some(appearance), Some(picture)) = (player.inner.appearance(of), player.inner.picture()) else {
             return false;
         };
-        if self.lost() {
+        if self.lost() || self.original {
             return false;
         }
         let (scene, slow) = (&mut self.scene, self.adapter.device_type == wgpu::DeviceType::Cpu);
@@ -381,28 +385,45 @@ impl Stage {
 
     /// Takes texture `index`, decoded by the browser.
     pub fn set_image(&mut self, index: usize, bitmap: ImageBitmap) {
+        self.take_image(&bitmap, |mesh, gpu, texture| mesh.set_image(gpu, index, texture));
+    }
+
+    /// Shows a texture as captured in place of what is rebuilt from modes; without one, what is rebuilt again.
+    pub fn set_original(&mut self, player: &Player, bitmap: Option<ImageBitmap>) {
+        self.original = false;
+        if let (Some(bitmap), Some(appearance)) = (&bitmap, player.inner.appearance(Textures::Aligned)) {
+            let material = appearance.material as usize;
+            self.original = self.take_image(bitmap, |mesh, gpu, texture| mesh.paint(gpu, material, texture));
+        }
+        self.scene.looks.iter_mut().flatten().for_each(Looks::take_off);
+    }
+
+    /// Makes a texture of `bitmap` for the mesh; whether that could be done.
+    fn take_image(&mut self, bitmap: &ImageBitmap, put: impl FnOnce(&mut Mesh, &Gpu, &wgpu::Texture)) -> bool {
         let size = [bitmap.width(), bitmap.height()];
         if self.lost() || size.contains(&0) || size.iter().any(|&side| side > 8192) {
-            return;
+            return false;
         }
         let gpu = self.scene.gpu.clone();
+        let texture = self.scene.mesh.textures().create(&gpu, size);
         let source = wgpu::CopyExternalImageSourceInfo {
-            source: wgpu::ExternalImageSource::ImageBitmap(bitmap),
+            source: wgpu::ExternalImageSource::ImageBitmap(bitmap.clone()),
             origin: wgpu::Origin2d::ZERO,
             flip_y: false,
         };
-        self.scene.mesh.set_image(&gpu, index, size, |texture| {
-            let destination = wgpu::CopyExternalImageDestInfo {
-                texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d::ZERO,
-                aspect: wgpu::TextureAspect::All,
-                color_space: wgpu::PredefinedColorSpace::Srgb,
-                premultiplied_alpha: false,
-            };
-            gpu.queue.copy_external_image_to_texture(&source, destination, extent(size));
-        });
+        let destination = wgpu::CopyExternalImageDestInfo {
+            texture: &texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+            color_space: wgpu::PredefinedColorSpace::Srgb,
+            premultiplied_alpha: false,
+        };
+        gpu.queue.copy_external_image_to_texture(&source, destination, extent(size));
+        self.scene.mesh.textures().fill_levels(&gpu, &texture);
+        put(&mut self.scene.mesh, &gpu, &texture);
         self.due = true;
+        true
     }
 
     /// Shows the poses of `frames` where the actor would arrive; none clears. Those out of reach are left out.

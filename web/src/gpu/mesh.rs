@@ -120,14 +120,11 @@ impl Mesh {
         }
     }
 
-    /// Takes the texture of image `image`, whose level 0 `fill` writes; its materials show it from now on.
-    pub fn set_image(&mut self, gpu: &Gpu, image: usize, size: [u32; 2], fill: impl FnOnce(&wgpu::Texture)) {
-        let texture = self.textures.create(gpu, size);
-        fill(&texture);
-        self.textures.fill_levels(gpu, &texture);
+    /// Takes the texture of image `image`; its materials show it from now on.
+    pub fn set_image(&mut self, gpu: &Gpu, image: usize, texture: &wgpu::Texture) {
         for material in 0..self.materials.len() {
             if self.materials[material].image == Some(image) {
-                self.set_texture(gpu, material, &texture);
+                self.set_texture(gpu, material, texture);
             }
         }
     }
