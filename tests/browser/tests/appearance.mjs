@@ -92,7 +92,7 @@ export const tests = {
   },
 
   'appearance: recorded frames wear their textures as captured, if these are there': async (browser) => {
-    const player = await open(browser);
+    const player = await open(browser, { forgive: [/404/] });
     if (!player) return;
     const asked = [];
     await player.page.route('**/captured/*', async (route) => {

@@ -10,6 +10,8 @@ import { followersOf } from './request.js';
 /** Milliseconds of work in a slice, and of rest after it. */
 const SLICE = 4;
 const REST = 8;
+/** The same where somebody waits for the answer, or an endless walk is about to end. */
+const HURRIED = { slice: 8, rest: 4 };
 /** Milliseconds of searching before the first answer is shown, and between two. */
 const FIRST_LOOK = 60;
 const LOOK_AGAIN = 240;
@@ -17,6 +19,8 @@ const LOOK_AGAIN = 240;
 const PATIENCE = 500;
 /** Seconds left of an endless walk when the next part of it is searched for. */
 const AHEAD = 20;
+/** Seconds left of it when that becomes urgent. */
+const URGENT = 10;
 
 /**
  * Whether the actor may leave. Paths and places have a whole walk from the first answer on that has any; the answers of key poses, queues
@@ -56,7 +60,7 @@ export class SearchDriver {
     this.timer ??= setTimeout(() => {
       this.timer = null;
       if (this.step()) this.pump();
-    }, REST);
+    }, this.isUrgent(this.task) ? HURRIED.rest : REST);
   }
 
   /** Ends the search; a walk under way goes on. */
@@ -100,7 +104,7 @@ export class SearchDriver {
       task.begun = now;
       return true;
     }
-    const running = player.search_on(SLICE) === 'running';
+    const running = player.search_on(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running';
     task.done = !running;
     const looks = task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
     if (task.done || looks) this.look(task, player, now);
@@ -186,10 +190,30 @@ export class SearchDriver {
     this.start({ ...request, seed: (request.seed ?? 0) + part }, 'end');
   }
 
+  isUrgent(task) {
+    const { state } = this.core.director ?? {};
+    if (!task || !state) return false;
+    const ends = state.target === null || state.remaining_seconds < URGENT;
+    return this.waiting !== null || (task.origin === 'end' ? ends : task.answer === null);
+  }
+
   goOn() {
-    this.player.go_on();
-    this.core.director.known = null;
+    const { core, task, player } = this;
     this.task = null;
+    core.director.known = null;
+    if (task.answer === null || task.answer.legs.length === 0) this.endless = null;
+    else if (!player.go_on()) this.goOnLate(task);
+  }
+
+  /** The actor has arrived before the next part was found, and waits where that begins. */
+  goOnLate({ answer }) {
+    const { core, player, endless } = this;
+    try {
+      core.left(JSON.parse(player.set_off(false)), answer);
+    } catch (error) {
+      if (error.kind !== 'unreachable') throw error;
+      this.go(endless.request);
+    }
   }
 
   /** The actor was sent somewhere else. */
@@ -199,6 +223,7 @@ export class SearchDriver {
   }
 
   happened(type) {
-    if (type === 'arrive') this.endless = null;
+    // An endless walk is over only where nothing leads on; what is still being searched for comes late.
+    if (type === 'arrive' && !this.task) this.endless = null;
   }
 }
