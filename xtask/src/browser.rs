@@ -19,9 +19,9 @@ pub fn test(dist: &Path) -> Result<()> {
     run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks).env("REPRISE_DRESSED", dressed))
 }
 
-/// A program of `tests/src/bin`. It was built along with the tests: to ask cargo for it alone would build its
-/// dependencies anew, with other features.
-fn helper(name: &str) -> Result<Command> {
+/// A program that was built along with the tests: to ask cargo for it alone would build its dependencies anew, with other
+/// features.
+pub fn helper(name: &str) -> Result<Command> {
     let path = target().join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION);
     if !path.is_file() {
         bail!("{} is missing; build it with: cargo test --workspace --no-run", path.display());

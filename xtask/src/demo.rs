@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
@@ -26,31 +27,30 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
     let builder = Beside::start("the builder", build("release").arg("-q"))?;
     let dist = web::build()?;
     builder.finish()?;
-    pack(&dist.join("demo.reprise"), "release")?;
+    pack(&dist.join("demo.reprise"), &|| Ok(builder("release")))?;
     if serving { serve::serve(&dist, port) } else { Ok(()) }
 }
 
-/// Makes the built-in performer's capture and packs it into `bundle`, with the builder of a cargo profile.
-pub fn pack(bundle: &Path, profile: &str) -> Result<PathBuf> {
+/// Makes the built-in performer's capture and packs it into `bundle`.
+pub fn pack(bundle: &Path, builder: &dyn Fn() -> Result<Command>) -> Result<PathBuf> {
     let capture = target().join("performer");
     if capture.exists() {
         fs::remove_dir_all(&capture).with_context(|| format!("cannot clear {}", capture.display()))?;
     }
-    run("the builder", &mut build(profile))?;
-    run("the performer's capture", builder(profile).arg("performer").arg("-o").arg(&capture))?;
-    run("the performer's bundle", builder(profile).arg("pack").arg(&capture).arg("-o").arg(bundle))?;
+    run("the performer's capture", builder()?.arg("performer").arg("-o").arg(&capture))?;
+    run("the performer's bundle", builder()?.arg("pack").arg(&capture).arg("-o").arg(bundle))?;
     Ok(capture)
 }
 
 /// Compiles the builder.
-fn build(profile: &str) -> std::process::Command {
+fn build(profile: &str) -> Command {
     let mut command = cargo();
     command.args(["build", "-p", "reprise-builder", "--profile", profile]);
     command
 }
 
 /// The `builder` command of a profile.
-pub fn builder(profile: &str) -> std::process::Command {
+pub fn builder(profile: &str) -> Command {
     let mut command = cargo();
     command.args(["run", "-q", "-p", "reprise-builder", "--profile", profile, "--"]);
     command

@@ -18,6 +18,6 @@ pub fn test() -> Result<()> {
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
     run("tests", cargo().args(["test", "--workspace", "--exclude", "xtask"]))?;
-    demo::pack(&dist.join("demo.reprise"), "release")?;
+    demo::pack(&dist.join("demo.reprise"), &|| browser::helper("builder"))?;
     browser::test(&dist)
 }
