@@ -24,9 +24,9 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
         }
     }
     // The page's last step optimises all of it as one, on one core: the builder takes the others meanwhile.
-    let builder = Beside::start("the builder", build("release").arg("-q"))?;
+    let compiled = Beside::start("the builder", build("release").arg("-q"))?;
     let dist = web::build()?;
-    builder.finish()?;
+    compiled.finish()?;
     pack(&dist.join("demo.reprise"), &|| Ok(builder("release")))?;
     if serving { serve::serve(&dist, port) } else { Ok(()) }
 }
