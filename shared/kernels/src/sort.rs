@@ -6,6 +6,14 @@ pub fn sort(keys: &mut [u128]) {
     keys.sort_unstable();
 }
 
+/// Moves the `count` least keys to the front, in no order, and the others behind them.
+#[inline(never)]
+pub fn least_first(keys: &mut [u128], count: usize) {
+    if count > 0 && count < keys.len() {
+        keys.select_nth_unstable(count);
+    }
+}
+
 /// Four numbers as one key.
 #[must_use]
 pub fn key(numbers: [u32; 4]) -> u128 {
@@ -21,6 +29,19 @@ pub fn numbers(key: u128) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_least_come_first() {
+        let keys: Vec<u128> = (0..1000_u128).map(|index| index * 7919 % 1009).collect();
+        let mut sorted = keys.clone();
+        sort(&mut sorted);
+        for count in [0, 1, 400, 999, 1000, 2000] {
+            let mut parted = keys.clone();
+            least_first(&mut parted, count);
+            sort(&mut parted[..count.min(1000)]);
+            assert!(count == 0 || parted[..count.min(1000)] == sorted[..count.min(1000)]);
+        }
+    }
 
     #[test]
     fn keys_sort_as_their_numbers() {

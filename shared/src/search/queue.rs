@@ -28,8 +28,9 @@ impl Queue {
     /// Keeps only the `most` cheapest; what is dropped.
     pub fn cut(&mut self, most: usize) -> Vec<u64> {
         let mut keys = std::mem::take(&mut self.0).into_vec();
-        kernels::sort::sort(&mut keys);
-        let dropped = keys.drain(..keys.len().saturating_sub(most)).map(|key| !key as u64).collect();
+        let too_many = keys.len().saturating_sub(most);
+        kernels::sort::least_first(&mut keys, too_many);
+        let dropped = keys.drain(..too_many).map(|key| !key as u64).collect();
         self.0 = keys.into();
         dropped
     }
