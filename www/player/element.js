@@ -16,7 +16,7 @@ import { fromHash, toHash } from './tools/share.js';
 import { buildView } from './view.js';
 
 export class ReprisePlayer extends AttributeElement {
-  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'tool'];
+  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool'];
 
   #core = null;
   #actions = null;

@@ -105,6 +105,8 @@ export const tests = {
     });
     await player.run((element) => (element.originals = 'captured/%05d.png'));
     const picture = () => player.run(async (element) => (await element.testing.picture()).mean);
+    // All modes are read, so that nothing but the choice changes the picture.
+    await player.run((element) => element.testing.texture('half'));
     const ours = await picture();
     await player.part('.chips .chip:has-text("compare")').click();
     await player.part('.choices .chip:has-text("original")').click();
