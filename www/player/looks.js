@@ -93,9 +93,11 @@ export class Looks {
       if (!response.ok) throw new Error(response.statusText);
       const bitmap = await createImageBitmap(await response.blob(), { premultiplyAlpha: 'none', colorSpaceConversion: 'none' });
       // What has come too late is not worn.
-      if (this.original !== frame || this.stage !== stage || stage.lost()) return;
-      stage.set_original(player, bitmap);
-      this.worn = frame;
+      if (this.original === frame && this.stage === stage && !stage.lost()) {
+        stage.set_original(player, bitmap);
+        this.worn = frame;
+      }
+      bitmap.close();
       this.on.dressed();
     } catch {
       if (this.original !== frame) return;
