@@ -162,13 +162,27 @@ impl Basis {
         textures: usize,
         warps: usize,
     ) -> Result<Self, AppearanceError> {
+        Self::fitted(source, aligned, training, (textures, warps), fit::STEPS)
+    }
+
+    /// The same with so many `steps` of the fit.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn fitted(
+        source: &(impl TextureSource + ?Sized),
+        aligned: &Aligned,
+        training: &[usize],
+        (textures, warps): (usize, usize),
+        steps: usize,
+    ) -> Result<Self, AppearanceError> {
         let mut warps = components(&aligned.warps, training, warps)?;
         for Incomplete { frame, unseen, .. } in &aligned.incomplete {
             completion::complete(&mut warps, &aligned.warps, *frame, unseen, 2)?;
         }
         let shown = stored::warps(&warps, &aligned.charts, source.frame_count())?;
         let warp = |frame: usize| shown.warp(frame as u32, frame as u32, 0.0);
-        let textures = fit(source, aligned, &warp, training, textures, fit::STEPS)?;
+        let textures = fit(source, aligned, &warp, training, textures, steps)?;
         Ok(Self { textures, warps, shown })
     }
 
