@@ -12,5 +12,6 @@ pub mod memory;
 pub mod pack;
 pub mod performer;
 pub mod progress;
+pub mod raster;
 mod simd;
 pub mod transitions;

@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use super::error::ExportError;
 use super::output::{FramePattern, write_whole};
+use super::picture::{Picture, Raster};
 use super::play::Played;
-use super::raster::{Picture, Raster};
 use super::{Actor, ExportOptions};
 use crate::progress::{Progress, Report};
 
@@ -28,7 +28,7 @@ pub(super) fn write(
     report: Report,
 ) -> Result<u32, ExportError> {
     pattern.make_folder()?;
-    let mut raster = Raster::new(&actor.surface)?;
+    let raster = Raster::new(&actor.surface)?;
     let total = u64::from(played.written(options.every));
     let seconds = options.every.max(1) as f32 / actor.fps;
     let mut follow: Option<(Vec3, f32)> = None;
