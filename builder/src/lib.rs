@@ -7,6 +7,7 @@ pub mod distance;
 pub mod essential;
 pub mod evaluate;
 pub mod export;
+pub mod files;
 pub mod import;
 pub mod memory;
 pub mod pack;

@@ -88,3 +88,10 @@ pub fn export(
         Output::Png(pattern) => turntable::write(actor, played, pattern, options, report),
     }
 }
+
+/// The least and the largest coordinates; both 0 where there is no point.
+fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
+    let high = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    (low, high)
+}

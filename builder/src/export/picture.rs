@@ -68,8 +68,7 @@ impl<'a> Raster<'a> {
             let Some(material) = self.surface.materials.get(part.material as usize) else { continue };
             let texture = material.image.and_then(|image| self.textures.get(image as usize));
             let tint = Vec3::from_slice(&material.base_colour[..3]).max(Vec3::ZERO).powf(1.0 / 2.2);
-            let (first, end) = (part.first_triangle as usize, (part.first_triangle + part.triangle_count) as usize);
-            for triangle in &self.surface.triangles[first..end] {
+            for triangle in self.surface.triangles_of(part) {
                 let points = triangle.map(|corner| positions[corner as usize]);
                 let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
                 // Captured textures hold their light; what has none gets a plain one from the front and above.
