@@ -7,7 +7,8 @@ use std::path::PathBuf;
 
 use builder::performer::figure::Figure;
 use builder::performer::{PerformerOptions, perform};
-use glam::{Quat, Vec2, Vec3};
+use builder::raster::Canvas;
+use glam::{Quat, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
 const CELL: (usize, usize) = (300, 400);
@@ -112,42 +113,33 @@ impl Sheet {
             let q = turn * (p - view.centre);
             Vec3::new(width as f32 * 0.5 + q.x * scale, height as f32 * 0.5 - q.y * scale, q.z)
         };
-        let mut depths = vec![f32::NEG_INFINITY; width * height];
+        let mut canvas = Canvas::new((width, height), |_, _| Vec3::ZERO);
         for (index, triangle) in figure.mesh.triangles.iter().enumerate() {
-            let [a, b, c] = triangle.map(|v| seen(positions[v as usize]));
+            let places = triangle.map(|v| seen(positions[v as usize]));
             let [pa, pb, pc] = triangle.map(|v| turn * positions[v as usize]);
             let normal = (pb - pa).cross(pc - pa).normalize_or_zero();
-            let area = (b - a).truncate().perp_dot((c - a).truncate());
-            if area.abs() < 1e-9 {
-                continue;
-            }
-            let low = a.min(b).min(c).max(Vec3::ZERO);
-            let high = a.max(b).max(c);
-            for y in low.y as usize..(high.y.ceil().max(0.0) as usize).min(height) {
-                for x in low.x as usize..(high.x.ceil().max(0.0) as usize).min(width) {
-                    let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                    let w = Vec3::new(
-                        (c - b).truncate().perp_dot(p - b.truncate()),
-                        (a - c).truncate().perp_dot(p - c.truncate()),
-                        (b - a).truncate().perp_dot(p - a.truncate()),
-                    ) / area;
-                    let depth = w.x * a.z + w.y * b.z + w.z * c.z;
-                    if w.min_element() < 0.0 || depth <= depths[y * width + x] {
-                        continue;
-                    }
-                    depths[y * width + x] = depth;
-                    let [ua, ub, uc] = figure.atlas.uvs[index];
-                    let uv = (ua * w.x + ub * w.y + uc * w.z) * figure.atlas.size as f32;
-                    let texel = texture[(uv.y as usize).min(figure.atlas.size - 1) * figure.atlas.size
-                        + (uv.x as usize).min(figure.atlas.size - 1)];
-                    let light = 0.35 + 0.65 * normal.dot(Vec3::new(0.4, 0.6, 0.7).normalize()).max(0.0);
-                    let edge = if w.min_element() * area.abs().sqrt() < 0.35 { 0.8 } else { 1.0 };
-                    let colour =
-                        if view.clay { [210.0, 200.0, 190.0].map(|c: f32| (c * light * edge) as u8) } else { texel };
-                    // The inside of the surface must never be seen.
-                    let colour = if area > 0.0 { [255, 0, 255] } else { colour };
-                    self.image.put_pixel((column * width + x) as u32, (row * height + y) as u32, image::Rgb(colour));
+            let light = 0.35 + 0.65 * normal.dot(Vec3::new(0.4, 0.6, 0.7).normalize()).max(0.0);
+            let [a, b, c] = places.map(Vec3::xy);
+            let area = (b - a).perp_dot(c - a);
+            let [ua, ub, uc] = figure.atlas.uvs[index];
+            canvas.fill([a, b, c], places.map(|place| place.z), |w, _| {
+                // The inside of the surface must never be seen.
+                if area > 0.0 {
+                    return Vec3::new(255.0, 0.0, 255.0);
                 }
+                if view.clay {
+                    let edge = if w.min_element() * area.abs().sqrt() < 0.35 { 0.8 } else { 1.0 };
+                    return Vec3::new(210.0, 200.0, 190.0) * light * edge;
+                }
+                let uv = (ua * w.x + ub * w.y + uc * w.z) * figure.atlas.size as f32;
+                let [x, y] = [uv.x, uv.y].map(|texel| (texel as usize).min(figure.atlas.size - 1));
+                Vec3::from(texture[y * figure.atlas.size + x].map(f32::from))
+            });
+        }
+        let (left, top) = ((column * width) as u32, (row * height) as u32);
+        for (x, y) in (0..height as u32).flat_map(|y| (0..width as u32).map(move |x| (x, y))) {
+            for (colour, _) in canvas.pixel(x, y, 1).filter(|(_, covered)| *covered) {
+                self.image.put_pixel(left + x, top + y, image::Rgb(colour.to_array().map(|value| value as u8)));
             }
         }
     }

@@ -87,3 +87,12 @@ pub struct Surface {
     /// Static textures of the materials.
     pub images: Vec<Image>,
 }
+
+impl Surface {
+    /// The triangles of one of its parts; none of a part that is not its own and reaches beyond them.
+    #[must_use]
+    pub fn triangles_of(&self, part: &Part) -> &[[u32; 3]] {
+        let (first, count) = (part.first_triangle as usize, part.triangle_count as usize);
+        self.triangles.get(first..first.saturating_add(count)).unwrap_or_default()
+    }
+}

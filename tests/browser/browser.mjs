@@ -71,15 +71,14 @@ export class Browser {
     page.on('pageerror', (error) => complain(`uncaught: ${error.message}`));
     await page.addInitScript(watchOver);
     await before?.(page);
-    const query = new URLSearchParams(search);
-    query.set('test', '');
-    await page.goto(`${this.server.address}${path}?${query}${hash}`);
+    await page.goto(`${this.server.address}${path}?${search}${hash}`);
     return new Player(page, complaints);
   }
 }
 
-/** Runs in the page before anything else: notes violations of the policy and every event of the player. */
+/** Runs in the page before anything else: notes violations of the policy and every event of the player, and looks inside. */
 function watchOver() {
+  import('/testing.js');
   window.violations = [];
   window.heard = [];
   document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
@@ -135,7 +134,7 @@ export class Player {
   async loaded() {
     await this.event('ready');
     await this.event('load');
-    await this.until('the test hook', (player) => Boolean(player.testing));
+    await this.until('a look inside', (player) => Boolean(player.testing));
   }
 
   /** Something inside the player's shadow tree. */

@@ -15,7 +15,7 @@ import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
 import { tests as element } from './tests/element.mjs';
-import { tests as tools } from './tests/tools.mjs';
+import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';

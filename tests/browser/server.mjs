@@ -15,11 +15,12 @@ const TYPES = {
   '.reprise': 'application/octet-stream',
 };
 
-/** Modules of other people that the examples and the tests ask for, from the tests' own dependencies. */
-const modules = join(dirname(fileURLToPath(import.meta.url)), 'node_modules');
-const VENDOR = {
-  '/examples/vendor/preact.js': 'preact/dist/preact.mjs',
-  '/vendor/axe.js': 'axe-core/axe.min.js',
+/** Modules that are not the page's: what the tests look inside with, and other people's, from the tests' own dependencies. */
+const here = dirname(fileURLToPath(import.meta.url));
+const MODULES = {
+  '/testing.js': 'testing.js',
+  '/examples/vendor/preact.js': 'node_modules/preact/dist/preact.mjs',
+  '/vendor/axe.js': 'node_modules/axe-core/axe.min.js',
 };
 
 const POLICY =
@@ -74,7 +75,7 @@ async function answer(root, bundle, request, response) {
   if (pathname === '/rest') return send(response, (goOn?.(), ''), '.json');
   if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
-  if (Object.hasOwn(VENDOR, pathname)) return send(response, await readFile(join(modules, VENDOR[pathname])), '.js');
+  if (Object.hasOwn(MODULES, pathname)) return send(response, await readFile(join(here, MODULES[pathname])), '.js');
   const made = Object.entries(MADE).find(([name, folder]) => folder && pathname.startsWith(`/${name}/`));
   const [folder, path] = made ? [made[1], pathname.slice(made[0].length + 1)] : [root, pathname];
   const file = join(folder, normalize(path === '/' ? '/index.html' : decodeURIComponent(path)));

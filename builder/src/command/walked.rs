@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
 use glam::Vec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 use shared::search::{Answer, Curve, Goal, Shape};
 
 use super::failure::Failure;
+use super::output::write_whole;
 
 /// A path as it was walked: centres of mass of the frames that were made against the point of equal arc length.
 #[derive(Serialize)]
@@ -90,10 +90,5 @@ pub fn write_times(answer: &Answer, fps: f64, path: &Path) -> Result<(), Failure
         "json" => Value::from(values).to_string() + "\n",
         _ => return Err(Failure::Usage(format!("--times writes .csv or .json, not {:?}", path.display().to_string()))),
     };
-    // Under another name first, so that nobody reads half a table.
-    let hidden = path.with_extension("part");
-    std::fs::write(&hidden, text)
-        .and_then(|()| std::fs::rename(&hidden, path))
-        .with_context(|| format!("cannot write {}", path.display()))
-        .map_err(|error| Failure::Input(anyhow!(error)))
+    write_whole(path, text.as_bytes()).map_err(Failure::Input)
 }

@@ -1,7 +1,9 @@
-//! Small pictures of a pose in clay, coloured vertex by vertex: a rasteriser in software for reports.
+//! Small pictures of a pose in clay, coloured vertex by vertex, for reports.
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec3, Vec3Swizzles};
 use image::{ImageError, ImageFormat, RgbaImage};
+
+use crate::raster::Canvas;
 
 /// How a pose is looked at: from afar, along a direction in the ground plane, slightly from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +19,7 @@ pub struct Camera {
 }
 
 /// Samples along each side of a pixel.
-const SAMPLES: u32 = 2;
+const SAMPLES: usize = 2;
 /// How far the camera looks down, in radians.
 const DOWN: f32 = 0.18;
 
@@ -36,7 +38,7 @@ impl Camera {
 /// The pose as a picture with a transparent ground; `colours` are linear, one per vertex.
 #[must_use]
 pub fn draw(pose: &[Vec3], triangles: &[[u32; 3]], colours: &[Vec3], camera: &Camera) -> RgbaImage {
-    let [width, height] = camera.size.map(|side| side * SAMPLES);
+    let [width, height] = camera.size.map(|side| side as usize * SAMPLES);
     let view = Quat::from_rotation_x(DOWN) * Quat::from_rotation_y(-camera.heading);
     let scale = height as f32 / camera.height;
     // x to the right and y down in samples, z towards the camera in metres.
@@ -54,13 +56,13 @@ pub fn draw(pose: &[Vec3], triangles: &[[u32; 3]], colours: &[Vec3], camera: &Ca
         .zip(colours)
         .map(|(normal, colour)| *colour * (0.30 + 0.70 * normal.dot(light).max(0.0) + 0.08 * normal.y))
         .collect();
-    let count = (width * height) as usize;
-    let mut canvas = Canvas { width, height, depth: vec![f32::NEG_INFINITY; count], colour: vec![Vec3::ZERO; count] };
+    let mut canvas = Canvas::new((width, height), |_, _| Vec3::ZERO);
     for corners in triangles {
-        let at = corners.map(|vertex| vertex as usize);
-        canvas.fill(at.map(|vertex| seen[vertex]), at.map(|vertex| lit[vertex]));
+        let at = corners.map(|vertex| seen[vertex as usize]);
+        let [a, b, c] = corners.map(|vertex| lit[vertex as usize]);
+        canvas.fill(at.map(Vec3::xy), at.map(|p| p.z), |weights, _| a * weights.x + b * weights.y + c * weights.z);
     }
-    canvas.resolve()
+    RgbaImage::from_fn(camera.size[0], camera.size[1], |x, y| resolve(canvas.pixel(x, y, SAMPLES)))
 }
 
 /// The bytes of a picture as a PNG file.
@@ -84,58 +86,17 @@ fn normals(pose: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     normals.into_iter().map(Vec3::normalize_or_zero).collect()
 }
 
-struct Canvas {
-    width: u32,
-    height: u32,
-    depth: Vec<f32>,
-    colour: Vec<Vec3>,
-}
-
-impl Canvas {
-    fn fill(&mut self, at: [Vec3; 3], colours: [Vec3; 3]) {
-        let [a, b, c] = at.map(|p| Vec2::new(p.x, p.y));
-        let area = (b - a).perp_dot(c - a);
-        if area.is_nan() || area.abs() < 1e-9 {
-            return;
-        }
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let columns = low.x.floor().max(0.0) as u32..(high.x.ceil().max(0.0) as u32).min(self.width);
-        for y in low.y.floor().max(0.0) as u32..(high.y.ceil().max(0.0) as u32).min(self.height) {
-            for x in columns.clone() {
-                let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                let weights =
-                    [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)].map(|w| w / area);
-                if weights.iter().any(|&weight| weight < 0.0) {
-                    continue;
-                }
-                let depth: f32 = (0..3).map(|corner| weights[corner] * at[corner].z).sum();
-                let place = (y * self.width + x) as usize;
-                if depth > self.depth[place] {
-                    self.depth[place] = depth;
-                    self.colour[place] = (0..3).map(|corner| colours[corner] * weights[corner]).sum();
-                }
-            }
-        }
+/// The mean of a pixel's covered samples, in sRGB, and how much of it is covered.
+fn resolve(samples: impl Iterator<Item = (Vec3, bool)>) -> image::Rgba<u8> {
+    let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
+    for (colour, _) in samples.filter(|&(_, covered)| covered) {
+        sum += colour;
+        covered += 1.0;
     }
-
-    /// The mean of each pixel's samples, in sRGB.
-    fn resolve(&self) -> RgbaImage {
-        RgbaImage::from_fn(self.width / SAMPLES, self.height / SAMPLES, |x, y| {
-            let (mut sum, mut covered) = (Vec3::ZERO, 0.0);
-            for sample in 0..SAMPLES * SAMPLES {
-                let (sx, sy) = (x * SAMPLES + sample % SAMPLES, y * SAMPLES + sample / SAMPLES);
-                let place = (sy * self.width + sx) as usize;
-                if self.depth[place] > f32::NEG_INFINITY {
-                    sum += self.colour[place];
-                    covered += 1.0;
-                }
-            }
-            let mean = sum / f32::max(covered, 1.0);
-            let encode = |linear: f32| (linear.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8;
-            let alpha = (covered / (SAMPLES * SAMPLES) as f32 * 255.0).round() as u8;
-            image::Rgba([encode(mean.x), encode(mean.y), encode(mean.z), alpha])
-        })
-    }
+    let mean = sum / f32::max(covered, 1.0);
+    let encode = |linear: f32| (linear.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8;
+    let alpha = (covered / (SAMPLES * SAMPLES) as f32 * 255.0).round() as u8;
+    image::Rgba([encode(mean.x), encode(mean.y), encode(mean.z), alpha])
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ use serde_json::{Value, json};
 use super::error::ExportError;
 use super::output::write_whole;
 use super::play::Played;
-use super::{Actor, ExportOptions};
-use crate::progress::{Progress, Report};
+use super::{Actor, ExportOptions, bounds};
+use crate::progress::Report;
 
 /// The largest file in bytes: viewers hold all of it in memory.
 const MOST_BYTES: u64 = 2 << 30;
@@ -44,8 +44,7 @@ pub(super) fn write(
     let mut file = File::default();
     let mut base: Vec<Vec3> = Vec::new();
     let mut targets = Vec::new();
-    let frames = played.each(options.every, |frame, pose| {
-        report(Progress { what: "frames", done: u64::from(frame), total: u64::from(total) });
+    let frames = played.each(options.every, ("frames", report), |frame, pose| {
         let positions = actor.corners(pose);
         if frame == 0 {
             base = positions;
@@ -86,8 +85,7 @@ impl File {
     /// An accessor of positions, with the bounds that glTF demands.
     fn positions(&mut self, positions: &[Vec3]) -> usize {
         let view = self.view(positions.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes));
-        let low = positions.iter().copied().reduce(Vec3::min).unwrap_or_default();
-        let high = positions.iter().copied().reduce(Vec3::max).unwrap_or_default();
+        let (low, high) = bounds(positions);
         self.accessor(json!({
             "bufferView": view, "componentType": FLOAT, "count": positions.len(), "type": "VEC3",
             "min": low.to_array(), "max": high.to_array(),
@@ -160,8 +158,7 @@ fn document(actor: &Actor, file: &mut File, base: &[Vec3], targets: &[usize], op
     let morphs: Vec<Value> = targets.iter().map(|target| json!({"POSITION": target})).collect();
     let mut primitives = Vec::new();
     for part in &surface.parts {
-        let (first, end) = (part.first_triangle as usize, (part.first_triangle + part.triangle_count) as usize);
-        let indices = file.indices(surface.triangles[first..end].iter().flatten().copied());
+        let indices = file.indices(surface.triangles_of(part).iter().flatten().copied());
         let mut primitive = json!({
             "attributes": {"POSITION": position, "TEXCOORD_0": uv}, "indices": indices, "material": part.material,
         });

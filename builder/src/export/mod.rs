@@ -1,7 +1,7 @@
 //! Export: the frames of a walk become files that other programs read.
 //!
 //! ```text
-//! Walk -> play (synthesis, frame by frame) -> glb | frames as obj, ply | turntable -> raster -> png
+//! Walk -> play (synthesis, frame by frame) -> glb | frames as obj, ply | turntable -> picture -> png
 //! ```
 //!
 //! Frames are written as they are made; only a GLB, which is one file, is held in memory.
@@ -10,15 +10,15 @@ mod error;
 mod glb;
 mod obj;
 mod output;
+mod picture;
 mod play;
 mod ply;
-mod raster;
 mod turntable;
 
 pub use error::ExportError;
 pub use output::Output;
+pub use picture::{Picture, Raster};
 pub use play::{Played, play};
-pub use raster::{Picture, Raster};
 
 use glam::Vec3;
 use shared::bundle::BundleReader;
@@ -87,4 +87,11 @@ pub fn export(
         Output::Ply(pattern) => ply::write(actor, played, pattern, options, report),
         Output::Png(pattern) => turntable::write(actor, played, pattern, options, report),
     }
+}
+
+/// The least and the largest coordinates; both 0 where there is no point.
+fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
+    let high = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    (low, high)
 }

@@ -6,7 +6,7 @@ use super::error::ExportError;
 use super::output::{FramePattern, write_textures, write_whole};
 use super::play::Played;
 use super::{Actor, ExportOptions};
-use crate::progress::{Progress, Report};
+use crate::progress::Report;
 
 const MATERIALS: &str = "materials.mtl";
 
@@ -22,9 +22,7 @@ pub(super) fn write(
     let textures = write_textures(&actor.surface, &pattern.folder)?;
     write_whole(&pattern.folder.join(MATERIALS), materials(actor, &textures).as_bytes())?;
     let rest = faces(actor);
-    let total = u64::from(played.written(options.every));
-    played.each(options.every, |frame, pose| {
-        report(Progress { what: "frames", done: u64::from(frame), total });
+    played.each(options.every, ("frames", report), |frame, pose| {
         let mut text = format!("mtllib {MATERIALS}\n");
         for position in pose {
             let _ = writeln!(text, "v {} {} {}", position.x, position.y, position.z);
@@ -58,8 +56,7 @@ fn faces(actor: &Actor) -> String {
     }
     for part in &surface.parts {
         let _ = writeln!(text, "usemtl material_{}", part.material);
-        let (first, end) = (part.first_triangle as usize, (part.first_triangle + part.triangle_count) as usize);
-        for triangle in &surface.triangles[first..end] {
+        for triangle in surface.triangles_of(part) {
             let corner = |k: usize| (surface.corners[triangle[k] as usize].vertex + 1, triangle[k] + 1);
             let [(a, s), (b, t), (c, u)] = [corner(0), corner(1), corner(2)];
             let _ = writeln!(text, "f {a}/{s} {b}/{t} {c}/{u}");

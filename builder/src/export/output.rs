@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use shared::surface::{Image, ImageFormat, Surface};
 
 use super::error::ExportError;
+use crate::files;
 
 /// Where a walk is written; the name says the format.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,17 +89,9 @@ impl FramePattern {
     }
 }
 
-/// Writes `bytes` beside `file`, then renames: `file` is never half-written.
+/// Writes `bytes` to `file`, all of them or none.
 pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), ExportError> {
-    let mut name = file.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.partial", std::process::id()));
-    let temporary = file.with_file_name(name);
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, file));
-    if written.is_err() {
-        // The error that matters is the one above; the leftover may not even exist.
-        let _ = fs::remove_file(&temporary);
-    }
-    written.map_err(ExportError::write(file))
+    files::write_whole(file, bytes).map_err(ExportError::write(file))
 }
 
 /// Writes the textures of a surface into `folder`; their names, by image.

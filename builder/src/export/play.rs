@@ -9,6 +9,7 @@ use shared::synthesis::Synthesiser;
 use shared::timeline::Timeline;
 
 use super::error::ExportError;
+use crate::progress::{Progress, Report};
 
 /// A walk that is being played.
 pub struct Played<'a> {
@@ -59,15 +60,19 @@ impl Played<'_> {
         Ok(Some(&self.pose))
     }
 
-    /// Calls `write` with every `every`-th frame: its number among those written, and its pose.
+    /// Calls `write` with every `every`-th frame: its number among those written, and its pose. Reports each as one of
+    /// `what`, and returns how many there were.
     pub(super) fn each(
         &mut self,
         every: u32,
+        (what, report): (&'static str, Report),
         mut write: impl FnMut(u32, &[Vec3]) -> Result<(), ExportError>,
     ) -> Result<u32, ExportError> {
+        let total = u64::from(self.written(every));
         let (mut step, mut written) = (0_u32, 0);
         while let Some(pose) = self.next_pose()? {
             if step.is_multiple_of(every.max(1)) {
+                report(Progress { what, done: u64::from(written), total });
                 write(written, pose)?;
                 written += 1;
             }

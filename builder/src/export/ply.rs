@@ -4,7 +4,7 @@ use super::error::ExportError;
 use super::output::{FramePattern, write_textures, write_whole};
 use super::play::Played;
 use super::{Actor, ExportOptions};
-use crate::progress::{Progress, Report};
+use crate::progress::Report;
 
 /// Writes all frames. A PLY names one texture: that of the first material which has one.
 pub(super) fn write(
@@ -20,9 +20,7 @@ pub(super) fn write(
     let texture = surface.materials.iter().find_map(|material| textures.get(material.image? as usize));
     let texture = texture.map_or(String::new(), |name| format!("comment TextureFile {name}\n"));
     let faces = faces(actor);
-    let total = u64::from(played.written(options.every));
-    played.each(options.every, |frame, pose| {
-        report(Progress { what: "frames", done: u64::from(frame), total });
+    played.each(options.every, ("frames", report), |frame, pose| {
         let header = format!(
             "ply\nformat binary_little_endian 1.0\n{texture}element vertex {}\nproperty float x\nproperty float y\n\
              property float z\nelement face {}\nproperty list uchar int vertex_indices\n\

@@ -7,10 +7,10 @@ use glam::Vec3;
 
 use super::error::ExportError;
 use super::output::{FramePattern, write_whole};
+use super::picture::{Picture, Raster};
 use super::play::Played;
-use super::raster::{Picture, Raster};
-use super::{Actor, ExportOptions};
-use crate::progress::{Progress, Report};
+use super::{Actor, ExportOptions, bounds};
+use crate::progress::Report;
 
 /// How much of the way to the actor the camera goes in a second, on a logarithmic scale: it does not shake with its steps.
 const FOLLOW: f32 = 3.0;
@@ -28,12 +28,10 @@ pub(super) fn write(
     report: Report,
 ) -> Result<u32, ExportError> {
     pattern.make_folder()?;
-    let mut raster = Raster::new(&actor.surface)?;
-    let total = u64::from(played.written(options.every));
+    let raster = Raster::new(&actor.surface)?;
     let seconds = options.every.max(1) as f32 / actor.fps;
     let mut follow: Option<(Vec3, f32)> = None;
-    played.each(options.every, |frame, pose| {
-        report(Progress { what: "pictures", done: u64::from(frame), total });
+    played.each(options.every, ("pictures", report), |frame, pose| {
         let positions = actor.corners(pose);
         let (middle, height) = extent(&positions);
         let (at, tall) = follow.map_or((middle, height), |(at, tall)| {
@@ -56,8 +54,7 @@ pub(super) fn write(
 
 /// Middle of the box that the actor fills, and how tall or wide it is.
 fn extent(positions: &[Vec3]) -> (Vec3, f32) {
-    let low = positions.iter().copied().reduce(Vec3::min).unwrap_or_default();
-    let high = positions.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    let (low, high) = bounds(positions);
     let size = high - low;
     ((low + high) / 2.0, size.y.max(0.8 * size.x.max(size.z)))
 }

@@ -7,11 +7,16 @@ use super::body::Body;
 use super::charts;
 use super::flatten::flatten;
 use super::mesh::Mesh;
+use crate::raster::cover;
 
 /// Texels kept free around every chart.
 pub const PADDING: usize = 5;
 /// A triangle may not lose more than all but this share of its area when it is flattened.
 const LEAST_AREA: f32 = 0.04;
+/// A texel on the edge of two triangles belongs to the first of them, even where rounding puts it beside both.
+const NEAR: f32 = 1e-4;
+/// What lies on an edge counts as covered by neither triangle where charts are asked whether they lie over themselves.
+const INSIDE: f32 = -1e-4;
 const NONE: u32 = u32::MAX;
 
 /// A point of the surface: a triangle and barycentric coordinates in it.
@@ -122,7 +127,7 @@ fn overlaps_itself(flat: &Flat) -> bool {
     let mut used = vec![false; size * size];
     let mut twice = flat.squash < LEAST_AREA;
     for corners in &flat.corners {
-        for_each_texel(&corners.map(|corner| corner * scale), size, -1e-4, |index, _| {
+        cover(corners.map(|corner| corner * scale * size as f32), (size, size), INSIDE, |index, _| {
             twice |= used[index];
             used[index] = true;
         });
@@ -212,9 +217,9 @@ fn shelves(flats: &[Flat], scale: f32, size: f32) -> Option<Vec<Vec2>> {
 fn texels(uvs: &[[Vec2; 3]], size: usize) -> Vec<(u32, SurfacePoint)> {
     let mut owner = vec![(NONE, Vec3::ZERO); size * size];
     for (triangle, corners) in uvs.iter().enumerate() {
-        for_each_texel(corners, size, 1e-4, |index, weights| {
+        cover(corners.map(|corner| corner * size as f32), (size, size), NEAR, |index, weights| {
             if owner[index].0 == NONE {
-                owner[index] = (triangle as u32, weights);
+                owner[index] = (triangle as u32, weights.max(Vec3::ZERO));
             }
         });
     }
@@ -226,31 +231,13 @@ fn texels(uvs: &[[Vec2; 3]], size: usize) -> Vec<(u32, SurfacePoint)> {
         .collect()
 }
 
-/// Calls `visit` with the index and the barycentric coordinates of every texel whose centre lies in a triangle.
-fn for_each_texel(corners: &[Vec2; 3], size: usize, slack: f32, mut visit: impl FnMut(usize, Vec3)) {
-    let [a, b, c] = corners.map(|corner| corner * size as f32);
-    let area = (b - a).perp_dot(c - a);
-    if area.abs() < 1e-9 {
-        return;
-    }
-    let low = a.min(b).min(c).floor().max(Vec2::ZERO);
-    let high = a.max(b).max(c).ceil().min(Vec2::splat(size as f32));
-    for y in low.y as usize..high.y as usize {
-        for x in low.x as usize..high.x as usize {
-            let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let weights = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / area;
-            if weights.min_element() >= -slack {
-                visit(y * size + x, weights.max(Vec3::ZERO));
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 pub(super) fn overlaps(uvs: &[[Vec2; 3]], size: usize) -> usize {
     let mut used = vec![0_u8; size * size];
     for corners in uvs {
-        for_each_texel(corners, size, -1e-4, |index, _| used[index] = used[index].saturating_add(1));
+        cover(corners.map(|corner| corner * size as f32), (size, size), INSIDE, |index, _| {
+            used[index] = used[index].saturating_add(1);
+        });
     }
     used.iter().filter(|&&count| count > 1).count()
 }

@@ -14,6 +14,7 @@ use super::motion::BEHAVIOURS;
 use super::perform::{Frame, Take};
 use super::skeleton::{JOINT_COUNT, JOINT_NAMES, PARENTS};
 use super::{PerformerError, PerformerOptions};
+use crate::files::write_whole;
 
 /// Writes one capture into one folder.
 pub(super) struct Writer<'a> {
@@ -195,10 +196,9 @@ impl<'a> Writer<'a> {
                 text.push_str(&format!("texture = \"{name}/texture_%05d.png:0:{last}\"\n"));
             }
         }
-        self.bytes("capture.toml.part", text.as_bytes())?;
-        let (from, to) = (self.out.join("capture.toml.part"), self.out.join("capture.toml"));
-        fs::rename(&from, &to).map_err(|source| PerformerError::Write { path: to.clone(), source })?;
-        Ok(to)
+        let path = self.out.join("capture.toml");
+        write_whole(&path, text.as_bytes()).map_err(|source| PerformerError::Write { path: path.clone(), source })?;
+        Ok(path)
     }
 
     fn folder(&self, name: &str) -> Result<(), PerformerError> {

@@ -5,7 +5,7 @@ import { readFile } from 'node:fs/promises';
 import { tests as errors } from './errors.mjs';
 import { tests as loading } from './loading.mjs';
 import { tests as page } from './page.mjs';
-import { tests as toolTests } from './tools.mjs';
+import { tests as toolTests } from './tools/all.mjs';
 import { tests as walking } from './walking.mjs';
 
 const www = new URL('../../../www/', import.meta.url);
@@ -69,7 +69,6 @@ export const tests = {
       events: declared.events,
       kinds: Array.from(kinds, ([, name]) => ({ name })),
     };
-    // This test and the next one read lists; they use nothing.
     // This test and the next one read lists; they use nothing.
     const [, , ...own] = Object.values(tests);
     const all = [...[errors, loading, page, toolTests, walking].flatMap(Object.values), ...own].map(String);

@@ -1,22 +1,28 @@
-/** What the browser tests may look at and do; loaded only where the page's address has `?test`. */
+/**
+ * What the browser tests may look at and do: importing this gives every player a `testing`. Only the tests' own server has
+ * this file; pages have no such thing.
+ */
 
-export class Testing {
-  /** @param {() => {director: object, view: object, draw: () => void}} inside */
-  constructor(inside) {
-    this.inside = inside;
+/** The player's door for this file (see `www/player/element.js`). */
+const INSIDE = Symbol.for('reprise.inside');
+
+class Testing {
+  /** @param {import('../../www/player/core.js').Core} core */
+  constructor(core) {
+    this.core = core;
   }
 
   get player() {
-    return this.inside().director.player;
+    return this.core.director.player;
   }
 
   get stage() {
-    return this.inside().view.stage.stage;
+    return this.core.view.stage.stage;
   }
 
   /** Lets time pass without drawing. */
   tick(seconds) {
-    this.inside().director.tick(seconds);
+    this.core.director.tick(seconds);
   }
 
   /** The pose as drawn, in the world: three numbers a vertex. */
@@ -59,13 +65,13 @@ export class Testing {
 
   /** How the search gets on: slices of work, the milliseconds of the longest, and whether it is at work. */
   search() {
-    const { search } = this.inside().toolbox;
+    const { search } = this.core.toolbox;
     return { ...search.slices, running: Boolean(search.task && !search.task.done) };
   }
 
   /** Where on the screen a place on the ground is. */
   placeOnGround(x, z) {
-    const { stage } = this.inside().view;
+    const { stage } = this.core.view;
     const { left, top } = stage.root.getBoundingClientRect();
     const seen = stage.seen(x, z);
     return { x: left + seen.x, y: top + seen.y, visible: seen.visible };
@@ -73,22 +79,22 @@ export class Testing {
 
   /** Frames whose poses are drawn as ghosts. */
   ghosts() {
-    return this.inside().view.stage.ghosts;
+    return this.core.view.stage.ghosts;
   }
 
   /** The frame whose texture as captured is worn, or -1. */
   looks() {
-    return { worn: this.inside().view.looks.worn };
+    return { worn: this.core.view.looks.worn };
   }
 
   thumbnails() {
-    const { shelf } = this.inside().view.score;
+    const { shelf } = this.core.view.score;
     return { drawn: shelf.pictures.size, complete: shelf.complete };
   }
 
   /** Where on the screen a frame's place in the score is, scrolled into view. */
   placeOf(frame) {
-    const { score } = this.inside().view;
+    const { score } = this.core.view;
     const strip = score.layout.stripOf(frame);
     score.strips[strip.index].root.scrollIntoView({ block: 'nearest' });
     const { left, top } = score.sheet.getBoundingClientRect();
@@ -97,7 +103,7 @@ export class Testing {
 
   /** Where on the screen a ghost's middle is. */
   placeOfGhost(frame) {
-    const { director, view } = this.inside();
+    const { director, view } = this.core;
     const { x, y, z } = director.arrivalOf(frame);
     const { left, top } = view.stage.root.getBoundingClientRect();
     const [cssX, cssY, visible] = this.stage.project(x, y, z);
@@ -108,7 +114,7 @@ export class Testing {
   keepDrawing(on = true) {
     const again = () => {
       if (!this.drawing) return;
-      this.inside().draw();
+      this.core.draw();
       requestAnimationFrame(again);
     };
     const began = on && !this.drawing;
@@ -118,9 +124,9 @@ export class Testing {
 
   /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour, and its mean colour. */
   async picture() {
-    this.inside().draw();
+    this.core.draw();
     const pixels = await this.stage.read_pixels();
-    const { width, height } = this.inside().view.stage.canvas;
+    const { width, height } = this.core.view.stage.canvas;
     const differs = (at) => [0, 1, 2].some((channel) => Math.abs(pixels[at + channel] - pixels[channel]) > 24);
     let drawn = 0;
     const mean = [0, 0, 0];
@@ -131,3 +137,14 @@ export class Testing {
     return { width, height, bytes: pixels.length, drawn: drawn / (width * height), corner: Array.from(pixels.slice(0, 3)), mean };
   }
 }
+
+/** One for each player that is in a page. */
+const testings = new WeakMap();
+const { prototype } = await customElements.whenDefined('reprise-player');
+Object.defineProperty(prototype, 'testing', {
+  get() {
+    const core = this[INSIDE]();
+    if (core && !testings.has(this)) testings.set(this, new Testing(core));
+    return testings.get(this);
+  },
+});

@@ -1,11 +1,12 @@
-//! A small software rasteriser: textured triangles with perspective, four samples a pixel, a soft shadow on the ground. It
-//! runs anywhere and gives the same pictures everywhere.
+//! Pictures of the actor, drawn in software: textured triangles with perspective, four samples a pixel, a soft shadow on the
+//! ground. It runs anywhere and gives the same pictures everywhere.
 
 use glam::{FloatExt, Vec2, Vec3};
 use image::{Rgb, RgbImage, RgbaImage};
 use shared::surface::Surface;
 
 use super::error::ExportError;
+use crate::raster::Canvas;
 
 /// Samples along each side of a pixel.
 const OVER: usize = 2;
@@ -28,9 +29,7 @@ pub struct Picture {
 /// Draws one mesh again and again.
 pub struct Raster<'a> {
     surface: &'a Surface,
-    textures: Vec<Option<RgbaImage>>,
-    depth: Vec<f32>,
-    colour: Vec<[f32; 3]>,
+    textures: Vec<RgbaImage>,
 }
 
 /// A corner as the camera sees it.
@@ -52,32 +51,24 @@ impl<'a> Raster<'a> {
     pub fn new(surface: &'a Surface) -> Result<Self, ExportError> {
         let decode = |(image, encoded): (usize, &shared::surface::Image)| {
             let decoded = image::load_from_memory(&encoded.bytes);
-            decoded.map(|decoded| Some(decoded.to_rgba8())).map_err(|cause| ExportError::Texture { image, cause })
+            decoded.map(|decoded| decoded.to_rgba8()).map_err(|cause| ExportError::Texture { image, cause })
         };
         let textures = surface.images.iter().enumerate().map(decode).collect::<Result<_, _>>()?;
-        Ok(Self { surface, textures, depth: Vec::new(), colour: Vec::new() })
+        Ok(Self { surface, textures })
     }
 
     /// Draws the surface with its corners at `positions`, in metres.
     #[must_use]
-    pub fn draw(&mut self, positions: &[Vec3], picture: &Picture) -> RgbImage {
+    pub fn draw(&self, positions: &[Vec3], picture: &Picture) -> RgbImage {
         let (width, height) = (picture.size.0 as usize * OVER, picture.size.1 as usize * OVER);
-        self.depth.clear();
-        self.depth.resize(width * height, 0.0);
-        self.colour.clear();
         let view = View::new(picture, width, height);
         let shade = Shade::under(positions);
-        for y in 0..height {
-            for x in 0..width {
-                self.colour.push(view.background(x, y, &shade));
-            }
-        }
+        let mut canvas = Canvas::new((width, height), |x, y| view.background(x, y, &shade));
         for part in &self.surface.parts {
             let Some(material) = self.surface.materials.get(part.material as usize) else { continue };
-            let texture = material.image.and_then(|image| self.textures.get(image as usize)?.as_ref());
+            let texture = material.image.and_then(|image| self.textures.get(image as usize));
             let tint = Vec3::from_slice(&material.base_colour[..3]).max(Vec3::ZERO).powf(1.0 / 2.2);
-            let (first, end) = (part.first_triangle as usize, (part.first_triangle + part.triangle_count) as usize);
-            for triangle in &self.surface.triangles[first..end] {
+            for triangle in self.surface.triangles_of(part) {
                 let points = triangle.map(|corner| positions[corner as usize]);
                 let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
                 // Captured textures hold their light; what has none gets a plain one from the front and above.
@@ -88,24 +79,11 @@ impl<'a> Raster<'a> {
                     view.see(points[k], corner.uv.into(), colour * tint * light)
                 });
                 if let [Some(a), Some(b), Some(c)] = corners {
-                    fill([a, b, c], texture, (width, height), &mut self.depth, &mut self.colour);
+                    fill(&mut canvas, [a, b, c], texture);
                 }
             }
         }
-        self.resolve(picture.size)
-    }
-
-    /// The mean of each pixel's samples.
-    fn resolve(&self, (width, height): (u32, u32)) -> RgbImage {
-        RgbImage::from_fn(width, height, |x, y| {
-            let mut sum = [0.0_f32; 3];
-            for k in 0..OVER * OVER {
-                let (sx, sy) = (x as usize * OVER + k % OVER, y as usize * OVER + k / OVER);
-                let sample = self.colour[sy * width as usize * OVER + sx];
-                (0..3).for_each(|axis| sum[axis] += sample[axis]);
-            }
-            Rgb(sum.map(|value| (value / (OVER * OVER) as f32 * 255.0 + 0.5).clamp(0.0, 255.0) as u8))
-        })
+        RgbImage::from_fn(picture.size.0, picture.size.1, |x, y| resolve(canvas.pixel(x, y, OVER)))
     }
 }
 
@@ -142,12 +120,12 @@ impl View {
     }
 
     /// The ground with the actor's shadow and a metre grid, fading into a plain backdrop.
-    fn background(&self, x: usize, y: usize, shade: &Shade) -> [f32; 3] {
+    fn background(&self, x: usize, y: usize, shade: &Shade) -> Vec3 {
         let offset = (Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - self.centre) / self.scale;
         let ray = self.forward + offset.x * self.right - offset.y * self.up;
         let backdrop = 0.90;
         if ray.y > -1e-4 {
-            return [backdrop; 3];
+            return Vec3::splat(backdrop);
         }
         let distance = -self.eye.y / ray.y;
         let ground = self.eye + ray * distance;
@@ -155,7 +133,7 @@ impl View {
         let line = [ground.x, ground.z].map(|v| (v - v.round()).abs()).into_iter().fold(1.0, f32::min);
         let grid = if line < 0.012 { 0.05 * near } else { 0.0 };
         let value = backdrop - 0.06 * near - grid - 0.35 * shade.at(Vec2::new(ground.x, ground.z));
-        [value, value, value + 0.01]
+        Vec3::new(value, value, value + 0.01)
     }
 }
 
@@ -218,44 +196,20 @@ impl Shade {
     }
 }
 
-/// Fills a triangle, both sides, where it is nearer than what is there.
-fn fill(
-    [a, b, c]: [Seen; 3],
-    texture: Option<&RgbaImage>,
-    (width, height): (usize, usize),
-    depth: &mut [f32],
-    colour: &mut [[f32; 3]],
-) {
-    let area = (b.place - a.place).perp_dot(c.place - a.place);
-    if area.abs() < 1e-9 || !area.is_finite() {
-        return;
-    }
-    let low = a.place.min(b.place).min(c.place).max(Vec2::ZERO);
-    let high = a.place.max(b.place).max(c.place);
-    let (right, bottom) = ((high.x.ceil().max(0.0) as usize).min(width), (high.y.ceil().max(0.0) as usize).min(height));
-    for y in low.y as usize..bottom {
-        for x in low.x as usize..right {
-            let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let weights = Vec3::new(
-                (c.place - b.place).perp_dot(p - b.place),
-                (a.place - c.place).perp_dot(p - c.place),
-                (b.place - a.place).perp_dot(p - a.place),
-            ) / area;
-            let near = Vec3::new(a.inverse, b.inverse, c.inverse) * weights;
-            let inverse = near.element_sum();
-            let index = y * width + x;
-            if weights.min_element() < 0.0 || inverse <= depth[index] {
-                continue;
-            }
-            let share = near / inverse;
-            let mut shown = a.colour * share.x + b.colour * share.y + c.colour * share.z;
-            if let Some(texture) = texture {
-                shown *= texel(texture, a.uv * share.x + b.uv * share.y + c.uv * share.z);
-            }
-            depth[index] = inverse;
-            colour[index] = shown.to_array();
-        }
-    }
+/// Draws both sides of a triangle. What is linear on it is linear in the picture once divided by the distance.
+fn fill(canvas: &mut Canvas, [a, b, c]: [Seen; 3], texture: Option<&RgbaImage>) {
+    let inverses = [a.inverse, b.inverse, c.inverse];
+    canvas.fill([a.place, b.place, c.place], inverses, |weights, inverse| {
+        let share = Vec3::from(inverses) * weights / inverse;
+        let shown = a.colour * share.x + b.colour * share.y + c.colour * share.z;
+        texture.map_or(shown, |texture| shown * texel(texture, a.uv * share.x + b.uv * share.y + c.uv * share.z))
+    });
+}
+
+/// The mean of a pixel's samples.
+fn resolve(samples: impl Iterator<Item = (Vec3, bool)>) -> Rgb<u8> {
+    let sum: Vec3 = samples.map(|(colour, _)| colour).sum();
+    Rgb(sum.to_array().map(|value| (value / (OVER * OVER) as f32 * 255.0 + 0.5).clamp(0.0, 255.0) as u8))
 }
 
 /// A texture's colour between its four nearest texels, repeated beyond its edges.

@@ -1,0 +1,52 @@
+//! Files that are there in full or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes `bytes` beside `path`, then renames: `path` is never half-written.
+///
+/// # Errors
+/// What the file system says; a file that was at `path` is still there then.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace(path, |file| file.write_all(bytes))
+}
+
+/// Like [`write_whole`], and waits until the bytes are on the disc: for what took long to make.
+///
+/// # Errors
+/// See [`write_whole`].
+pub fn write_for_good(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace(path, |file| file.write_all(bytes).and_then(|()| file.sync_all()))
+}
+
+fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.partial", std::process::id()));
+    let temporary = path.with_file_name(name);
+    let written = File::create(&temporary).and_then(|mut file| write(&mut file));
+    let renamed = written.and_then(|()| fs::rename(&temporary, path));
+    if renamed.is_err() {
+        // The error that matters is the one above; the leftover may not even exist.
+        let _ = fs::remove_file(&temporary);
+    }
+    renamed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_or_stays_and_nothing_is_left_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("walk.glb");
+        write_whole(&path, b"first").unwrap();
+        write_for_good(&path, b"second").unwrap();
+        let torn = replace(&path, |file| file.write_all(b"thi").and_then(|()| Err(io::Error::other("torn"))));
+        assert_eq!(torn.unwrap_err().to_string(), "torn");
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(write_whole(&folder.path().join("missing/walk.glb"), b"").is_err());
+    }
+}

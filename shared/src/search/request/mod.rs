@@ -1,0 +1,252 @@
+//! What can be asked for, as plain types and as JSON. Requests come from links and files: nothing in them is trusted.
+
+mod check;
+mod error;
+mod find;
+pub mod limits;
+
+pub use error::RequestError;
+pub(super) use find::behaviour;
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::curve::Shape;
+use check::check_version;
+
+/// The version of requests and answers that this library writes.
+pub const VERSION: u32 = 1;
+
+/// What the actor shall do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Version of the format: 1.
+    pub version: u32,
+    /// Seed of what is random.
+    #[serde(default)]
+    pub seed: u64,
+    /// What to do.
+    pub target: Target,
+}
+
+/// Something to do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// Go to a recorded pose, by the cheapest walk.
+    Pose(FrameRef),
+    /// Go to a behaviour, and hold it for a while.
+    Behaviour(BehaviourRequest),
+    /// Go to a place on the ground.
+    Place(PlaceRequest),
+    /// Follow a path.
+    Path(PathRequest),
+    /// Take key poses at given times.
+    Keys(KeysRequest),
+    /// Wander about.
+    Wander(WanderRequest),
+    /// One after another. A queue holds no queue.
+    Queue(Vec<Target>),
+}
+
+/// A recorded frame: by its number over the whole capture, or within a sequence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum FrameRef {
+    /// Number over the whole capture.
+    Number(u32),
+    /// Within a sequence, by frame or by time in seconds; its first frame where neither is given.
+    Within(WithinSequence),
+}
+
+/// A frame of a sequence.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WithinSequence {
+    /// Name of the sequence.
+    pub sequence: String,
+    /// Frame within it, from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
+    /// Seconds from its beginning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+}
+
+/// Go to a behaviour.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BehaviourRequest {
+    /// A label of the capture, or the name of a sequence.
+    pub name: String,
+    /// Seconds for which to hold it, in a loop where it has one.
+    #[serde(default)]
+    pub hold: f64,
+}
+
+/// Go to a place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceRequest {
+    /// Metres along X.
+    pub x: f32,
+    /// Metres along Z.
+    pub z: f32,
+    /// Which way to face there, in radians about +Y from +Z; any way where not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heading: Option<f32>,
+    /// Weight of the graph's cost against seconds.
+    #[serde(default = "default_realism")]
+    pub realism: f64,
+}
+
+/// Follow a path.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PathRequest {
+    /// Points in metres: all as [x, z] on the ground, or all as [x, y, z] in space.
+    pub points: Vec<Vec<f32>>,
+    /// How they are joined.
+    #[serde(default)]
+    pub shape: Shape,
+    /// Stretches that demand behaviours.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stretches: Vec<Stretch>,
+    /// Whether the actor may begin with any pose, standing on the first point; else it begins where it is and first goes
+    /// there in a straight line.
+    #[serde(default)]
+    pub free_start: bool,
+    /// Vertices whose mean follows the path, instead of the centre of mass.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vertices: Vec<u32>,
+    /// Weight of the graph's cost against metre-seconds of deviation.
+    #[serde(default = "path_realism")]
+    pub realism: f64,
+}
+
+/// A stretch of a path.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stretch {
+    /// Where it begins, counted in points of the path: 1.5 is half way between the second and the third.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+    /// The behaviour that it demands.
+    pub behaviour: String,
+}
+
+/// Take key poses.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeysRequest {
+    /// The key poses, in any order.
+    pub poses: Vec<Key>,
+}
+
+/// A pose at a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Key {
+    /// The pose.
+    pub pose: FrameRef,
+    /// When, in seconds from now.
+    pub time: f64,
+}
+
+/// Wander about.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WanderRequest {
+    /// For how long, in seconds.
+    pub seconds: f64,
+    /// How much more (above 1) or less (below) often than others behaviours are to be seen.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub weights: BTreeMap<String, f64>,
+}
+
+/// The default weight of the graph's cost against seconds.
+pub const DEFAULT_REALISM: f64 = 0.05;
+/// The default weight of the graph's cost against metre-seconds of deviation from a path: a good transition is worth being 6 cm
+/// off for a second.
+pub const PATH_REALISM: f64 = 0.02;
+
+fn default_realism() -> f64 {
+    DEFAULT_REALISM
+}
+
+fn path_realism() -> f64 {
+    PATH_REALISM
+}
+
+impl Default for PathRequest {
+    fn default() -> Self {
+        Self {
+            points: Vec::new(),
+            shape: Shape::default(),
+            stretches: Vec::new(),
+            free_start: false,
+            vertices: Vec::new(),
+            realism: PATH_REALISM,
+        }
+    }
+}
+
+impl Request {
+    /// A request of this version.
+    #[must_use]
+    pub fn new(target: Target) -> Self {
+        Self { version: VERSION, seed: 0, target }
+    }
+
+    /// Reads a request and checks all that can be checked without a capture.
+    ///
+    /// # Errors
+    /// See [`RequestError`].
+    pub fn from_json(text: &str) -> Result<Self, RequestError> {
+        #[derive(Deserialize)]
+        struct Versioned {
+            version: u32,
+        }
+        if text.len() > limits::MAX_BYTES {
+            let (what, limit) = ("bytes", limits::MAX_BYTES);
+            return Err(RequestError::TooMany { what, count: text.len(), limit });
+        }
+        // A later version may have other fields: that is to be said first.
+        if let Ok(Versioned { version }) = serde_json::from_str(text) {
+            check_version(version)?;
+        }
+        let request: Self = serde_json::from_str(text).map_err(|error| RequestError::Json(error.to_string()))?;
+        request.check_numbers()?;
+        Ok(request)
+    }
+
+    /// The request as JSON.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // All fields are plain: there is nothing that could fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+impl PathRequest {
+    /// Whether its points are on the ground.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.points.first().is_some_and(|point| point.len() == 2)
+    }
+
+    /// Its points in space; those on the ground at height 0.
+    #[must_use]
+    pub fn points(&self) -> Vec<Vec3> {
+        let point = |point: &Vec<f32>| match *point.as_slice() {
+            [x, z] => Vec3::new(x, 0.0, z),
+            [x, y, z] => Vec3::new(x, y, z),
+            _ => Vec3::ZERO,
+        };
+        self.points.iter().map(point).collect()
+    }
+}

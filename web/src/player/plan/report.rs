@@ -1,0 +1,97 @@
+//! Plans as the page reads them.
+
+use serde::Serialize;
+use shared::graph::EssentialGraph;
+use shared::search::{Leg, steps_of};
+use shared::timeline::Timeline;
+
+use super::{Plan, Stretch};
+
+/// A leg as the page reads it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum LegReport {
+    /// Recorded frames; backwards where `last` is before `first` in a sequence that is not cyclic.
+    Recorded {
+        /// First frame.
+        first: u32,
+        /// Last frame.
+        last: u32,
+        /// Steps between them.
+        steps: u32,
+        /// Whether it is walked backwards.
+        back: bool,
+    },
+    /// A synthesised transition.
+    Synthetic {
+        /// Frame left.
+        from: u32,
+        /// Frame reached.
+        to: u32,
+        /// Steps that it takes.
+        frames: u32,
+        /// Its surface deformation cost.
+        deformation: f32,
+        /// Its index in the graph.
+        edge: u32,
+    },
+}
+
+/// A plan as the page reads it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanReport {
+    /// The target.
+    pub to: u32,
+    /// J: the sum of the edges' costs.
+    pub cost: f64,
+    /// Sum of the transitions' surface deformation costs.
+    pub deformation: f64,
+    /// Duration in frames.
+    pub frames: u32,
+    /// Duration in seconds at normal speed.
+    pub seconds: f64,
+    /// Number of transitions.
+    pub transitions: usize,
+    /// Its legs.
+    pub legs: Vec<LegReport>,
+}
+
+/// `stretches` as the page reads them.
+#[must_use]
+pub fn report_legs(stretches: &[Stretch], graph: &EssentialGraph) -> Vec<LegReport> {
+    let report = |stretch: &Stretch| match *stretch {
+        Stretch::Back { first, steps } => {
+            Some(LegReport::Recorded { first, last: first.saturating_sub(steps), steps, back: true })
+        }
+        Stretch::Walk(Leg::Recorded { first, last, steps }) => {
+            Some(LegReport::Recorded { first, last, steps, back: false })
+        }
+        Stretch::Walk(Leg::Synthetic(edge)) => {
+            graph.transitions().get(edge as usize).map(|transition| LegReport::Synthetic {
+                from: transition.from,
+                to: transition.to,
+                frames: steps_of(transition),
+                deformation: transition.deformation,
+                edge,
+            })
+        }
+    };
+    stretches.iter().filter_map(report).collect()
+}
+
+impl Plan {
+    /// The plan as the page reads it.
+    #[must_use]
+    pub fn report(&self, to: u32, graph: &EssentialGraph, timeline: &Timeline) -> PlanReport {
+        let synthetic = |stretch: &&Stretch| matches!(stretch, Stretch::Walk(Leg::Synthetic(_)));
+        PlanReport {
+            to,
+            cost: self.cost,
+            deformation: self.deformation,
+            frames: self.duration,
+            seconds: f64::from(self.duration) / f64::from(timeline.fps()),
+            transitions: self.stretches.iter().filter(synthetic).count(),
+            legs: report_legs(&self.stretches, graph),
+        }
+    }
+}
