@@ -33,7 +33,7 @@ pub(super) fn changes(aligned: &Aligned, basis: &Basis, pairs: &[[Moment; 2]]) -
 }
 
 /// The texture at a moment, as the player rebuilds it.
-fn worn(aligned: &Aligned, basis: &Basis, moment: Moment) -> Vec<f32> {
+pub(super) fn worn(aligned: &Aligned, basis: &Basis, moment: Moment) -> Vec<f32> {
     let blended = |components: &Components| {
         let [a, b] = moment.frames.map(|frame| combine(components, frame, components.modes.len()));
         a.iter().zip(&b).map(|(a, b)| a + moment.lambda * (b - a)).collect::<Vec<f32>>()
