@@ -44,10 +44,9 @@ pub struct PackOptions {
 }
 
 /// What becomes of textures that change from frame to frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AppearanceChoice {
     /// The first frame's texture is used for all.
-    #[default]
     Static,
     /// They become Eigen textures and Eigen warps.
     Eigen(AppearanceOptions),
@@ -160,7 +159,15 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
             })?;
             Some(built)
         }
-        _ => None,
+        (AppearanceChoice::Static, Some(paths)) => {
+            let count = paths.len();
+            warnings.push(Warning::new(
+                "W_TEXTURES_STATIC",
+                format!("{count} frames have textures of their own, of which the first one's is used for all"),
+            ));
+            None
+        }
+        (_, None) => None,
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);

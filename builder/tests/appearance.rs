@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use builder::appearance::align::{AlignOptions, Aligned, align};
 use builder::appearance::build::Basis;
 use builder::appearance::completion::complete;
-use builder::appearance::fit::fit;
 use builder::appearance::ghosting::{CLASSES, Crossings, Scene, Truth, against_truth};
 use builder::appearance::naive::naive;
 use builder::appearance::pca::components;
@@ -81,9 +80,7 @@ fn fitted_textures_show_the_recorded_ones_better() {
     let textures = capture();
     let aligned = aligned(&textures);
     let of = |steps: usize| {
-        let warps = components(&aligned.warps, &aligned.complete, 3).unwrap();
-        let basis =
-            Basis { textures: fit(&textures[..], &aligned, &warps, &aligned.complete, 6, steps).unwrap(), warps };
+        let basis = Basis::fitted(&textures[..], &aligned, &aligned.complete, (6, 3), steps).unwrap();
         basis.quality(&textures[..], &aligned, &aligned.complete, 6, 3).unwrap()
     };
     let ((before, error_before), (after, error_after)) = (of(0), of(5));

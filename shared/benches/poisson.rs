@@ -126,17 +126,32 @@ fn benches(criterion: &mut Criterion) {
         let (sources, destinations) = (side(0.0), side(0.15));
         let mut interpolator = PoissonInterpolator::new(topology, Some(&order)).unwrap();
         group.bench_function("transition of 40 in-betweens", |b| {
+            b.iter(|| play(&mut interpolator, &sources, &destinations));
+        });
+        // Two such transitions at once, each on a thread of its own: solves are sequential, frames are not.
+        let mut interpolators = [(); 2].map(|()| PoissonInterpolator::new(topology, Some(&order)).unwrap());
+        group.bench_function("two transitions of 40 in-betweens on two threads", |b| {
             b.iter(|| {
-                interpolator.restart();
-                for k in 0..frames {
-                    let source = KeyedPose { frame: k as u32, pose: &sources[k] };
-                    let destination = KeyedPose { frame: 1000 + k as u32, pose: &destinations[k] };
-                    let lambda = (k + 1) as f32 / (frames + 1) as f32;
-                    interpolator.interpolate(source, destination, lambda, &mut out).unwrap();
-                }
+                std::thread::scope(|scope| {
+                    for interpolator in &mut interpolators {
+                        scope.spawn(|| play(interpolator, &sources, &destinations));
+                    }
+                });
             });
         });
         group.finish();
+    }
+}
+
+/// Makes the in-betweens of a transition, frame after frame, as a player does.
+fn play(interpolator: &mut PoissonInterpolator, sources: &[Vec<Vec3>], destinations: &[Vec<Vec3>]) {
+    let mut out = sources[0].clone();
+    interpolator.restart();
+    for (k, (source, destination)) in sources.iter().zip(destinations).enumerate() {
+        let source = KeyedPose { frame: k as u32, pose: source };
+        let destination = KeyedPose { frame: 1000 + k as u32, pose: destination };
+        let lambda = (k + 1) as f32 / (sources.len() + 1) as f32;
+        interpolator.interpolate(source, destination, lambda, &mut out).unwrap();
     }
 }
 

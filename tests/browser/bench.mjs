@@ -8,6 +8,7 @@
 
 import { writeFile } from 'node:fs/promises';
 import { Browser } from './browser.mjs';
+import { turnsDuring } from './turns.mjs';
 
 /** Bytes that a download hands over at once. */
 const CHUNK = 64 * 1024;
@@ -107,6 +108,21 @@ function searching(element) {
   return figures;
 }
 
+/** The longest turns of the main thread, by its own time and by the clock, while the path tool searches and the actor moves. */
+async function turns(browser) {
+  const player = await browser.open({ forgive: [/Device was destroyed/] });
+  await player.loaded();
+  await player.run((element) => (element.tool = 'path'));
+  const target = { path: { points: [[0, 0], [2, 1], [0, 3], [-2, 1], [0, 0], [3, 3]], shape: 'spline' } };
+  const found = await turnsDuring(browser.chromium, player.page, async () => {
+    await player.run((element, direction) => (element.direction = direction), { version: 1, target });
+    await player.until('the end of the search', (element) => element.testing.search().count > 20 && !element.testing.search().running, null, 60_000);
+  });
+  await player.close();
+  const most = (values) => Math.max(...values);
+  return { search_turn_own: most(found.map(({ own }) => own)), search_turn_clock: most(found.map(({ clock }) => clock)) };
+}
+
 const browser = await Browser.launch();
 const player = await browser.open({ forgive: [/Device was destroyed/] });
 await player.loaded();
@@ -122,6 +138,7 @@ const figures = {
   device_loss: await player.run(deviceLoss),
 };
 await player.close();
+Object.assign(figures, await turns(browser));
 await browser.close();
 for (const [name, value] of Object.entries(figures)) console.log(`${name.replaceAll('_', ' ').padEnd(32)}${value.toFixed(3).padStart(10)}`);
 if (process.env.REPRISE_FIGURES) await writeFile(process.env.REPRISE_FIGURES, JSON.stringify(figures));

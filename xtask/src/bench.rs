@@ -110,6 +110,8 @@ fn page(dist: &Path, figures: &mut Figures) -> Result<()> {
     add("search_prepared", "page: getting ready to search", "ms", Mark::None);
     add("search_first", "page: first walk along a path, slowest of five", "ms", Mark::AtMost(100.0, None));
     add("search_slice", "page: longest slice of a search", "ms", Mark::AtMost(50.0, None));
+    add("search_turn_own", "page: longest turn while searching, the thread's own time", "ms", Mark::AtMost(50.0, None));
+    add("search_turn_clock", "page: longest turn while searching, by the clock, drawn in software", "ms", Mark::None);
     for path in ["line", "circle", "slalom", "right angles", "figure eight"] {
         let name = path.replace(' ', "_");
         add(&format!("path_{name}_mean"), &format!("page: off the {path} after 2 s, mean"), "cm", Mark::None);
@@ -142,9 +144,11 @@ fn kernels(figures: &mut Figures) -> Result<()> {
 fn kernel(id: &str, nanoseconds: f64, elements: f64) -> (f64, &'static str, Mark) {
     let ten_thousand = id.starts_with("poisson/1");
     match id.rsplit('/').next().unwrap_or_default() {
-        "transition of 40 in-betweens" => {
+        "transition of 40 in-betweens" => (40e9 / nanoseconds, "a second", Mark::None),
+        // The mark is one for two cores.
+        "two transitions of 40 in-betweens on two threads" => {
             let mark = if ten_thousand { Mark::AtLeast(500.0) } else { Mark::None };
-            (40e9 / nanoseconds, "a second", mark)
+            (80e9 / nanoseconds, "a second", mark)
         }
         "factorise" if ten_thousand => (nanoseconds / 1e6, "ms", Mark::AtMost(10.0, None)),
         "solve" if ten_thousand => (nanoseconds / 1e6, "ms", Mark::AtMost(0.7, None)),

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use shared::appearance::AppearanceModel;
 use shared::appearance::quality::Similarity;
-use shared::bundle::AppearanceQuality;
+use shared::bundle::{AppearanceQuality, StoredAppearance};
 
 use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
@@ -140,12 +140,14 @@ fn sampled(frames: &[usize]) -> Vec<usize> {
 }
 
 /// Both linear models of an aligned capture, with coefficients of all its frames.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Basis {
     /// Of aligned textures.
     pub textures: Components,
     /// Of backward warps.
     pub warps: Components,
+    /// The warps as they will be stored, which the textures are fitted to.
+    shown: StoredAppearance,
 }
 
 impl Basis {
@@ -160,19 +162,45 @@ impl Basis {
         textures: usize,
         warps: usize,
     ) -> Result<Self, AppearanceError> {
+        Self::fitted(source, aligned, training, (textures, warps), fit::STEPS)
+    }
+
+    /// The same with so many `steps` of the fit.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn fitted(
+        source: &(impl TextureSource + ?Sized),
+        aligned: &Aligned,
+        training: &[usize],
+        (textures, warps): (usize, usize),
+        steps: usize,
+    ) -> Result<Self, AppearanceError> {
         let mut warps = components(&aligned.warps, training, warps)?;
         for Incomplete { frame, unseen, .. } in &aligned.incomplete {
             completion::complete(&mut warps, &aligned.warps, *frame, unseen, 2)?;
         }
-        Ok(Self { textures: fit(source, aligned, &warps, training, textures, fit::STEPS)?, warps })
+        let shown = stored::warps(&warps, &aligned.charts, source.frame_count())?;
+        let warp = |frame: usize| shown.warp(frame as u32, frame as u32, 0.0);
+        let textures = fit(source, aligned, &warp, training, textures, steps)?;
+        Ok(Self { textures, warps, shown })
     }
 
     /// The texture of a frame, rebuilt from the first modes: three values per active texel.
     #[must_use]
     pub fn rebuild(&self, warper: &Warper, frame: usize, textures: usize, warps: usize, how: Warping) -> Vec<f32> {
         let texture = combine(&self.textures, frame, textures);
-        let warp = combine(&self.warps, frame, warps);
+        let warp = match warps < self.warps.modes.len() {
+            true => combine(&self.warps, frame, warps),
+            false => self.shown_warp([frame; 2], 0.0),
+        };
         warper.warp(&texture, 3, &warp, how)
+    }
+
+    /// The warp that the player shows `lambda` of the way between two frames: two values per active texel.
+    #[must_use]
+    pub fn shown_warp(&self, [from, to]: [usize; 2], lambda: f32) -> Vec<f32> {
+        self.shown.warp(from as u32, to as u32, lambda)
     }
 
     /// Mean structural similarity and mean square error of rebuilt textures against those of `source`.

@@ -13,7 +13,10 @@ pub enum AppearanceError {
     #[error("there is no texture to build an appearance from")]
     NoFrames,
     /// All frames miss a part.
-    #[error("every one of the {frames} textures has texels that were not seen: at least two complete ones are needed")]
+    #[error(
+        "every one of the {frames} textures has texels that were not seen: at least two complete ones are needed, or \
+             --appearance static"
+    )]
     NoCompleteFrames {
         /// Frames.
         frames: usize,

@@ -12,7 +12,8 @@
 //!
 //! by projected gradients: what is missing of each captured texture is moved to the reference (the inverse warp stands for
 //! the transpose of S_k, as in the iterative back-projection of Irani, Peleg, *Improving resolution by image
-//! registration*, 1991), added to what the model has, and principal components of that are the next model.
+//! registration*, 1991), added to what the model has, and principal components of that are the next model. The warps are
+//! those that a bundle stores, smaller and in steps, so that what this does to them is made good as well.
 
 use rayon::prelude::*;
 
@@ -30,7 +31,7 @@ pub const STEPS: usize = 4;
 /// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
 const STEP: f32 = 1.4;
 
-/// Eigen textures of the frames `training`, `count` of them at most, which the warps of `warps` turn into the textures of
+/// Eigen textures of the frames `training`, `count` of them at most, which each frame's `warp` turns into the textures of
 /// `source`; all frames get coefficients, incomplete ones from what was seen.
 ///
 /// # Errors
@@ -38,7 +39,7 @@ const STEP: f32 = 1.4;
 pub fn fit(
     source: &(impl TextureSource + ?Sized),
     aligned: &Aligned,
-    warps: &Components,
+    warp: &(impl Fn(usize) -> Vec<f32> + Sync),
     training: &[usize],
     count: usize,
     steps: usize,
@@ -51,7 +52,7 @@ pub fn fit(
     let ways = Store::new(aligned.warps.rows(), aligned.warps.columns(), WARP_RANGE)?;
     for step in 0..steps {
         let improve = |frame: usize| -> Result<(), AppearanceError> {
-            let warp = combine(warps, frame, warps.modes.len());
+            let warp = warp(frame);
             let way = if step == 0 {
                 let way = aligned.warper.inverse(&warp);
                 ways.write(frame, &way)?;

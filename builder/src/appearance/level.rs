@@ -110,7 +110,7 @@ impl Level {
     }
 
     /// Spreads the values of each chart over its territory.
-    pub(super) fn extend(&self, plane: &mut [f32]) {
+    pub(super) fn extend<T: Copy>(&self, plane: &mut [T]) {
         for &(to, from) in &self.extension {
             plane[to as usize] = plane[from as usize];
         }

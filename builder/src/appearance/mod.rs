@@ -23,6 +23,7 @@ pub mod naive;
 pub mod pca;
 pub mod prepare;
 pub mod reference;
+mod sampling;
 pub mod seams;
 pub mod store;
 pub mod stored;

@@ -11,6 +11,7 @@ use super::AppearanceError;
 use super::align::colours;
 use super::build::compared;
 use super::charts::Charts;
+use super::pca::Components;
 use super::textures::TextureSource;
 
 /// Multigrid cycles of the player.
@@ -19,12 +20,32 @@ pub(super) const CYCLES: usize = 1;
 const WARP_STEP: f32 = 0.08;
 /// Bytes of the appearance, a frame of the whole capture, that are never exceeded.
 const MOST_BYTES: u64 = 8192;
-/// Structural similarity that storing may cost.
-const LOSS: f64 = 0.008;
+/// Structural similarity that is enough, and what storing may cost of it where the model has less.
+const ENOUGH: f64 = 0.98;
+const LOSS: f64 = 0.003;
 /// Times that steps are made finer.
 const ATTEMPTS: usize = 4;
 /// How much finer.
 const FINER: f32 = 0.7;
+
+/// The warps as they will be stored.
+///
+/// # Errors
+/// Warps that do not fit their frames.
+pub fn warps(warps: &Components, charts: &Charts, frame_count: usize) -> Result<StoredAppearance, AppearanceError> {
+    let model = AppearanceModel {
+        width: charts.width as u32,
+        height: charts.height as u32,
+        active: charts.active(),
+        mean_texture: vec![0.0; 3 * charts.texels().len()],
+        mean_warp: warps.mean.clone(),
+        warps: warps.modes.clone(),
+        warp_coefficients: warps.coefficients.clone(),
+        ..AppearanceModel::default()
+    };
+    let quality = AppearanceQuality { warp_step: WARP_STEP, ..AppearanceQuality::default() };
+    Ok(store_appearance(&AppearanceInput { model: &model, material: 0, quality }, frame_count as u32, 1)?)
+}
 
 /// How alike textures are that were rebuilt from what is stored, over a sample of complete frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -59,7 +80,7 @@ pub fn stored_quality(
     compare(source, charts, &stored, frames)
 }
 
-/// The coarsest quality of those tried with which storing costs no more than `LOSS` of the similarity `before`, or the
+/// The coarsest quality of those tried that is `ENOUGH` or costs no more than `LOSS` of the similarity `before`, or the
 /// finest that keeps to `MOST_BYTES`; with what it comes to.
 ///
 /// # Errors
@@ -77,7 +98,7 @@ pub fn choose(
     for _ in 0..ATTEMPTS {
         // Finer steps need about as many more bytes as they are finer.
         let room = found.bytes_per_frame / f64::from(FINER) <= MOST_BYTES as f64;
-        if before - found.ssim <= LOSS || !room {
+        if found.ssim >= ENOUGH.min(before - LOSS) || !room {
             break;
         }
         quality.texture_step *= FINER;

@@ -14,12 +14,15 @@
 use super::charts::Charts;
 use super::flow::Flow;
 use super::level::{Level, PAD};
+use super::sampling::{Places, Plane, sample};
 use crate::simd::{Kernel, Level as Instructions};
 
 /// Weight of colours against gradients (thesis 4.4.1).
 pub const COLOUR_WEIGHT: f32 = 0.02;
 /// Steps of conjugate gradients at most.
 const MOST_STEPS: usize = 60;
+/// Steps of the fixed-point iteration for the inverse of a warp.
+const INVERSE_STEPS: usize = 8;
 /// The residual that is left, as a part of the first one.
 const TOLERANCE: f64 = 2e-3;
 
@@ -27,8 +30,7 @@ const TOLERANCE: f64 = 2e-3;
 #[derive(Clone, Debug)]
 pub struct Warper {
     level: Level,
-    /// Place of each active texel in a plane with margins.
-    places: Vec<u32>,
+    places: Places,
     instructions: Instructions,
 }
 
@@ -47,33 +49,45 @@ impl Warper {
     #[must_use]
     pub fn new(charts: &Charts) -> Self {
         let level = Level::new(charts.clone());
-        let places = (0..level.labels.len() as u32).filter(|&place| level.labels[place as usize] != 0).collect();
-        Self { level, places, instructions: Instructions::best() }
+        Self { places: Places::new(&level), level, instructions: Instructions::best() }
     }
 
     /// Number of active texels.
     #[must_use]
     pub fn texel_count(&self) -> usize {
-        self.places.len()
+        self.places.index.len()
     }
 
-    /// `values`, `channels` of them per active texel, moved: active texel x of the result shows what lies at
+    /// `values`, `channels` of them per active texel and at most four, moved: active texel x of the result shows what lies at
     /// `x + warp(x)`. `warp` has two values per active texel.
     #[must_use]
     pub fn warp(&self, values: &[f32], channels: usize, warp: &[f32], how: Warping) -> Vec<f32> {
+        match channels {
+            1 => self.moved::<1>(values, channels, warp, how),
+            2 => self.moved::<2>(values, channels, warp, how),
+            // Four are a vector of the processor.
+            _ => self.moved::<4>(values, channels, warp, how),
+        }
+    }
+
+    fn moved<const C: usize>(&self, values: &[f32], channels: usize, warp: &[f32], how: Warping) -> Vec<f32> {
+        let plane = self.places.spread::<C>(&self.level, values, channels);
         let mut result = vec![0.0; values.len()];
-        for channel in 0..channels {
-            let mut plane = vec![0.0; self.level.labels.len()];
-            for (k, &place) in self.places.iter().enumerate() {
-                plane[place as usize] = values[k * channels + channel];
-            }
-            self.level.extend(&mut plane);
-            let moved = match how {
-                Warping::Direct => self.direct(&plane, warp),
-                Warping::Poisson => self.poisson(&plane, warp),
-            };
-            for (k, &place) in self.places.iter().enumerate() {
-                result[k * channels + channel] = moved[place as usize];
+        match how {
+            Warping::Direct => self.direct(&plane, warp, |number, _, value| {
+                result[number * channels..(number + 1) * channels].copy_from_slice(&value[..channels]);
+            }),
+            Warping::Poisson => {
+                let mut colours = vec![[0.0; C]; plane.len()];
+                self.direct(&plane, warp, |_, place, value| colours[place] = value);
+                let divergence = self.divergence(&plane, &colours, warp);
+                for channel in 0..channels {
+                    let right: Vec<f32> = divergence.iter().map(|more| more[channel]).collect();
+                    let correction = self.solve(&right);
+                    for (&place, result) in self.places.index.iter().zip(result.chunks_exact_mut(channels)) {
+                        result[channel] = correction[place as usize] + colours[place as usize][channel];
+                    }
+                }
             }
         }
         result
@@ -85,9 +99,9 @@ impl Warper {
             return;
         }
         let mut unknown = vec![false; self.level.labels.len()];
-        unseen.iter().for_each(|&k| unknown[self.places[k as usize] as usize] = true);
+        unseen.iter().for_each(|&k| unknown[self.places.index[k as usize] as usize] = true);
         let mut planes = vec![vec![0.0; self.level.labels.len()]; 4];
-        for (&place, colour) in self.places.iter().zip(colours.chunks_exact(3)) {
+        for (&place, colour) in self.places.index.iter().zip(colours.chunks_exact(3)) {
             planes.iter_mut().zip(colour).for_each(|(plane, &value)| plane[place as usize] = value);
         }
         for pair in planes.chunks_exact_mut(2) {
@@ -95,7 +109,7 @@ impl Warper {
                 self.level.fill(&unknown, a, b);
             }
         }
-        for (&place, colour) in self.places.iter().zip(colours.chunks_exact_mut(3)) {
+        for (&place, colour) in self.places.index.iter().zip(colours.chunks_exact_mut(3)) {
             colour.iter_mut().zip(&planes).for_each(|(value, plane)| *value = plane[place as usize]);
         }
     }
@@ -123,79 +137,51 @@ impl Warper {
     /// The warp that undoes `warp`: w'(y) = -w(y + w'(y)), by fixed-point iteration.
     #[must_use]
     pub fn inverse(&self, warp: &[f32]) -> Vec<f32> {
+        let plane = self.places.spread::<2>(&self.level, warp, 2);
         let mut inverse: Vec<f32> = warp.iter().map(|w| -w).collect();
-        for _ in 0..8 {
-            let there = self.warp(warp, 2, &inverse, Warping::Direct);
-            for (inverse, there) in inverse.iter_mut().zip(&there) {
-                *inverse = -there;
-            }
+        for _ in 0..INVERSE_STEPS {
+            self.places.each(|number, place, [x, y]| {
+                let way = &mut inverse[2 * number..2 * number + 2];
+                let there = sample(&self.level, &plane, place, [x + way[0], y + way[1]]);
+                way.copy_from_slice(&there.map(|there| -there));
+            });
         }
         inverse
     }
 
-    fn direct(&self, plane: &[f32], warp: &[f32]) -> Vec<f32> {
-        let mut moved = vec![0.0; plane.len()];
-        for (&place, way) in self.places.iter().zip(warp.chunks_exact(2)) {
-            moved[place as usize] = self.sample(plane, place, way[0], way[1]);
-        }
-        moved
+    /// Calls `show` with each active texel's number, its place, and what lies where its warp points.
+    fn direct<const C: usize>(&self, plane: &Plane<C>, warp: &[f32], mut show: impl FnMut(usize, usize, [f32; C])) {
+        self.places.each(|number, place, [x, y]| {
+            let way = &warp[2 * number..2 * number + 2];
+            show(number, place, sample(&self.level, plane, place, [x + way[0], y + way[1]]));
+        });
     }
 
-    fn poisson(&self, plane: &[f32], warp: &[f32]) -> Vec<f32> {
-        let stride = self.level.stride;
-        let colours = self.direct(plane, warp);
-        let (mut ways_x, mut ways_y) = (vec![0.0; plane.len()], vec![0.0; plane.len()]);
-        for (&place, way) in self.places.iter().zip(warp.chunks_exact(2)) {
-            (ways_x[place as usize], ways_y[place as usize]) = (way[0], way[1]);
+    /// How much each moved gradient differs from the gradient of the moved `colours`, gathered as a divergence.
+    fn divergence<const C: usize>(&self, plane: &Plane<C>, colours: &Plane<C>, warp: &[f32]) -> Vec<[f32; C]> {
+        let Level { stride, right, down, .. } = &self.level;
+        let mut ways = vec![[0.0; 2]; plane.len()];
+        for (&place, way) in self.places.index.iter().zip(warp.chunks_exact(2)) {
+            ways[place as usize] = [way[0], way[1]];
         }
-        // How much each moved gradient differs from the gradient of the moved colours; gathered as a divergence.
-        let mut divergence = vec![0.0; plane.len()];
-        for &place in &self.places {
-            let i = place as usize;
-            for (linked, step, ex, ey) in [(self.level.right[i], 1, 1.0, 0.0), (self.level.down[i], stride, 0.0, 1.0)] {
+        let mut divergence = vec![[0.0; C]; plane.len()];
+        self.places.each(|_, i, [x, y]| {
+            for (linked, step, ex, ey) in [(right[i], 1, 1.0, 0.0), (down[i], *stride, 0.0, 1.0)] {
                 if linked == 0.0 {
                     continue;
                 }
                 let j = i + step;
-                let (wx, wy) = (0.5 * (ways_x[i] + ways_x[j]), 0.5 * (ways_y[i] + ways_y[j]));
-                let gradient = self.sample(plane, place, wx + ex, wy + ey) - self.sample(plane, place, wx, wy);
-                let more = gradient - (colours[j] - colours[i]);
-                divergence[i] += more;
-                divergence[j] -= more;
+                let (wx, wy) = (0.5 * (ways[i][0] + ways[j][0]), 0.5 * (ways[i][1] + ways[j][1]));
+                let ahead = sample(&self.level, plane, i, [x + (wx + ex), y + (wy + ey)]);
+                let here = sample(&self.level, plane, i, [x + wx, y + wy]);
+                for c in 0..C {
+                    let more = ahead[c] - here[c] - (colours[j][c] - colours[i][c]);
+                    divergence[i][c] += more;
+                    divergence[j][c] -= more;
+                }
             }
-        }
-        let mut correction = self.solve(&divergence);
-        for (correction, colour) in correction.iter_mut().zip(&colours) {
-            *correction += colour;
-        }
-        correction
-    }
-
-    /// The value of `plane` at a texel moved by a way, interpolated among texels of its chart's territory; where there
-    /// are none, the texel's own value.
-    fn sample(&self, plane: &[f32], place: u32, way_x: f32, way_y: f32) -> f32 {
-        let (stride, rows) = (self.level.stride, self.level.rows);
-        let place = place as usize;
-        let (x, y) = ((place % stride) as f32 + way_x, (place / stride) as f32 + way_y);
-        let (left, top) = (x.floor(), y.floor());
-        // Written so that NaN is outside.
-        let inside = left >= 0.0 && top >= 0.0 && left < (stride - 1) as f32 && top < (rows - 1) as f32;
-        if !inside {
-            return plane[place];
-        }
-        let (fx, fy) = (x - left, y - top);
-        let at = top as usize * stride + left as usize;
-        let corners = [at, at + 1, at + stride, at + stride + 1];
-        let shares = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
-        let label = self.level.labels[place];
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for (corner, share) in corners.into_iter().zip(shares) {
-            if self.level.territory[corner] == label {
-                sum += share * plane[corner];
-                weight += share;
-            }
-        }
-        if weight > 1e-3 { sum / weight } else { plane[place] }
+        });
+        divergence
     }
 
     /// The real part of the solution z of `(L - i weight) z = right`, by conjugate gradients without conjugation
@@ -384,6 +370,51 @@ mod tests {
     fn noise(k: usize) -> f32 {
         let hash = (k as u32 ^ 0x51ED).wrapping_mul(0x9E37_79B9).rotate_left(11).wrapping_mul(0x85EB_CA6B);
         (hash >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// One channel, one texel at a time.
+    fn plainly(charts: &Charts, values: &[f32], warp: &[f32]) -> Vec<f32> {
+        let level = Level::new(charts.clone());
+        let places: Vec<usize> = (0..level.labels.len()).filter(|&place| level.labels[place] != 0).collect();
+        let mut plane = vec![0.0; level.labels.len()];
+        places.iter().zip(values).for_each(|(&place, &value)| plane[place] = value);
+        level.extend(&mut plane);
+        let at = |(&place, way): (&usize, &[f32])| {
+            let (x, y) = ((place % level.stride) as f32 + way[0], (place / level.stride) as f32 + way[1]);
+            let (left, top) = (x.floor(), y.floor());
+            let (mut sum, mut weight) = (0.0, 0.0);
+            let (last_column, last_row) = ((level.stride - 1) as f32, (level.rows - 1) as f32);
+            let inside = (0.0..last_column).contains(&left) && (0.0..last_row).contains(&top);
+            for (row, down) in [(top, 1.0 - (y - top)), (top + 1.0, y - top)] {
+                for (column, along) in [(left, 1.0 - (x - left)), (left + 1.0, x - left)] {
+                    let corner = if inside { row as usize * level.stride + column as usize } else { 0 };
+                    if inside && level.territory[corner] == level.labels[place] {
+                        sum += along * down * plane[corner];
+                        weight += along * down;
+                    }
+                }
+            }
+            if weight > 1e-3 { sum / weight } else { plane[place] }
+        };
+        places.iter().zip(warp.chunks_exact(2)).map(at).collect()
+    }
+
+    #[test]
+    fn all_channels_move_as_each_alone() {
+        let charts = charts();
+        let warper = Warper::new(&charts);
+        let n = warper.texel_count();
+        // Far enough to leave the chart, its territory and the plane.
+        let mut warp: Vec<f32> = (0..2 * n).map(|k| 30.0 * (noise(k + 7) - 0.5).powi(3) * 8.0).collect();
+        (warp[4], warp[11]) = (f32::NAN, f32::INFINITY);
+        for channels in 1..=4 {
+            let values: Vec<f32> = (0..channels * n).map(noise).collect();
+            let moved = warper.warp(&values, channels, &warp, Warping::Direct);
+            for channel in 0..channels {
+                let of = |all: &[f32]| -> Vec<f32> { all.iter().skip(channel).step_by(channels).copied().collect() };
+                assert_eq!(of(&moved), plainly(&charts, &of(&values), &warp), "channel {channel} of {channels}");
+            }
+        }
     }
 
     #[test]

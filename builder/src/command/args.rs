@@ -82,10 +82,10 @@ pub struct PackArguments {
     /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,
-    /// What becomes of textures that change from frame to frame. Eigen maps look as
-    /// captured and do not ghost in transitions, but take minutes, and at 1024 x 1024 storing short captures in 8 KB a frame
-    /// costs detail: see docs/appearance.md.
-    #[arg(long, value_enum, default_value_t = AppearanceKind::Static)]
+    /// What becomes of textures that change from frame to frame. Eigen maps look as captured and do not ghost in
+    /// transitions, but take minutes; at 1024 x 1024, storing captures of fewer than some 300 frames in 8 KB a frame costs
+    /// detail: see docs/appearance.md.
+    #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
     pub appearance: AppearanceKind,
     /// Eigen textures and Eigen warps together; two in three are textures.
     #[arg(long, default_value_t = 50, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]
@@ -107,7 +107,7 @@ pub struct PackArguments {
 pub enum AppearanceKind {
     /// The first frame's texture is used for all.
     Static,
-    /// Eigen textures and Eigen warps (thesis chapter 4).
+    /// Eigen textures and Eigen warps (thesis chapter 4) where frames have textures of their own.
     Eigen,
 }
 

@@ -117,10 +117,6 @@ fn per_frame(
         all.extend((0..count).filter_map(|k| textures.get(k.min(textures.len() - 1)).cloned()));
     }
     check_sizes(&all)?;
-    warnings.push(Warning::new(
-        "W_TEXTURES_STATIC",
-        format!("{} frames have textures of their own; the first one's is the static texture", all.len()),
-    ));
     Ok(Some(all))
 }
 

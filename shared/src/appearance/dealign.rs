@@ -67,7 +67,8 @@ pub struct Aligned {
 }
 
 impl Aligned {
-    fn warp_at(&self, x: usize, y: usize) -> [f32; 2] {
+    /// The warp of a texel, in its texels.
+    pub(crate) fn warp_at(&self, x: usize, y: usize) -> [f32; 2] {
         let at = [x, y].map(|at| (at as f32 + 0.5) * self.texel / self.cell - 0.5);
         self.warp.sample(at[0], at[1]).map_or([0.0; 2], |[dx, dy, _]| [dx / self.texel, dy / self.texel])
     }

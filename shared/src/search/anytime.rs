@@ -21,6 +21,8 @@ const LAST_WIDTH: usize = 96 << 9;
 const COARSE_PASSES: u32 = 8;
 /// States that wait in a layer: sorting twice as many has to fit in a slice.
 const MOST_OPEN: usize = 24_000;
+/// States that wait and turn out not to be worth expanding: as much work as expanding one.
+const PASSED_OVER: u32 = 16;
 /// Cells that are remembered in a pass.
 const CELLS: usize = 1 << 17;
 
@@ -74,6 +76,16 @@ struct Open {
     way: u32,
 }
 
+/// What comes next in a layer.
+enum Next {
+    /// A state that is worth expanding.
+    Open(Open),
+    /// One that is not.
+    PassedOver,
+    /// Nothing.
+    LayerDone,
+}
+
 /// How an expanded state was reached.
 #[derive(Clone, Copy, Debug)]
 struct Trail {
@@ -109,22 +121,29 @@ impl Anytime {
         search
     }
 
-    /// Expands up to `budget` states: 1 to 2 microseconds each in early passes, up to 20 in the last. `task` and `ways` are those that it was made with.
+    /// Expands up to `budget` states, or passes over many more: 1 to 2 microseconds each in early passes, up to 20 in the
+    /// last. `task` and `ways` are those that it was made with.
     pub fn advance(&mut self, task: &impl Task, ways: &Ways, budget: u32) -> Progress {
-        let mut left = budget;
+        let mut left = budget.saturating_mul(PASSED_OVER);
         while self.progress == Progress::Running && left > 0 {
-            match self.next_open(task, ways) {
-                Some(open) => {
+            let cost = match self.next_open(task, ways) {
+                Next::Open(open) => {
                     self.expand(task, ways, &open);
-                    left -= 1;
+                    PASSED_OVER
                 }
-                None if self.layer + 1 < self.layers.len() => {
+                Next::PassedOver => 1,
+                Next::LayerDone if self.layer + 1 < self.layers.len() => {
                     self.layers[self.layer] = Queue::default();
                     self.layer += 1;
                     self.begin_layer();
+                    1
                 }
-                None => self.end_pass(task, ways),
-            }
+                Next::LayerDone => {
+                    self.end_pass(task, ways);
+                    PASSED_OVER
+                }
+            };
+            left = left.saturating_sub(cost);
         }
         self.progress
     }
@@ -191,27 +210,26 @@ impl Anytime {
         self.open = Vec::new();
     }
 
-    /// The next state of this layer that is worth expanding.
-    fn next_open(&mut self, task: &impl Task, ways: &Ways) -> Option<Open> {
+    /// Takes the next state of this layer.
+    fn next_open(&mut self, task: &impl Task, ways: &Ways) -> Next {
         // All starts get their chance.
         let width = self.width() + if self.layer == 0 { self.starts.len() } else { 0 };
-        loop {
-            let (_, number) = self.layers.get_mut(self.layer)?.pop()?;
-            let open = self.open[number as u32 as usize];
-            self.free.push(number as u32);
-            if self.is_hopeless(open.bound) {
-                continue;
-            }
-            if self.expanded_in_layer >= width {
-                self.left_out = true;
-                return None;
-            }
-            if open.before == NONE || self.admit(task, ways, &open, width) {
-                self.expanded_in_layer += 1;
-                return Some(open);
-            }
-            self.left_out = true;
+        let Some((_, number)) = self.layers.get_mut(self.layer).and_then(Queue::pop) else { return Next::LayerDone };
+        let open = self.open[number as u32 as usize];
+        self.free.push(number as u32);
+        if self.is_hopeless(open.bound) {
+            return Next::PassedOver;
         }
+        if self.expanded_in_layer >= width {
+            self.left_out = true;
+            return Next::LayerDone;
+        }
+        if open.before == NONE || self.admit(task, ways, &open, width) {
+            self.expanded_in_layer += 1;
+            return Next::Open(open);
+        }
+        self.left_out = true;
+        Next::PassedOver
     }
 
     /// Whether a state has its place among those of its layer.

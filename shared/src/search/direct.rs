@@ -118,10 +118,11 @@ impl Direction {
             }
             let Some(work) = &mut self.work else { return Ok(self.progress()) };
             let now = budget.min(self.left.max(1));
-            let (ended, used) = work.advance(scene, now);
-            budget -= used.clamp(1, budget);
-            self.left = self.left.saturating_sub(used);
-            self.expanded += u64::from(used);
+            let (ended, expanded) = work.advance(scene, now);
+            // What it did not expand it has passed over.
+            budget -= now;
+            self.left = self.left.saturating_sub(expanded);
+            self.expanded += u64::from(expanded);
             // Key poses and wandering are exact and end by themselves; the others go on for as long as they may.
             let is_last = self.to_do.is_empty();
             if (ended || is_search && self.left == 0) && !(is_search && is_last) {

@@ -71,7 +71,7 @@ impl Work {
         }
     }
 
-    /// Expands up to `budget` states; whether it has ended, and how many it took.
+    /// Expands up to `budget` states, or passes over others instead; whether it has ended, and how many it expanded.
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> (bool, u32) {
         match self {
             Self::Path(work) => search(&work.0, &mut work.1, scene, budget),

@@ -41,8 +41,8 @@ export class SearchDriver {
     this.task = null;
     this.waiting = null;
     this.endless = null;
-    /** For tests: slices of work, and the milliseconds of the longest. */
-    this.slices = { count: 0, longest: 0 };
+    /** For tests: slices of work, the milliseconds of the longest, and of the longest of each kind of work. */
+    this.slices = { count: 0, longest: 0, kinds: {} };
   }
 
   get player() {
@@ -96,18 +96,27 @@ export class SearchDriver {
     }
   }
 
+  /** Does a kind of work, and takes note of how long it took. */
+  timed(kind, work) {
+    const begin = performance.now();
+    const result = work();
+    const { kinds } = this.slices;
+    kinds[kind] = Math.max(kinds[kind] ?? 0, performance.now() - begin);
+    return result;
+  }
+
   work(task, player, now) {
     if (task.done) return false;
     if (!task.begun) {
-      if (!player.prepare_search(task.followers, SLICE)) return true;
-      player.search(task.text, task.origin);
+      if (!this.timed('prepare', () => player.prepare_search(task.followers, SLICE))) return true;
+      this.timed('begin', () => player.search(task.text, task.origin));
       task.begun = now;
       return true;
     }
-    const running = player.search_on(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running';
+    const running = this.timed('search', () => player.search_on(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running');
     task.done = !running;
     const looks = task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
-    if (task.done || looks) this.look(task, player, now);
+    if (task.done || looks) this.timed('look', () => this.look(task, player, now));
     if (this.waiting && isReady(task, now)) this.leave();
     else if (task.done && task.origin === 'end') this.goOn();
     return !task.done;

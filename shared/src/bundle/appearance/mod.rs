@@ -16,7 +16,7 @@ pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 use super::error::EncodeError;
 use super::header::Kind;
 use crate::appearance::basis::{Layer, Mode};
-use crate::appearance::dealign::Aligned;
+use crate::appearance::dealign::{Aligned, Field};
 use crate::appearance::mask::{ACTIVE, Mask};
 use crate::appearance::transform::SIDE;
 
@@ -80,6 +80,19 @@ impl StoredAppearance {
         let shown = aligned.dealign(mask, cycles);
         let active = shown.iter().zip(&mask.full().flags).filter(|(_, flags)| **flags & ACTIVE != 0);
         active.flat_map(|(colour, _)| *colour).collect()
+    }
+
+    /// The warp of a picture `lambda` of the way from frame `from` to frame `to` as the player reads it: two values per
+    /// active texel, in texels.
+    #[must_use]
+    pub fn warp(&self, from: u32, to: u32, lambda: f32) -> Vec<f32> {
+        let Self { mask, layers: [_, warps], modes, .. } = self;
+        let warp = warps.rebuild(mask, &modes[1], &warps.weights(from, to, lambda), SIDE);
+        let full = mask.full();
+        let texture = Field { width: full.width, height: full.height, texels: Vec::new() };
+        let aligned = Aligned { texture, warp, texel: 1.0, cell: (1 << warps.level) as f32, fill: [0.0; 3] };
+        let active = (0..full.flags.len()).filter(|&at| full.flags[at] & ACTIVE != 0);
+        active.flat_map(|at| aligned.warp_at(at % full.width, at / full.width)).collect()
     }
 }
 
