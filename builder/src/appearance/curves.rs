@@ -17,7 +17,7 @@ use super::charts::Charts;
 use super::ghosting::{AgainstTruth, Crossings, Scene, against_truth};
 use super::naive::captured;
 use super::pca::{Components, components};
-use super::seams::{Moment, changes};
+use super::seams::{Moment, changes, worn};
 use super::store::Store;
 use super::stored;
 use super::textures::TextureSource;
@@ -298,11 +298,7 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
 
     /// Half way between two frames: means of coefficients are means of textures and of warps.
     fn between(&self, basis: &Basis, pair: [usize; 2]) -> Vec<f32> {
-        let half = |components: &Components| {
-            let [a, b] = pair.map(|frame| combine(components, frame, components.modes.len()));
-            a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<f32>>()
-        };
-        self.aligned.warper.warp(&half(&basis.textures), 3, &half(&basis.warps), Warping::Poisson)
+        worn(&self.aligned, basis, Moment { frames: pair, lambda: 0.5 })
     }
 
     fn ghosting(&self, basis: &Basis, sequences: &[Range<usize>]) -> Result<Vec<Ghosting>, AppearanceError> {

@@ -309,3 +309,56 @@ fn busiest(worst: &Worst, charts: &Charts, side: usize) -> (u32, u32) {
     }
     best.0
 }
+
+#[cfg(test)]
+mod tests {
+    use shared::timeline::Sequence;
+
+    use super::*;
+    use crate::appearance::textures::TextureFiles;
+    use crate::performer::{Artefacts, PerformerOptions, write_performer};
+
+    #[test]
+    fn no_truth_is_better_than_a_wrong_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let size = 128;
+        let options = PerformerOptions {
+            frames: 20,
+            vertices: 1500,
+            texture_size: size,
+            artefacts: Artefacts::ALL,
+            ..PerformerOptions::default()
+        };
+        let summary = write_performer(&options, folder.path(), &|_| {}).unwrap();
+        let (mut sequences, mut paths) = (Vec::new(), Vec::new());
+        for (name, count) in &summary.sequences {
+            let first_frame = paths.len() as u32;
+            paths.extend((0..*count).map(|k| folder.path().join(format!("{name}/texture_{k:05}.png"))));
+            let (name, frame_count) = (name.clone(), *count as u32);
+            sequences.push(Sequence { name, labels: Vec::new(), first_frame, frame_count, cyclic: false });
+        }
+        let first = paths[0].clone();
+        let files = TextureFiles::new(paths, Vec::new()).unwrap();
+        let charts = Charts::whole(size, size);
+        let timeline = Timeline::new(options.fps, sequences.clone()).unwrap();
+        let pairs = [[0, 19], [5, 12]];
+        let again = |timeline: &Timeline| Performed::again(&first, &files, &charts, timeline, &pairs);
+        let performed = again(&timeline).unwrap();
+        assert_eq!(performed.between([5, 12], 0.5).unwrap().colours.len(), size * size);
+        assert!(performed.between([5, 11], 0.5).is_none(), "frame 11 is in no pair");
+
+        sequences[1].name = "another".into();
+        let other = Timeline::new(options.fps, sequences).unwrap();
+        assert!(again(&other).err().unwrap().contains("no sequence like another"));
+        let path = folder.path().join("truth/capture.json");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let wrong = text.replace("\"seed\":1", "\"seed\":2");
+        assert_ne!(wrong, text);
+        std::fs::write(&path, wrong).unwrap();
+        assert!(again(&timeline).err().unwrap().contains("differs from its texture"));
+        std::fs::write(&path, text.replace("\"texture_size\":128", "\"texture_size\":256")).unwrap();
+        assert!(again(&timeline).err().unwrap().contains("do not have the 256 x 256 texels"));
+        std::fs::remove_file(&path).unwrap();
+        assert!(again(&timeline).err().unwrap().contains("only the built-in performer"));
+    }
+}
