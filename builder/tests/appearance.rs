@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use builder::appearance::align::{AlignOptions, Aligned, align};
 use builder::appearance::build::Basis;
 use builder::appearance::completion::complete;
+use builder::appearance::ghosting::{CLASSES, Crossings, Scene, Truth, against_truth};
 use builder::appearance::naive::naive;
 use builder::appearance::pca::components;
 use builder::appearance::store::Store;
@@ -14,6 +15,7 @@ use builder::appearance::stored::stored_quality;
 use builder::appearance::textures::{Texture, TextureFiles, TextureSource};
 use builder::appearance::{AppearanceError, AppearanceOptions, Charts, build};
 use builder::progress::silent;
+use shared::appearance::quality::Similarity;
 use shared::bundle::AppearanceQuality;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 
@@ -22,12 +24,23 @@ const FRAMES: usize = 14;
 
 /// Spots and stripes that slide, brighter from frame to frame.
 fn texture(frame: usize) -> Texture {
-    let slide = 2.5 * (0.45 * frame as f32).sin();
+    between(frame, frame, 0.0)
+}
+
+fn slide(frame: usize) -> f32 {
+    2.5 * (0.45 * frame as f32).sin()
+}
+
+/// What lies `lambda` of the way from frame `a` to frame `b`: slides and light are interpolated, not colours.
+fn between(a: usize, b: usize, lambda: f32) -> Texture {
+    let mixed = |a: f32, b: f32| a + lambda * (b - a);
+    let slide = mixed(slide(a), slide(b));
+    let light = |frame: usize, x: f32| 0.8 + 0.01 * frame as f32 + 0.1 * (0.02 * x + 0.1 * frame as f32).sin();
     let colours = (0..SIZE * SIZE).map(|k| {
         let (x, y) = ((k % SIZE) as f32, (k / SIZE) as f32);
         let (u, v) = (x + slide * (0.03 * y).cos(), y + slide * (0.04 * x).sin());
         let spots = ((0.5 * u).sin() * (0.43 * v).cos() * 6.0).tanh();
-        let light = 0.8 + 0.01 * frame as f32 + 0.1 * (0.02 * x + 0.1 * frame as f32).sin();
+        let light = mixed(light(a, x), light(b, x));
         [0.5 + 0.35 * spots, 0.5 - 0.2 * spots, 0.4 + 0.1 * (0.3 * u).sin()].map(|c| (c * light * 255.0).round() as u8)
     });
     Texture { width: SIZE as u32, height: SIZE as u32, colours: colours.collect(), hidden: None }
@@ -86,6 +99,64 @@ fn gaps_are_completed_from_other_frames() {
     let (ssim, error) = basis.quality(&whole[..], &aligned, &[3, 9], 6, 3).unwrap();
     println!("what was not seen: similarity {ssim}, error {error}");
     assert!(ssim > 0.8, "{ssim}");
+}
+
+/// The truth about the textures above.
+struct Known;
+
+impl Truth for Known {
+    fn between(&self, frames: [usize; 2], lambda: f32) -> Option<Texture> {
+        Some(between(frames[0], frames[1], lambda))
+    }
+
+    fn slides(&self, frames: [usize; 2]) -> Option<Vec<f32>> {
+        let way = slide(frames[1]) - slide(frames[0]);
+        let slide = |k: usize| {
+            let (x, y) = ((k % SIZE) as f32, (k / SIZE) as f32);
+            // A row of which nothing is known.
+            if k / SIZE == 10 { f32::NAN } else { (way * (0.03 * y).cos()).hypot(way * (0.04 * x).sin()) }
+        };
+        Some((0..SIZE * SIZE).map(slide).collect())
+    }
+}
+
+#[test]
+fn coefficients_come_closer_to_the_truth_than_a_cross_fade() {
+    let textures = capture();
+    let aligned = aligned(&textures);
+    let basis = Basis::new(&textures[..], &aligned, &aligned.complete, 6, 3).unwrap();
+    let similarity = Similarity::new(SIZE as u32, &charts().active());
+    let scene = Scene { source: &textures[..], aligned: &aligned, basis: &basis, similarity: &similarity };
+    // Frames 3 and 9 have gaps.
+    let pairs = [[3, 11], [4, 10], [4, 11], [2, 9], [0, 1]];
+    let measure = || against_truth(&scene, &Crossings { pairs: &pairs, truth: &Known }).unwrap();
+    let found = measure();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    // Not the whole: slides that are not known are NaN.
+    assert!(one.install(measure).rows == found.rows);
+    assert_eq!(found.pairs, 3);
+    for row in &found.rows {
+        println!("{} {:?} {:?}", row.lambda, row.slides, row.ways.map(|way| way.quality.ssim));
+        assert!(row.ways.iter().all(|way| way.quality.ssim.is_finite() && way.sharpness.is_finite()));
+    }
+    let row = |lambda: f32, slides| found.rows.iter().find(|row| row.lambda == lambda && row.slides == slides).unwrap();
+    let [ours, stored, captured, faded] = row(0.0, None).ways;
+    assert!((captured.quality.ssim - 1.0).abs() < 1e-5 && captured.quality.mse < 1e-9, "{captured:?}");
+    assert!((captured.sharpness - 1.0).abs() < 1e-6);
+    assert_eq!(stored, faded, "nothing is blended at 0");
+    let (ssim, _) = basis.quality(&textures[..], &aligned, &[0, 4, 4], 6, 3).unwrap();
+    assert!((ours.quality.ssim - ssim).abs() < 1e-4, "{ours:?} {ssim}");
+    let far = row(0.5, Some(CLASSES[3]));
+    let [ours, stored, captured, faded] = far.ways;
+    assert!(far.slide > 2.0 && far.share > 0.3);
+    assert!(ours.quality.ssim > captured.quality.ssim + 0.05 && ours.quality.mse < 0.5 * captured.quality.mse);
+    assert!(stored.quality.ssim > faded.quality.ssim + 0.05 && stored.sharpness > faded.sharpness + 0.05);
+    // Texels of which no slide is known are in no class.
+    let shares: f64 =
+        found.rows.iter().filter(|row| row.lambda == 0.5 && row.slides.is_some()).map(|row| row.share).sum();
+    assert!((shares - 87.0 / 88.0).abs() < 1e-9, "{shares}");
+    let worst = found.worst.unwrap();
+    assert_eq!((worst.frames, worst.truth.len(), worst.ways[3].len()), ([4, 10], 42 * 88 * 2 * 3, 42 * 88 * 2 * 3));
 }
 
 /// Completed coefficients minimise the error over what was seen, with a little pull to zero: solved here with the whole

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use builder::performer::{PerformerOptions, write_performer};
+use builder::performer::{Artefacts, PerformerOptions, write_performer};
 use serde_json::Value;
 
 /// Tables of times, which differ from run to run.
@@ -89,6 +89,42 @@ fn evaluates_a_small_performer_twice_alike() {
     builder(&["report", &bundle]);
     let page = fs::read_to_string(path("actor.html")).unwrap();
     assert!(page.contains("What to capture next") && page.contains("data:image/png;base64,"));
+}
+
+#[test]
+fn transitions_of_the_performer_are_compared_with_its_truth() {
+    let scratch = tempfile::tempdir().unwrap();
+    let path = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
+    let input = path("capture");
+    let options = PerformerOptions {
+        frames: 100,
+        vertices: 1500,
+        texture_size: 128,
+        fps: 25.0,
+        // Small gaps would not be found at this size.
+        artefacts: Artefacts { holes: false, ..Artefacts::ALL },
+        ..Default::default()
+    };
+    write_performer(&options, Path::new(&input), &|_| ()).unwrap();
+    builder(&["evaluate", &input, "-o", &path("out"), "--sections", "appearance"]);
+    let table = tables(&scratch.path().join("out"))["appearance_ghosting_truth.csv"].clone();
+    let page = fs::read_to_string(path("out/index.html")).unwrap();
+    println!("{table}");
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines.len() >= 4 && lines.iter().all(|line| columns(line) == columns(lines[0])));
+    for line in &lines[1..] {
+        let numbers = line.split(',').filter(|cell| !cell.contains("to") && !cell.contains("or") && *cell != "all");
+        assert!(numbers.map(|cell| cell.parse::<f64>().unwrap()).all(f64::is_finite), "{line}");
+    }
+    let report: Value = serde_json::from_str(&fs::read_to_string(path("out/report.json")).unwrap()).unwrap();
+    let tables = report["sections"][0]["tables"].as_array().unwrap();
+    let rows = &tables.iter().find(|table| table["name"] == "appearance_ghosting_truth").unwrap()["rows"];
+    // At 0 a cross-fade of captured textures is the captured texture, and that is the truth.
+    let first = |column: &str| rows[0][column].as_f64().unwrap();
+    assert!(first("cross-fade of captured, SSIM") > 0.9999 && first("cross-fade of captured, MSE") < 1e-6);
+    assert!(first("ours, SSIM") > 0.8 && first("ours, SSIM") < 1.0);
+    assert!(page.contains("Cross-fade of ours, as stored, half way") && page.matches("data:image/png").count() == 4);
+    assert!(!page.contains("not compared with the truth"));
 }
 
 /// Columns of a line of CSV.

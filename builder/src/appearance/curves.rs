@@ -14,9 +14,10 @@ use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, align, colours};
 use super::build::{Basis, combine, compared, means, split};
 use super::charts::Charts;
+use super::ghosting::{AgainstTruth, Crossings, Scene, against_truth};
 use super::naive::captured;
 use super::pca::{Components, components};
-use super::seams::{Moment, changes};
+use super::seams::{Moment, changes, worn};
 use super::store::Store;
 use super::stored;
 use super::textures::TextureSource;
@@ -117,6 +118,8 @@ pub struct Curves {
     pub interpolation: Vec<Interpolation>,
     /// Against the distance of frames.
     pub ghosting: Vec<Ghosting>,
+    /// Transitions against the truth, where it is known.
+    pub against_truth: Option<AgainstTruth>,
     /// Root mean square changes of colours from each recorded frame to the next.
     pub own_changes: Vec<f64>,
     /// The same from a recorded frame to a synthetic one and back.
@@ -133,6 +136,8 @@ pub struct Subject<'a, S: TextureSource + ?Sized> {
     pub sequences: &'a [Range<usize>],
     /// Seams of transitions: the moments before and after each.
     pub seams: &'a [[Moment; 2]],
+    /// Transitions, and the truth about them where it is known.
+    pub crossings: Option<Crossings<'a>>,
     /// The actor that wears them.
     pub views: Views<'a>,
 }
@@ -146,7 +151,7 @@ pub fn curves(
     options: &AlignOptions,
     report: Report,
 ) -> Result<Curves, AppearanceError> {
-    let Subject { source, charts, sequences, seams, views } = subject;
+    let Subject { source, charts, sequences, seams, crossings, views } = subject;
     let aligned = align(*source, charts, options, report)?;
     let raw = captured(*source, charts)?;
     let all = aligned.complete.clone();
@@ -164,6 +169,8 @@ pub fn curves(
         .collect();
     let own_changes = changes(&bench.aligned, &full, &steps);
     let seam_changes = changes(&bench.aligned, &full, seams);
+    let scene = Scene { source: *source, aligned: &bench.aligned, basis: &full, similarity: &bench.similarity };
+    let against_truth = crossings.as_ref().map(|crossings| against_truth(&scene, crossings)).transpose()?;
     drop(full);
     let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
@@ -182,6 +189,7 @@ pub fn curves(
         generalisation: bench.generalisation(&all)?,
         interpolation,
         ghosting,
+        against_truth,
         own_changes,
         seam_changes,
     })
@@ -290,11 +298,7 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
 
     /// Half way between two frames: means of coefficients are means of textures and of warps.
     fn between(&self, basis: &Basis, pair: [usize; 2]) -> Vec<f32> {
-        let half = |components: &Components| {
-            let [a, b] = pair.map(|frame| combine(components, frame, components.modes.len()));
-            a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<f32>>()
-        };
-        self.aligned.warper.warp(&half(&basis.textures), 3, &half(&basis.warps), Warping::Poisson)
+        worn(&self.aligned, basis, Moment { frames: pair, lambda: 0.5 })
     }
 
     fn ghosting(&self, basis: &Basis, sequences: &[Range<usize>]) -> Result<Vec<Ghosting>, AppearanceError> {
@@ -344,7 +348,7 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
 }
 
 /// At most `most` of `frames`, evenly spread.
-fn evenly(frames: &[usize], most: usize) -> Vec<usize> {
+pub(super) fn evenly<T: Copy>(frames: &[T], most: usize) -> Vec<T> {
     frames.iter().copied().step_by(frames.len().div_ceil(most).max(1)).collect()
 }
 

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use crate::appearance::charts::Charts;
 
 /// Width of the margin, and of the widest territory around a chart.
@@ -43,6 +45,8 @@ pub(super) struct Level {
     pub labels: Vec<u32>,
     /// Chart in whose territory a texel lies; 0 outside.
     pub territory: Vec<u32>,
+    /// Chart in whose territory a texel, that to the right, the one below it and the one below lie all; 0 for none.
+    pub quads: Vec<u32>,
     /// 1 where a texel and its right neighbour belong to one chart.
     pub right: Vec<f32>,
     /// 1 where a texel and the one below belong to one chart.
@@ -69,9 +73,15 @@ impl Level {
         };
         let (right, down) = (link(1), link(stride));
         let (territory, extension) = spread(&labels, stride);
+        let quad = |at: usize| {
+            let label = territory[at];
+            let alike = |step: usize| territory.get(at + step) == Some(&label);
+            if [1, stride, stride + 1].into_iter().all(alike) { label } else { 0 }
+        };
+        let quads = (0..territory.len()).map(quad).collect();
         let patches = patches(&labels, stride, rows);
         let neighbours = neighbours(&patches);
-        Self { charts, stride, rows, labels, territory, right, down, patches, neighbours, extension }
+        Self { charts, stride, rows, labels, territory, quads, right, down, patches, neighbours, extension }
     }
 
     /// The patches that begin in rows `rows`.
@@ -138,10 +148,10 @@ impl Level {
     /// The means of `finer` over the texels of the same chart, this level being half of that one.
     pub(super) fn shrink(&self, fine: &Level, finer: &[f32]) -> Vec<f32> {
         let mut plane = vec![0.0; self.stride * self.rows];
-        for y in 0..self.charts.height {
+        plane.par_chunks_mut(self.stride).enumerate().skip(PAD).take(self.charts.height).for_each(|(row, plane)| {
+            let y = row - PAD;
             for x in 0..self.charts.width {
-                let index = (y + PAD) * self.stride + x + PAD;
-                let label = self.labels[index];
+                let label = self.labels[row * self.stride + x + PAD];
                 if label == 0 {
                     continue;
                 }
@@ -153,40 +163,71 @@ impl Level {
                         count += 1.0;
                     }
                 }
-                plane[index] = sum / count;
+                plane[x + PAD] = sum / count;
             }
-        }
+        });
         plane
     }
 
     /// `plane` of `coarse`, the level of half this resolution, interpolated on this one and multiplied by `scale`.
     pub(super) fn enlarge(&self, coarse: &Level, plane: &[f32], scale: f32) -> Vec<f32> {
         let mut fine = vec![0.0; self.stride * self.rows];
-        for y in 0..self.charts.height {
-            for x in 0..self.charts.width {
-                let index = (y + PAD) * self.stride + x + PAD;
-                let label = self.labels[index];
-                if label == 0 {
-                    continue;
-                }
-                let near = (y / 2 + PAD) * coarse.stride + x / 2 + PAD;
-                let beside = if x % 2 == 0 { near - 1 } else { near + 1 };
-                let (over, both) = if y % 2 == 0 {
-                    (near - coarse.stride, beside - coarse.stride)
-                } else {
-                    (near + coarse.stride, beside + coarse.stride)
-                };
+        fine.par_chunks_mut(self.stride).enumerate().skip(PAD).take(self.charts.height).for_each(|(row, fine)| {
+            let y = row - PAD;
+            let inner = PAD..PAD + self.charts.width;
+            let labels = &self.labels[row * self.stride..][inner.clone()];
+            let near = (y / 2 + PAD) * coarse.stride + PAD;
+            let over = if y.is_multiple_of(2) { near - coarse.stride } else { near + coarse.stride };
+            let rows = [Row::new(coarse, plane, near), Row::new(coarse, plane, over)];
+            for (k, (fine, labels)) in fine[inner].chunks_mut(2).zip(labels.chunks(2)).enumerate() {
+                enlarge_two(&rows, k, labels, fine, scale);
+            }
+        });
+        fine
+    }
+}
+
+/// A row of a plane, from one texel before its first.
+struct Row<'a> {
+    labels: &'a [u32],
+    values: &'a [f32],
+}
+
+impl<'a> Row<'a> {
+    fn new(level: &'a Level, plane: &'a [f32], first: usize) -> Self {
+        let texels = first - 1..first + level.charts.width + 1;
+        Self { labels: &level.labels[texels.clone()], values: &plane[texels] }
+    }
+}
+
+/// Interpolates the two texels of a row that lie in texel `k` of the coarser rows: the `near` one, and that beyond.
+#[inline(always)]
+fn enlarge_two([near, over]: &[Row<'_>; 2], k: usize, labels: &[u32], fine: &mut [f32], scale: f32) {
+    let (near_labels, over_labels) = (&near.labels[k..k + 3], &over.labels[k..k + 3]);
+    let (n, o) = (&near.values[k..k + 3], &over.values[k..k + 3]);
+    let alike = |label: u32| near_labels.iter().chain(over_labels).all(|&other| other == label);
+    match (labels, &mut *fine) {
+        // Nearly everywhere: all is of one chart.
+        ([label, beside], [left, right]) if *label != 0 && label == beside && alike(*label) => {
+            *left = scale * (9.0 * n[1] + 3.0 * n[0] + 3.0 * o[1] + o[0]) * 0.0625;
+            *right = scale * (9.0 * n[1] + 3.0 * n[2] + 3.0 * o[1] + o[2]) * 0.0625;
+        }
+        _ => {
+            for ((fine, &label), beside) in
+                fine.iter_mut().zip(labels).zip([0, 2]).filter(|((_, label), _)| **label != 0)
+            {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for (from, share) in [(near, 9.0), (beside, 3.0), (over, 3.0), (both, 1.0)] {
-                    if coarse.labels[from] == label {
-                        sum += share * plane[from];
+                let of_near = [(near_labels[1], n[1], 9.0), (near_labels[beside], n[beside], 3.0)];
+                let of_over = [(over_labels[1], o[1], 3.0), (over_labels[beside], o[beside], 1.0)];
+                for (other, value, share) in of_near.into_iter().chain(of_over) {
+                    if other == label {
+                        sum += share * value;
                         weight += share;
                     }
                 }
-                fine[index] = if weight > 0.0 { scale * sum / weight } else { 0.0 };
+                *fine = if weight > 0.0 { scale * sum / weight } else { 0.0 };
             }
         }
-        fine
     }
 }
 

@@ -17,6 +17,7 @@ mod error;
 pub mod fit;
 pub mod flow;
 pub mod gaps;
+pub mod ghosting;
 mod level;
 pub mod naive;
 pub mod pca;

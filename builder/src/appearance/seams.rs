@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::align::Aligned;
 use super::build::{Basis, combine};
-use super::pca::Components;
 use super::warp::Warping;
 
 /// What the actor wears at one frame of a walk: the coefficients of two recorded frames, blended.
@@ -33,12 +32,11 @@ pub(super) fn changes(aligned: &Aligned, basis: &Basis, pairs: &[[Moment; 2]]) -
 }
 
 /// The texture at a moment, as the player rebuilds it.
-fn worn(aligned: &Aligned, basis: &Basis, moment: Moment) -> Vec<f32> {
-    let blended = |components: &Components| {
-        let [a, b] = moment.frames.map(|frame| combine(components, frame, components.modes.len()));
-        a.iter().zip(&b).map(|(a, b)| a + moment.lambda * (b - a)).collect::<Vec<f32>>()
-    };
-    aligned.warper.warp(&blended(&basis.textures), 3, &blended(&basis.warps), Warping::Poisson)
+pub(super) fn worn(aligned: &Aligned, basis: &Basis, moment: Moment) -> Vec<f32> {
+    let [a, b] = moment.frames.map(|frame| combine(&basis.textures, frame, basis.textures.modes.len()));
+    let textures: Vec<f32> = a.iter().zip(&b).map(|(a, b)| a + moment.lambda * (b - a)).collect();
+    // Textures are fitted to the warps as they are stored.
+    aligned.warper.warp(&textures, 3, &basis.shown_warp(moment.frames, moment.lambda), Warping::Poisson)
 }
 
 fn root_mean_square([a, b]: &[Vec<f32>; 2]) -> f64 {

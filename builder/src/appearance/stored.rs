@@ -15,7 +15,7 @@ use super::pca::Components;
 use super::textures::TextureSource;
 
 /// Multigrid cycles of the player.
-const CYCLES: usize = 1;
+pub(super) const CYCLES: usize = 1;
 /// Step of warps, in texels: they weigh little, and an error of theirs moves edges.
 const WARP_STEP: f32 = 0.08;
 /// Bytes of the appearance, a frame of the whole capture, that are never exceeded.

@@ -1,11 +1,13 @@
 //! Section 8: Eigen appearance maps against PCA of textures as they are (thesis figures 4.9 to 4.12, TVCG figure 22).
 
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use shared::synthesis::Blend;
 
 use super::blending::draw;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
+use super::ghosting::{self, Performed};
 use super::plot::{Kind, Plot, Series};
 use super::stage::Recordings;
 use super::statistics::percentile;
@@ -13,11 +15,13 @@ use super::subject::Subject;
 use super::{EvaluateError, missing};
 use crate::appearance::align::AlignOptions;
 use crate::appearance::curves::{Curves, Quality, Subject as Textured, curves};
+use crate::appearance::ghosting::Crossings;
 use crate::appearance::seams::Moment;
 use crate::appearance::textures::{TextureFiles, TextureSource};
 use crate::appearance::views::Views;
 use crate::appearance::{AppearanceError, Charts};
-use crate::progress::Report;
+use crate::export::ExportError;
+use crate::progress::{Progress, Report};
 use crate::transitions::LengthChoice;
 
 /// Transitions whose seams are looked at.
@@ -39,10 +43,27 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         subject.timeline().sequences().iter().map(|s| range(s.first_frame, s.frame_count)).collect();
     let poses: Vec<Vec<glam::Vec3>> = subject.capture.poses.iter().map(<[glam::Vec3]>::to_vec).collect();
     let views = Views::new(&subject.capture.surface, &poses, &charts);
-    let seams = seams(subject, report)?;
-    let textured = Textured { source: &files, charts: &charts, sequences: &sequences, seams: &seams, views };
+    let blends = drawn(subject, report)?;
+    let seams = seams(&blends);
+    let pairs = ghosting::pairs(&blends, subject.timeline());
+    let first = files.paths.first().map_or(Path::new(""), PathBuf::as_path);
+    report(Progress { what: "truth of transitions", done: 0, total: 0 });
+    let truth = Performed::again(first, &files, &charts, subject.timeline(), &pairs);
+    let crossings = truth.as_ref().ok().map(|truth| Crossings { pairs: &pairs, truth });
+    let textured = Textured { source: &files, charts: &charts, sequences: &sequences, seams: &seams, crossings, views };
     match curves(&textured, &AlignOptions::default(), report) {
-        Ok(curves) => Ok(write(&curves, (width, height))),
+        Ok(curves) => {
+            let mut section = write(&curves, (width, height));
+            match (&curves.against_truth, &truth) {
+                (Some(found), _) => ghosting::write(found, &charts, &mut section)
+                    .map_err(|cause| AppearanceError::from(ExportError::Texture { image: 0, cause }))?,
+                (None, Err(why)) => section.text.push(format!(
+                    "Transitions between sequences are not compared with the truth, which is missing: {why}."
+                )),
+                (None, Ok(_)) => {}
+            }
+            Ok(section)
+        }
         Err(error @ (AppearanceError::NoCompleteFrames { .. } | AppearanceError::NoTexels)) => {
             Ok(missing(&format!("No appearance can be built: {error}.")))
         }
@@ -50,20 +71,26 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     }
 }
 
-/// The textures on both sides of the seams of transitions drawn from the essential graph.
-fn seams(subject: &Subject, report: Report) -> Result<Vec<[Moment; 2]>, EvaluateError> {
+/// Transitions drawn from the essential graph, node by node.
+fn drawn(subject: &Subject, report: Report) -> Result<Vec<Vec<Blend>>, EvaluateError> {
     let graph = subject.graph(LengthChoice::Total, report)?;
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
+    let drawn = draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed);
+    let blends = drawn.into_iter().map(|index| Ok(recordings.blends(&graph.transitions()[index])?));
+    blends.collect()
+}
+
+/// The textures on both sides of the seams of transitions.
+fn seams(transitions: &[Vec<Blend>]) -> Vec<[Moment; 2]> {
     let mut seams = Vec::new();
-    for index in draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed) {
-        let blends = recordings.blends(&graph.transitions()[index])?;
+    for blends in transitions {
         // A transition without a node of its own has no synthetic frame.
         let [first, second, .., before_last, last] = blends.as_slice() else { continue };
         let moment = |blend: &Blend| Moment { frames: blend.frames.map(|frame| frame as usize), lambda: blend.lambda };
         seams.push([Moment::recorded(first.frames[0] as usize), moment(second)]);
         seams.push([moment(before_last), Moment::recorded(last.frames[1] as usize)]);
     }
-    Ok(seams)
+    seams
 }
 
 fn cells(quality: Quality) -> [Cell; 2] {

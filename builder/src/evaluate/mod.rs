@@ -15,6 +15,7 @@ mod blending;
 pub mod clay;
 mod contacts;
 pub mod document;
+mod ghosting;
 mod graphs;
 pub mod hidden_paths;
 pub mod html;

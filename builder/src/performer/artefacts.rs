@@ -5,6 +5,7 @@ use std::str::FromStr;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::atlas::SurfacePoint;
 use super::figure::{Figure, bytes};
 use super::mesh::vertex_normals;
 use super::paint;
@@ -198,6 +199,15 @@ impl Hole {
     }
 }
 
+/// The shade where there is no light: colours as they are painted.
+pub(super) const UNLIT: (f32, f32) = (1.0, 0.0);
+
+/// The colour of a texel at `point` of the surface that shows the point `rest` of the body in a shade of [`Light::shade`].
+pub(super) fn shown(figure: &Figure, point: SurfacePoint, rest: Vec3, (gain, added): (f32, f32)) -> Vec3 {
+    let painted = paint::colour(&figure.body, rest) * figure.light(point.triangle, point.weights);
+    painted * gain + Vec3::splat(added)
+}
+
 /// The texture of one frame, and which texels are hidden (255) where there is a hole.
 #[must_use]
 pub fn frame_texture(
@@ -214,24 +224,16 @@ pub fn frame_texture(
         .par_iter()
         .zip(&figure.texel_points)
         .map(|(&(_, point), &rest)| {
-            let corners = figure.mesh.triangles[point.triangle as usize];
-            let at = |values: &[Vec3]| {
-                let [a, b, c] = corners.map(|v| values[v as usize]);
-                a * point.weights.x + b * point.weights.y + c * point.weights.z
-            };
             // The point of the body that is seen where the tracker believes this texel to be.
             let mut rest = rest;
             if let Some(drift) = drift {
-                rest += at(&drift.ways);
+                rest += figure.at(&drift.ways, point);
             }
             if hole.is_some_and(|hole| rest.distance(hole.centre) < hole.radius) {
                 return ([0; 3], true);
             }
-            let mut colour = paint::colour(&figure.body, rest) * figure.light(point.triangle, point.weights);
-            if let Some(light) = light {
-                let (gain, added) = light.shade(at(&normals).normalize_or(Vec3::Y));
-                colour = colour * gain + Vec3::splat(added);
-            }
+            let shade = light.map_or(UNLIT, |light| light.shade(figure.at(&normals, point).normalize_or(Vec3::Y)));
+            let colour = shown(figure, point, rest, shade);
             (bytes(colour), false)
         })
         .collect();

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::atlas::Atlas;
+use super::atlas::{Atlas, SurfacePoint};
 use super::body::{Body, edge_scale};
 use super::cloth::Skirt;
 use super::mesh::Mesh;
@@ -88,6 +88,12 @@ impl Figure {
     pub fn light(&self, triangle: u32, weights: Vec3) -> f32 {
         let [a, b, c] = self.mesh.triangles[triangle as usize].map(|v| self.shading[v as usize]);
         a * weights.x + b * weights.y + c * weights.z
+    }
+
+    /// What `values` of the vertices come to at a point of the surface.
+    pub(super) fn at(&self, values: &[Vec3], point: SurfacePoint) -> Vec3 {
+        let [a, b, c] = self.mesh.triangles[point.triangle as usize].map(|v| values[v as usize]);
+        a * point.weights.x + b * point.weights.y + c * point.weights.z
     }
 
     /// Skinned positions in the pose of `skin`, before the skirt has its say.

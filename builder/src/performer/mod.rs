@@ -12,6 +12,7 @@
 
 pub mod artefacts;
 pub mod atlas;
+pub mod between;
 pub mod body;
 mod charts;
 pub mod cloth;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::figure::Figure;
 use super::skeleton::joint;
-use super::{Artefacts, PerformerError, PerformerOptions, atlas, perform, write_performer};
+use super::{Artefacts, PerformerError, PerformerOptions, atlas, between, perform, write_performer};
 
 const FPS: f32 = 50.0;
 
@@ -215,6 +215,79 @@ fn hidden_texels_are_black() {
     let mask = mask.unwrap();
     let hidden = mask.iter().filter(|&&m| m == 255).count();
     assert!(hidden > 50 && mask.iter().zip(&image).all(|(&m, &texel)| m == 0 || texel == [0; 3]));
+}
+
+#[test]
+fn a_capture_is_made_again_from_its_truth() {
+    let asked = PerformerOptions {
+        frames: 40,
+        vertices: 1500,
+        texture_size: 128,
+        artefacts: Artefacts::ALL,
+        seed: 3,
+        ..PerformerOptions::default()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    write_performer(&asked, folder.path(), &|_| {}).unwrap();
+    let options = between::options(&folder.path().join("truth")).unwrap();
+    assert_eq!(options, asked);
+    let takes = perform::takes(options.frames, options.fps, options.seed);
+    let frames: Vec<usize> = (0..40).collect();
+    let between = between::Between::new(&options, &frames);
+    let captured = |frame: usize| {
+        let take = takes.iter().rfind(|take| take.first_frame <= frame).unwrap();
+        let (name, index) = (&take.name, frame - take.first_frame);
+        let image = image::open(folder.path().join(format!("{name}/texture_{index:05}.png"))).unwrap().into_rgb8();
+        image.pixels().map(|texel| texel.0).collect::<Vec<_>>()
+    };
+    for frame in [0, 7, 21, 39] {
+        assert_eq!(between.recorded(frame), Some(captured(frame)), "frame {frame}");
+    }
+    assert!(between.texture([0, 40], 0.5).is_none() && between.slides([40, 0]).is_none());
+    // Without gaps both ends are what was captured, and half way colours may not be the mean.
+    let whole: Vec<usize> =
+        frames.into_iter().filter(|&frame| between.texture([frame; 2], 0.3) == between.recorded(frame)).collect();
+    let [a, b] = [whole[0], whole[whole.len() - 1]];
+    assert!(b > a + 10);
+    let (first, last) = (captured(a), captured(b));
+    assert_eq!(between.texture([a, b], 0.0).unwrap(), first);
+    let apart = |x: &[[u8; 3]], y: &[[u8; 3]]| -> u64 {
+        x.iter().flatten().zip(y.iter().flatten()).map(|(x, y)| u64::from(x.abs_diff(*y))).sum()
+    };
+    // Rounding alone.
+    assert!(apart(&between.texture([a, b], 1.0).unwrap(), &last) < 50);
+    let half = between.texture([a, b], 0.5).unwrap();
+    assert!(apart(&half, &between.texture([b, a], 0.5).unwrap()) < 50);
+    let mean: Vec<[u8; 3]> =
+        first.iter().zip(&last).map(|(a, b)| [0, 1, 2].map(|c| u8::midpoint(a[c], b[c]))).collect();
+    assert!(apart(&half, &mean) > 5000 && apart(&half, &first) > 5000);
+
+    let slides = between.slides([a, b]).unwrap();
+    let known: Vec<f32> = slides.into_iter().filter(|slide| !slide.is_nan()).collect();
+    let mean = known.iter().sum::<f32>() / known.len() as f32;
+    // 1 cm is about half a texel here; two ways of at most that much.
+    assert!(known.len() > 1500 && (0.05..2.0).contains(&mean), "{} {mean}", known.len());
+    assert!(between.slides([a, a]).unwrap().iter().all(|slide| slide.is_nan() || *slide == 0.0));
+}
+
+#[test]
+fn a_truth_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = |text: Option<&str>| {
+        if let Some(text) = text {
+            std::fs::write(folder.path().join("capture.json"), text).unwrap();
+        }
+        between::options(folder.path()).unwrap_err()
+    };
+    assert!(told(None).contains("cannot be read"));
+    assert!(told(Some("{")).contains("not a truth file"));
+    let begin = r#"{"seed": 1, "artefacts": [["drift", true]]"#;
+    assert!(told(Some(&format!("{begin}}}"))).contains("earlier version"));
+    let asked = |size: &str| {
+        format!(r#"{begin}, "asked": {{"frames": 9, "vertices": 1500, "texture_size": {size}, "fps": 50}}}}"#)
+    };
+    assert!(told(Some(&asked("1000000"))).contains("--texture-size"));
+    assert!(told(Some(&asked("-1"))).contains("not a truth file"));
 }
 
 #[test]

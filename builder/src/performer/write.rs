@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::artefacts::{self, Drift, Hole, Light};
+use super::between::Asked;
 use super::figure::Figure;
 use super::mesh::vertex_normals;
 use super::motion::BEHAVIOURS;
@@ -70,6 +71,8 @@ struct Constants<'a> {
     note: &'a str,
     seed: u64,
     artefacts: [(&'a str, bool); 4],
+    /// What else the performer was asked for: with it, the same capture can be made again.
+    asked: Asked,
 }
 
 impl<'a> Writer<'a> {
@@ -109,6 +112,12 @@ impl<'a> Writer<'a> {
                    little-endian f32, frame after frame, three and one numbers a vertex, in metres in the rest pose",
             seed: options.seed,
             artefacts: [("noise", a.noise), ("drift", a.drift), ("light", a.light), ("holes", a.holes)],
+            asked: Asked {
+                frames: options.frames,
+                vertices: options.vertices,
+                texture_size: options.texture_size,
+                fps: options.fps,
+            },
         };
         writer.json("truth/capture.json", &constants)?;
         Ok(writer)

@@ -52,11 +52,21 @@ impl Similarity {
     /// Mean structural similarity of `a` and `b`, 3 values per active texel each: 1 where they are equal.
     #[must_use]
     pub fn of(&self, a: &[f32], b: &[f32]) -> f64 {
-        let channels = (0..3).map(|channel| self.of_channel(a, b, channel)).sum::<f64>();
-        channels / 3.0
+        let channels = (0..3).map(|channel| {
+            let sum: f64 = self.of_channel(a, b, channel).into_iter().map(f64::from).sum();
+            if self.texels.is_empty() { 1.0 } else { sum / self.texels.len() as f64 }
+        });
+        channels.sum::<f64>() / 3.0
     }
 
-    fn of_channel(&self, a: &[f32], b: &[f32], channel: usize) -> f64 {
+    /// Structural similarity about each active texel, as [`Self::of`] means it: the mean over channels.
+    #[must_use]
+    pub fn of_texels(&self, a: &[f32], b: &[f32]) -> Vec<f32> {
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.of_channel(a, b, channel));
+        red.iter().zip(&green).zip(&blue).map(|((red, green), blue)| (red + green + blue) / 3.0).collect()
+    }
+
+    fn of_channel(&self, a: &[f32], b: &[f32], channel: usize) -> Vec<f32> {
         let blurred = |value: &dyn Fn(f32, f32) -> f32| {
             let mut plane = vec![0.0; self.total.len()];
             for (k, &texel) in self.texels.iter().enumerate() {
@@ -69,17 +79,16 @@ impl Similarity {
         let mean_b = blurred(&|_, b| b);
         let squares = blurred(&|a, b| a * a + b * b);
         let products = blurred(&|a, b| a * b);
-        let mut sum = 0.0;
-        for &texel in &self.texels {
+        let about = |&texel: &u32| {
             let texel = texel as usize;
             let scale = 1.0 / self.total[texel];
             let (ma, mb) = (mean_a[texel] * scale, mean_b[texel] * scale);
             let variances = squares[texel] * scale - ma * ma - mb * mb;
             let covariance = products[texel] * scale - ma * mb;
             let alike = (2.0 * ma * mb + C1) * (2.0 * covariance + C2);
-            sum += f64::from(alike / ((ma * ma + mb * mb + C1) * (variances + C2)));
-        }
-        if self.texels.is_empty() { 1.0 } else { sum / self.texels.len() as f64 }
+            alike / ((ma * ma + mb * mb + C1) * (variances + C2))
+        };
+        self.texels.iter().map(about).collect()
     }
 
     /// Weighs the neighbourhood of every texel of `plane`, first along rows, then along columns.
@@ -174,6 +183,9 @@ mod tests {
         assert!((fast - slow).abs() < 1e-4, "{fast} {slow}");
         assert!((similarity.of(&a, &a) - 1.0).abs() < 1e-5);
         assert!(fast < 0.99);
+        let each = similarity.of_texels(&a, &b);
+        assert_eq!(each.len(), count);
+        assert!((each.iter().copied().map(f64::from).sum::<f64>() / count as f64 - fast).abs() < 1e-6);
     }
 
     #[test]

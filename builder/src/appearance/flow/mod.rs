@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use self::patch::{Densify, Found, Propagate, Search, Sides};
 use super::charts::Charts;
-use super::level::{BAND, Level, PATCH};
+use super::level::{BAND, Level, PAD, PATCH};
 use crate::simd::Level as Instructions;
 
 /// The coarsest level is not smaller than this, in texels.
@@ -195,25 +195,25 @@ impl FlowGrid {
             if index >= finest_search {
                 self.search(&sides, &mut current);
             }
-            if index >= finest_search || self.options.refine_full {
-                refine::refine(self.instructions, &sides, &mut current);
-            }
-            flow = Some(current);
+            let margin = if index == 0 { 0 } else { PAD };
+            flow = Some(match index >= finest_search || self.options.refine_full {
+                true => refine::refine(self.instructions, &sides, &current, margin),
+                false if index == 0 => current.map(|plane| level.cropped(&plane)),
+                false => current,
+            });
         }
         let [x, y] = flow.unwrap_or_default();
-        let finest = &self.levels[0];
-        Flow { x: finest.cropped(&x), y: finest.cropped(&y) }
+        Flow { x, y }
     }
 
     /// Makes a flow better that is nearly right, at full resolution.
     #[must_use]
     pub fn refine(&self, template: &Prepared, other: &Prepared, flow: &Flow) -> Flow {
         let level = &self.levels[0];
-        let mut current = [level.padded(&flow.x), level.padded(&flow.y)];
+        let current = [level.padded(&flow.x), level.padded(&flow.y)];
         let sides = Sides { level, template: &template.planes[0], other: &other.planes[0] };
-        refine::refine(self.instructions, &sides, &mut current);
-        let [x, y] = current;
-        Flow { x: level.cropped(&x), y: level.cropped(&y) }
+        let [x, y] = refine::refine(self.instructions, &sides, &current, 0);
+        Flow { x, y }
     }
 
     fn search(&self, sides: &Sides<'_>, flow: &mut [Vec<f32>; 2]) {

@@ -311,27 +311,29 @@ fn sampled(sides: &Sides<'_>, patch: &Patch, way: [f32; 2]) -> Option<(Block, Bl
     let (fx, fy) = (x - left, y - top);
     let first = top as usize * level.stride + left as usize;
     let mut lines = [[0.0; PATCH]; PATCH + 1];
-    let mut own = [[0.0; PATCH]; PATCH + 1];
-    for row in 0..=PATCH {
+    for (row, line) in lines.iter_mut().enumerate() {
         let start = first + row * level.stride;
         let values = &sides.other.value[start..start + PATCH + 1];
-        let labels = &level.territory[start..start + PATCH + 1];
         for k in 0..PATCH {
-            lines[row][k] = values[k] + fx * (values[k + 1] - values[k]);
-            own[row][k] = if labels[k] == patch.label && labels[k + 1] == patch.label { 1.0 } else { 0.0 };
-        }
-        if let Some(seen) = &sides.other.seen {
-            let seen = &seen[start..start + PATCH + 1];
-            for k in 0..PATCH {
-                own[row][k] *= seen[k] * seen[k + 1];
-            }
+            line[k] = values[k] + fx * (values[k + 1] - values[k]);
         }
     }
     let (mut sample, mut valid) = ([[0.0; PATCH]; PATCH], [[0.0; PATCH]; PATCH]);
     for row in 0..PATCH {
+        let start = first + row * level.stride;
+        let quads = &level.quads[start..start + PATCH];
         for k in 0..PATCH {
             sample[row][k] = lines[row][k] + fy * (lines[row + 1][k] - lines[row][k]);
-            valid[row][k] = own[row][k] * own[row + 1][k];
+            valid[row][k] = if quads[k] == patch.label { 1.0 } else { 0.0 };
+        }
+    }
+    if let Some(seen) = &sides.other.seen {
+        for (row, valid) in valid.iter_mut().enumerate() {
+            let start = first + row * level.stride;
+            let (upper, lower) = (&seen[start..start + PATCH + 1], &seen[start + level.stride..][..PATCH + 1]);
+            for k in 0..PATCH {
+                valid[k] *= upper[k] * upper[k + 1] * lower[k] * lower[k + 1];
+            }
         }
     }
     Some((sample, valid))

@@ -8,6 +8,8 @@
 //! Square tiles are relaxed one by one in the processor's cache, each with a border as wide as what a step can reach:
 //! the result is the same as without tiles.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::patch::Sides;
@@ -58,35 +60,43 @@ pub(super) fn gradients(level: &Level, plane: &[f32]) -> (Vec<f32>, Vec<f32>) {
     (across, along)
 }
 
-/// Refines `flow`, two planes of the level.
-pub(super) fn refine(instructions: Instructions, sides: &Sides<'_>, flow: &mut [Vec<f32>; 2]) {
+/// Refines `flow`, two planes of the level. What comes out has a margin of `margin` texels: [`PAD`], or none.
+pub(super) fn refine(
+    instructions: Instructions,
+    sides: &Sides<'_>,
+    flow: &[Vec<f32>; 2],
+    margin: usize,
+) -> [Vec<f32>; 2] {
     let level = sides.level;
-    let mut corners = Vec::new();
-    for y in (PAD..level.rows - PAD).step_by(CORE) {
-        for x in (PAD..level.stride - PAD).step_by(CORE) {
-            let end = (y + CORE).min(level.rows - PAD);
-            let width = CORE.min(level.stride - PAD - x);
-            let row = |y: usize| &level.labels[y * level.stride + x..y * level.stride + x + width];
-            if (y..end).any(|y| row(y).iter().any(|&label| label != 0)) {
-                corners.push((x, y));
+    let (width, height) = (level.charts.width, level.charts.height);
+    let stride = width + 2 * margin;
+    let mut refined = [(); 2].map(|()| vec![0.0; stride * (height + 2 * margin)]);
+    let [x, y] = &mut refined;
+    let inner = margin * stride..(margin + height) * stride;
+    let bands = x[inner.clone()].par_chunks_mut(CORE * stride).zip(y[inner].par_chunks_mut(CORE * stride));
+    bands.enumerate().for_each(|(band, (band_x, band_y))| {
+        let first_row = PAD + band * CORE;
+        let rows = band_x.len() / stride;
+        for column in (0..width).step_by(CORE) {
+            let columns = CORE.min(width - column);
+            let at = |row: usize| (first_row + row) * level.stride + PAD + column;
+            let active = (0..rows).any(|row| level.labels[at(row)..at(row) + columns].iter().any(|&label| label != 0));
+            let corner = (PAD + column, first_row);
+            let tile =
+                active.then(|| instructions.run(Relax { sides: *sides, flow: [&flow[0], &flow[1]], corner, rows }));
+            for row in 0..rows {
+                let to = row * stride + margin + column;
+                // A tile without active texels stays as it was.
+                let ([from_x, from_y], from) = match &tile {
+                    Some(tile) => (tile, (row + BORDER) * TILE + BORDER),
+                    None => (flow, at(row)),
+                };
+                band_x[to..to + columns].copy_from_slice(&from_x[from..from + columns]);
+                band_y[to..to + columns].copy_from_slice(&from_y[from..from + columns]);
             }
         }
-    }
-    let [flow_x, flow_y] = flow;
-    let (present_x, present_y) = (&*flow_x, &*flow_y);
-    let refined: Vec<[Vec<f32>; 2]> = corners
-        .par_iter()
-        .map(|&(x, y)| instructions.run(Relax { sides: *sides, flow: [present_x, present_y], corner: (x, y) }))
-        .collect();
-    for (&(x, y), [tile_x, tile_y]) in corners.iter().zip(&refined) {
-        for row in 0..CORE.min(level.rows - PAD - y) {
-            let width = CORE.min(level.stride - PAD - x);
-            let to = (y + row) * level.stride + x;
-            let from = (row + BORDER) * TILE + BORDER;
-            flow_x[to..to + width].copy_from_slice(&tile_x[from..from + width]);
-            flow_y[to..to + width].copy_from_slice(&tile_y[from..from + width]);
-        }
-    }
+    });
+    refined
 }
 
 /// Refines the flow in one tile, whose core begins at `corner`.
@@ -94,6 +104,8 @@ struct Relax<'a> {
     sides: Sides<'a>,
     flow: [&'a [f32]; 2],
     corner: (usize, usize),
+    /// Rows of its core that are wanted.
+    rows: usize,
 }
 
 /// What the linear system of a tile is made of.
@@ -134,15 +146,36 @@ impl Kernel for Relax<'_> {
         let start = [self.cut(self.flow[0]), self.cut(self.flow[1])];
         let terms = self.terms(&start);
         let [mut x, mut y] = start.clone();
-        for _ in 0..ROBUST_STEPS {
-            let system = system(&terms, &start, [&x, &y]);
-            relax(&system, &mut x, &mut y);
+        for step in 0..ROBUST_STEPS {
+            // Steps after this one need a little less all around.
+            let later = (ROBUST_STEPS - 1 - step) * (1 + JACOBI_STEPS);
+            let system = system(&terms, &start, [&x, &y], self.needed(later + JACOBI_STEPS - 1));
+            let (mut before_x, mut before_y) = (x.clone(), y.clone());
+            let mut weight = 1.0;
+            for step in 0..JACOBI_STEPS {
+                // Chebyshev's weights.
+                weight = match step {
+                    0 => 1.0,
+                    1 => 2.0 / (2.0 - RADIUS),
+                    _ => 4.0 / (4.0 - RADIUS * weight),
+                };
+                let rows = self.needed(later + JACOBI_STEPS - 1 - step);
+                jacobi(&system, [&x, &y], [&mut before_x, &mut before_y], weight, rows);
+                std::mem::swap(&mut x, &mut before_x);
+                std::mem::swap(&mut y, &mut before_y);
+            }
         }
         [x, y]
     }
 }
 
 impl Relax<'_> {
+    /// Rows of the tile that the core's result depends on, `reach` neighbours from now.
+    #[inline(always)]
+    fn needed(&self, reach: usize) -> Range<usize> {
+        BORDER - reach..BORDER + self.rows + reach
+    }
+
     /// The tile's part of a plane; zero beyond the plane.
     #[inline(always)]
     fn cut(&self, plane: &[f32]) -> Vec<f32> {
@@ -151,7 +184,7 @@ impl Relax<'_> {
         let (left, top) = (self.corner.0 as isize - BORDER as isize, self.corner.1 as isize - BORDER as isize);
         let skip = (-left).max(0) as usize;
         let width = (TILE as isize).min(level.stride as isize - left) as usize;
-        for row in 0..TILE {
+        for row in self.needed(BORDER) {
             let y = top + row as isize;
             if y < 0 || y >= level.rows as isize || width <= skip {
                 continue;
@@ -175,82 +208,101 @@ impl Relax<'_> {
                 valid[k] *= seen[k];
             }
         }
-        let (wx, wy) = slopes(&warped, &right, &down);
+        let (wx, wy) = slopes(&warped, &right, &down, self.needed(BORDER - 1));
         let (tx, ty) = (self.cut(&template.across), self.cut(&template.along));
         let mut x = vec![0.0; SIZE];
         let (mut y, mut xt, mut yt) = (x.clone(), x.clone(), x.clone());
-        for k in 0..SIZE {
+        let rows = self.needed(BORDER - 1);
+        for k in rows.start * TILE..rows.end * TILE {
             x[k] = 127.5 * (wx[k] + tx[k]);
             y[k] = 127.5 * (wy[k] + ty[k]);
             xt[k] = 255.0 * (wx[k] - tx[k]);
             yt[k] = 255.0 * (wy[k] - ty[k]);
             value[k] = 255.0 * (warped[k] - value[k]);
         }
-        let (xx, xy) = slopes(&x, &right, &down);
-        let (_, yy) = slopes(&y, &right, &down);
+        let rows = self.needed(BORDER - 2);
+        let (xx, xy) = slopes(&x, &right, &down, rows.clone());
+        let (_, yy) = slopes(&y, &right, &down, rows);
         Terms { x, y, t: value, xx, xy, yy, xt, yt, valid, right, down }
     }
 
     /// The other side moved by the flow, and where it stays within the chart; elsewhere the template.
     #[inline(always)]
     fn warp(&self, template: &[f32], flow: &[Vec<f32>; 2]) -> (Vec<f32>, Vec<f32>) {
-        let (level, other) = (self.sides.level, self.sides.other);
+        let level = self.sides.level;
         let (mut valid, mut warped) = (vec![0.0; SIZE], template.to_vec());
         let (left, top) = (self.corner.0 as isize - BORDER as isize, self.corner.1 as isize - BORDER as isize);
         let columns = (-left).max(0) as usize..TILE.min((level.stride as isize - left) as usize);
-        for row in 0..TILE {
+        for row in self.needed(BORDER) {
             let y = top + row as isize;
             if y < 0 || y >= level.rows as isize {
                 continue;
             }
-            for column in columns.clone() {
-                let (k, x) = (row * TILE + column, left + column as isize);
-                let label = level.labels[y as usize * level.stride + x as usize];
-                let (px, py) = (x as f32 + flow[0][k], y as f32 + flow[1][k]);
-                let (fx, fy) = (px.floor(), py.floor());
-                // Written so that NaN is outside.
-                let inside = fx >= 0.0 && fy >= 0.0 && fx < (level.stride - 1) as f32 && fy < (level.rows - 1) as f32;
-                if label == 0 || !inside {
-                    continue;
-                }
-                let at = fy as usize * level.stride + fx as usize;
-                let below = at + level.stride;
-                let own = level.territory[at] == label
-                    && level.territory[at + 1] == label
-                    && level.territory[below] == label
-                    && level.territory[below + 1] == label;
-                if own
-                    && other
-                        .seen
-                        .as_ref()
-                        .is_none_or(|seen| seen[at] * seen[at + 1] * seen[below] * seen[below + 1] > 0.0)
-                {
-                    let v = &other.value;
-                    let (sx, sy) = (px - fx, py - fy);
-                    let upper = v[at] + sx * (v[at + 1] - v[at]);
-                    let lower = v[below] + sx * (v[below + 1] - v[below]);
-                    warped[k] = upper + sy * (lower - upper);
-                    valid[k] = 1.0;
-                }
-            }
+            let of_row = row * TILE + columns.start..row * TILE + columns.end;
+            let x = left + columns.start as isize;
+            let ways = [&flow[0][of_row.clone()], &flow[1][of_row.clone()]];
+            self.warp_row((x as usize, y as usize), ways, &mut valid[of_row.clone()], &mut warped[of_row]);
         }
         (valid, warped)
     }
+
+    /// [`Self::warp`] for part of a row, which begins at texel `at`. Coordinates and colours are found in vectors, a row at
+    /// a time; between them the four texels about each place are fetched one by one.
+    #[inline(always)]
+    fn warp_row(&self, at: (usize, usize), ways: [&[f32]; 2], valid: &mut [f32], warped: &mut [f32]) {
+        let (level, other) = (self.sides.level, self.sides.other);
+        let (stride, count) = (level.stride, valid.len().min(TILE));
+        let (mut place, mut inside) = ([0_i32; TILE], [false; TILE]);
+        let (mut share_x, mut share_y) = ([0.0_f32; TILE], [0.0_f32; TILE]);
+        let (right, bottom) = ((stride - 1) as f32, (level.rows - 1) as f32);
+        for k in 0..count {
+            let (px, py) = ((at.0 + k) as f32 + ways[0][k], at.1 as f32 + ways[1][k]);
+            let (fx, fy) = (px.floor(), py.floor());
+            // Written so that NaN is outside.
+            inside[k] = fx >= 0.0 && fy >= 0.0 && fx < right && fy < bottom;
+            let (fx, fy) = if inside[k] { (fx, fy) } else { (0.0, 0.0) };
+            place[k] = fy as i32 * stride as i32 + fx as i32;
+            (share_x[k], share_y[k]) = (px - fx, py - fy);
+        }
+        let mut fetched = [[0.0_f32; TILE]; 4];
+        let mut own = [0_u32; TILE];
+        for k in 0..count {
+            let place = place[k] as usize;
+            let (upper, lower) = (&other.value[place..place + 2], &other.value[place + stride..place + stride + 2]);
+            (fetched[0][k], fetched[1][k]) = (upper[0], upper[1]);
+            (fetched[2][k], fetched[3][k]) = (lower[0], lower[1]);
+            own[k] = level.quads[place];
+            if let Some(seen) = &other.seen {
+                let (upper, lower) = (&seen[place..place + 2], &seen[place + stride..place + stride + 2]);
+                own[k] = if upper[0] * upper[1] * lower[0] * lower[1] > 0.0 { own[k] } else { 0 };
+            }
+        }
+        let labels = &level.labels[at.1 * stride + at.0..][..count];
+        let (valid, warped) = (&mut valid[..count], &mut warped[..count]);
+        for k in 0..count {
+            let upper = fetched[0][k] + share_x[k] * (fetched[1][k] - fetched[0][k]);
+            let lower = fetched[2][k] + share_x[k] * (fetched[3][k] - fetched[2][k]);
+            let colour = upper + share_y[k] * (lower - upper);
+            let known = inside[k] & (labels[k] != 0) & (own[k] == labels[k]);
+            warped[k] = if known { colour } else { warped[k] };
+            valid[k] = if known { 1.0 } else { 0.0 };
+        }
+    }
 }
 
-/// Derivatives within charts, as [`gradients`]; zero along the tile's edge.
+/// Derivatives of some rows within charts, as [`gradients`]. Those at the left and right edge mean nothing: each takes the
+/// other for its neighbour, so that all rows are whole vectors, and the border keeps them from the core.
 #[inline(always)]
-fn slopes(plane: &[f32], right: &[f32], down: &[f32]) -> (Vec<f32>, Vec<f32>) {
+fn slopes(plane: &[f32], right: &[f32], down: &[f32], rows: Range<usize>) -> (Vec<f32>, Vec<f32>) {
     let (mut across, mut along) = (vec![0.0; SIZE], vec![0.0; SIZE]);
-    const N: usize = TILE - 2;
-    for row in 1..TILE - 1 {
-        let o = row * TILE + 1;
-        let (across, along) = (&mut across[o..o + N], &mut along[o..o + N]);
-        let (here, before, after) = (&plane[o..o + N], &plane[o - 1..o - 1 + N], &plane[o + 1..o + 1 + N]);
-        let (above, below) = (&plane[o - TILE..o - TILE + N], &plane[o + TILE..o + TILE + N]);
-        let (r, l) = (&right[o..o + N], &right[o - 1..o - 1 + N]);
-        let (d, u) = (&down[o..o + N], &down[o - TILE..o - TILE + N]);
-        for k in 0..N {
+    for row in rows {
+        let o = row * TILE;
+        let (across, along) = (&mut across[o..o + TILE], &mut along[o..o + TILE]);
+        let (here, before, after) = (&plane[o..o + TILE], &plane[o - 1..o - 1 + TILE], &plane[o + 1..o + 1 + TILE]);
+        let (above, below) = (&plane[o - TILE..o], &plane[o + TILE..o + 2 * TILE]);
+        let (r, l) = (&right[o..o + TILE], &right[o - 1..o - 1 + TILE]);
+        let (d, u) = (&down[o..o + TILE], &down[o - TILE..o]);
+        for k in 0..TILE {
             across[k] = (r[k] * (after[k] - here[k]) + l[k] * (here[k] - before[k])) / (r[k] + l[k]).max(1.0);
             along[k] = (d[k] * (below[k] - here[k]) + u[k] * (here[k] - above[k])) / (d[k] + u[k]).max(1.0);
         }
@@ -258,13 +310,13 @@ fn slopes(plane: &[f32], right: &[f32], down: &[f32]) -> (Vec<f32>, Vec<f32>) {
     (across, along)
 }
 
-/// The linear system about the flow `start`, its robust weights taken at the flow `now`.
+/// The linear system of some rows about the flow `start`, its robust weights taken at the flow `now`.
 #[inline(always)]
-fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2]) -> System {
+fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2], rows: Range<usize>) -> System {
     let zero = || vec![0.0; SIZE];
     let mut system = System { xx: zero(), xy: zero(), yy: zero(), bx: zero(), by: zero(), right: zero(), down: zero() };
     let mut robust = zero();
-    for k in 0..SIZE {
+    for k in rows.start * TILE..rows.end * TILE {
         let (dx, dy) = (now[0][k] - start[0][k], now[1][k] - start[1][k]);
         let (x, y, t) = (terms.x[k], terms.y[k], terms.t[k]);
         let scale = 1.0 / (x * x + y * y + NOISE);
@@ -287,53 +339,38 @@ fn system(terms: &Terms, start: &[Vec<f32>; 2], now: [&[f32]; 2]) -> System {
         system.bx[k] = a11 * sx + a12 * sy - (b * x * t + gx * xx * xt + gy * xy * yt);
         system.by[k] = a12 * sx + a22 * sy - (b * y * t + gx * xy * xt + gy * yy * yt);
     }
-    let (ux, uy) = slopes(now[0], &terms.right, &terms.down);
-    let (vx, vy) = slopes(now[1], &terms.right, &terms.down);
-    for k in 0..SIZE {
+    // Links go to the rows above and below.
+    let (around, above) = (rows.start - 1..rows.end + 1, rows.start - 1..rows.end);
+    let (ux, uy) = slopes(now[0], &terms.right, &terms.down, around.clone());
+    let (vx, vy) = slopes(now[1], &terms.right, &terms.down, around.clone());
+    for k in around.start * TILE..around.end * TILE {
         let steep = ux[k] * ux[k] + uy[k] * uy[k] + vx[k] * vx[k] + vy[k] * vy[k];
         robust[k] = SMOOTHNESS / (steep + EPSILON).sqrt();
     }
-    for k in 0..SIZE - TILE {
+    for k in above.start * TILE..above.end * TILE {
         system.right[k] = 0.5 * terms.right[k] * (robust[k] + robust[k + 1]);
         system.down[k] = 0.5 * terms.down[k] * (robust[k] + robust[k + TILE]);
     }
     system
 }
 
-/// Jacobi steps with Chebyshev weights on the flow `x`, `y`.
+/// One step of some rows from the flow `now`; `before` comes in as the flow before it and goes out as the flow after it.
 #[inline(always)]
-fn relax(system: &System, x: &mut Vec<f32>, y: &mut Vec<f32>) {
-    let (mut before_x, mut before_y) = (x.clone(), y.clone());
-    let mut weight = 1.0;
-    for step in 0..JACOBI_STEPS {
-        weight = match step {
-            0 => 1.0,
-            1 => 2.0 / (2.0 - RADIUS),
-            _ => 4.0 / (4.0 - RADIUS * weight),
-        };
-        jacobi(system, [x, y], [&mut before_x, &mut before_y], weight);
-        std::mem::swap(x, &mut before_x);
-        std::mem::swap(y, &mut before_y);
-    }
-}
-
-/// One step from the flow `now`; `before` comes in as the flow before it and goes out as the flow after it.
-#[inline(always)]
-fn jacobi(system: &System, now: [&[f32]; 2], before: [&mut [f32]; 2], weight: f32) {
-    const N: usize = TILE - 2;
+fn jacobi(system: &System, now: [&[f32]; 2], before: [&mut [f32]; 2], weight: f32, rows: Range<usize>) {
     let [next_x, next_y] = before;
-    for row in 1..TILE - 1 {
-        let o = row * TILE + 1;
-        let (r, l) = (&system.right[o..o + N], &system.right[o - 1..o - 1 + N]);
-        let (d, u) = (&system.down[o..o + N], &system.down[o - TILE..o - TILE + N]);
-        let (a11, a12, a22) = (&system.xx[o..o + N], &system.xy[o..o + N], &system.yy[o..o + N]);
-        let (bx, by) = (&system.bx[o..o + N], &system.by[o..o + N]);
-        let (x_r, x_l) = (&now[0][o + 1..o + 1 + N], &now[0][o - 1..o - 1 + N]);
-        let (x_d, x_u) = (&now[0][o + TILE..o + TILE + N], &now[0][o - TILE..o - TILE + N]);
-        let (y_r, y_l) = (&now[1][o + 1..o + 1 + N], &now[1][o - 1..o - 1 + N]);
-        let (y_d, y_u) = (&now[1][o + TILE..o + TILE + N], &now[1][o - TILE..o - TILE + N]);
-        let (x, y) = (&mut next_x[o..o + N], &mut next_y[o..o + N]);
-        for k in 0..N {
+    for row in rows {
+        // Whole rows: as in [`slopes`], the outermost columns mean nothing.
+        let o = row * TILE;
+        let (r, l) = (&system.right[o..o + TILE], &system.right[o - 1..o - 1 + TILE]);
+        let (d, u) = (&system.down[o..o + TILE], &system.down[o - TILE..o]);
+        let (a11, a12, a22) = (&system.xx[o..o + TILE], &system.xy[o..o + TILE], &system.yy[o..o + TILE]);
+        let (bx, by) = (&system.bx[o..o + TILE], &system.by[o..o + TILE]);
+        let (x_r, x_l) = (&now[0][o + 1..o + 1 + TILE], &now[0][o - 1..o - 1 + TILE]);
+        let (x_d, x_u) = (&now[0][o + TILE..o + 2 * TILE], &now[0][o - TILE..o]);
+        let (y_r, y_l) = (&now[1][o + 1..o + 1 + TILE], &now[1][o - 1..o - 1 + TILE]);
+        let (y_d, y_u) = (&now[1][o + TILE..o + 2 * TILE], &now[1][o - TILE..o]);
+        let (x, y) = (&mut next_x[o..o + TILE], &mut next_y[o..o + TILE]);
+        for k in 0..TILE {
             let links = r[k] + l[k] + d[k] + u[k];
             let p = bx[k] + r[k] * x_r[k] + l[k] * x_l[k] + d[k] * x_d[k] + u[k] * x_u[k];
             let q = by[k] + r[k] * y_r[k] + l[k] * y_l[k] + d[k] * y_d[k] + u[k] * y_u[k];

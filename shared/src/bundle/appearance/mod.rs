@@ -64,10 +64,16 @@ impl StoredAppearance {
     /// The texture of a frame as the player rebuilds it, by `cycles` multigrid cycles: three values per active texel.
     #[must_use]
     pub fn texture(&self, frame: u32, cycles: usize) -> Vec<f32> {
+        self.between([frame; 2], 0.0, cycles)
+    }
+
+    /// The texture `lambda` of the way from the first frame to the second: their coefficients are interpolated.
+    #[must_use]
+    pub fn between(&self, [from, to]: [u32; 2], lambda: f32, cycles: usize) -> Vec<f32> {
         let Self { mask, layers, .. } = self;
         let field = |layer: usize| {
             let own: &Layer = &layers[layer];
-            own.rebuild(mask, &self.modes[layer], &own.weights(frame, frame, 0.0), SIDE)
+            own.rebuild(mask, &self.modes[layer], &own.weights(from, to, lambda), SIDE)
         };
         let cell = (1 << layers[1].level) as f32;
         let aligned = Aligned { texture: field(0), warp: field(1), texel: 1.0, cell, fill: [0.5; 3] };
