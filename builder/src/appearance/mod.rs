@@ -24,6 +24,7 @@ pub mod pca;
 pub mod prepare;
 pub mod reference;
 mod sampling;
+mod screened;
 pub mod seams;
 pub mod store;
 pub mod stored;

@@ -13,24 +13,22 @@
 
 use super::charts::Charts;
 use super::flow::Flow;
-use super::level::{Level, PAD};
+use super::level::Level;
 use super::sampling::{Places, Plane, sample};
-use crate::simd::{Kernel, Level as Instructions};
+use super::screened::{self, Stretches};
+use crate::simd::Level as Instructions;
 
 /// Weight of colours against gradients (thesis 4.4.1).
 pub const COLOUR_WEIGHT: f32 = 0.02;
-/// Steps of conjugate gradients at most.
-const MOST_STEPS: usize = 60;
 /// Steps of the fixed-point iteration for the inverse of a warp.
 const INVERSE_STEPS: usize = 8;
-/// The residual that is left, as a part of the first one.
-const TOLERANCE: f64 = 2e-3;
 
 /// Moves textures over one atlas.
 #[derive(Clone, Debug)]
 pub struct Warper {
     level: Level,
     places: Places,
+    stretches: Stretches,
     instructions: Instructions,
 }
 
@@ -49,7 +47,12 @@ impl Warper {
     #[must_use]
     pub fn new(charts: &Charts) -> Self {
         let level = Level::new(charts.clone());
-        Self { places: Places::new(&level), level, instructions: Instructions::best() }
+        Self {
+            places: Places::new(&level),
+            stretches: Stretches::new(&level),
+            level,
+            instructions: Instructions::best(),
+        }
     }
 
     /// Number of active texels.
@@ -83,9 +86,9 @@ impl Warper {
                 let divergence = self.divergence(&plane, &colours, warp);
                 for channel in 0..channels {
                     let right: Vec<f32> = divergence.iter().map(|more| more[channel]).collect();
-                    let correction = self.solve(&right);
+                    let z = screened::solve(&self.level, &self.stretches, COLOUR_WEIGHT, right, self.instructions);
                     for (&place, result) in self.places.index.iter().zip(result.chunks_exact_mut(channels)) {
-                        result[channel] = correction[place as usize] + colours[place as usize][channel];
+                        result[channel] = z.re[place as usize] + colours[place as usize][channel];
                     }
                 }
             }
@@ -182,174 +185,6 @@ impl Warper {
             }
         });
         divergence
-    }
-
-    /// The real part of the solution z of `(L - i weight) z = right`, by conjugate gradients without conjugation
-    /// (van der Vorst, Melissen 1990), which fit symmetric complex matrices.
-    fn solve(&self, right: &[f32]) -> Vec<f32> {
-        let level = &self.level;
-        let dot = |a: &[f32], b: &[f32]| self.instructions.run(Dot { level, a, b });
-        // u^T v of complex vectors.
-        let product =
-            |u: &Complex, v: &Complex| (dot(&u.re, &v.re) - dot(&u.im, &v.im), dot(&u.re, &v.im) + dot(&u.im, &v.re));
-        let mut x = Complex::zero(right.len());
-        let mut residual = Complex { re: right.to_vec(), im: vec![0.0; right.len()] };
-        let mut direction = residual.clone();
-        let mut image = Complex::zero(right.len());
-        let mut squares = product(&residual, &residual);
-        let enough = TOLERANCE * TOLERANCE * squares.0;
-        for _ in 0..MOST_STEPS {
-            if squares == (0.0, 0.0) {
-                break;
-            }
-            self.instructions.run(Laplacian { level, input: &direction.re, output: &mut image.re });
-            self.instructions.run(Laplacian { level, input: &direction.im, output: &mut image.im });
-            self.instructions.run(Add { weight: COLOUR_WEIGHT, from: &direction.im, to: &mut image.re });
-            self.instructions.run(Add { weight: -COLOUR_WEIGHT, from: &direction.re, to: &mut image.im });
-            let step = divide(squares, product(&direction, &image));
-            self.add(step, &direction, &mut x);
-            self.add((-step.0, -step.1), &image, &mut residual);
-            let length = dot(&residual.re, &residual.re) + dot(&residual.im, &residual.im);
-            if length <= enough {
-                break;
-            }
-            let next = product(&residual, &residual);
-            let (re, im) = divide(next, squares);
-            self.instructions.run(Turn {
-                re: re as f32,
-                im: im as f32,
-                residual: &residual,
-                direction: &mut direction,
-            });
-            squares = next;
-        }
-        x.re
-    }
-
-    /// `to += factor * from`, all complex.
-    fn add(&self, factor: (f64, f64), from: &Complex, to: &mut Complex) {
-        let (re, im) = (factor.0 as f32, factor.1 as f32);
-        self.instructions.run(Add { weight: re, from: &from.re, to: &mut to.re });
-        self.instructions.run(Add { weight: -im, from: &from.im, to: &mut to.re });
-        self.instructions.run(Add { weight: re, from: &from.im, to: &mut to.im });
-        self.instructions.run(Add { weight: im, from: &from.re, to: &mut to.im });
-    }
-}
-
-#[derive(Clone)]
-struct Complex {
-    re: Vec<f32>,
-    im: Vec<f32>,
-}
-
-impl Complex {
-    fn zero(length: usize) -> Self {
-        Self { re: vec![0.0; length], im: vec![0.0; length] }
-    }
-}
-
-/// a / b of complex numbers.
-fn divide(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    let length = b.0 * b.0 + b.1 * b.1;
-    ((a.0 * b.0 + a.1 * b.1) / length, (a.1 * b.0 - a.0 * b.1) / length)
-}
-
-/// `direction = residual + (re + i im) direction`.
-struct Turn<'a> {
-    re: f32,
-    im: f32,
-    residual: &'a Complex,
-    direction: &'a mut Complex,
-}
-
-impl Kernel for Turn<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { re, im, residual, direction } = self;
-        let parts = direction.re.iter_mut().zip(&mut direction.im);
-        for ((x, y), (rx, ry)) in parts.zip(residual.re.iter().zip(&residual.im)) {
-            (*x, *y) = (rx + re * *x - im * *y, ry + re * *y + im * *x);
-        }
-    }
-}
-
-/// The graph Laplacian: the sum of differences to linked texels.
-struct Laplacian<'a> {
-    level: &'a Level,
-    input: &'a [f32],
-    output: &'a mut [f32],
-}
-
-impl Kernel for Laplacian<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { level, input, output } = self;
-        let (stride, n) = (level.stride, level.stride - 2 * PAD);
-        for row in PAD..level.rows - PAD {
-            let o = row * stride + PAD;
-            let out = &mut output[o..o + n];
-            let (here, before, after) = (&input[o..o + n], &input[o - 1..o - 1 + n], &input[o + 1..o + 1 + n]);
-            let (above, below) = (&input[o - stride..o - stride + n], &input[o + stride..o + stride + n]);
-            let (r, l) = (&level.right[o..o + n], &level.right[o - 1..o - 1 + n]);
-            let (d, u) = (&level.down[o..o + n], &level.down[o - stride..o - stride + n]);
-            for k in 0..n {
-                out[k] = r[k] * (after[k] - here[k])
-                    + l[k] * (before[k] - here[k])
-                    + d[k] * (below[k] - here[k])
-                    + u[k] * (above[k] - here[k]);
-            }
-        }
-    }
-}
-
-/// The sum of products, in a fixed order: lanes along each row, rows one after the other.
-struct Dot<'a> {
-    level: &'a Level,
-    a: &'a [f32],
-    b: &'a [f32],
-}
-
-impl Kernel for Dot<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn run(self) -> f64 {
-        const LANES: usize = 16;
-        let mut total = 0.0;
-        for (a, b) in self.a.chunks_exact(self.level.stride).zip(self.b.chunks_exact(self.level.stride)) {
-            let mut lanes = [0.0_f32; LANES];
-            let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-            let rest: f32 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-            for (a, b) in a.zip(b) {
-                for k in 0..LANES {
-                    lanes[k] += a[k] * b[k];
-                }
-            }
-            total += f64::from(rest + lanes.iter().sum::<f32>());
-        }
-        total
-    }
-}
-
-/// `to += weight * from`.
-struct Add<'a> {
-    weight: f32,
-    from: &'a [f32],
-    to: &'a mut [f32],
-}
-
-impl Kernel for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for (to, from) in self.to.iter_mut().zip(self.from) {
-            *to += self.weight * from;
-        }
     }
 }
 
