@@ -27,6 +27,8 @@ const LOSS: f64 = 0.003;
 const ATTEMPTS: usize = 4;
 /// How much finer.
 const FINER: f32 = 0.7;
+/// Part of the bytes that is as good as all.
+const ALL_BUT_FULL: f32 = 0.95;
 
 /// The warps as they will be stored.
 ///
@@ -96,12 +98,12 @@ pub fn choose(
     let mut quality = AppearanceQuality { warp_step: WARP_STEP, most_bytes, ..AppearanceQuality::default() };
     let mut found = stored_quality(source, charts, model, quality, frames)?;
     for _ in 0..ATTEMPTS {
-        // Finer steps need about as many more bytes as they are finer.
-        let room = found.bytes_per_frame / f64::from(FINER) <= MOST_BYTES as f64;
-        if found.ssim >= ENOUGH.min(before - LOSS) || !room {
+        // Finer steps need no more than as many more bytes as they are finer.
+        let full = (found.bytes_per_frame / MOST_BYTES as f64) as f32;
+        if found.ssim >= ENOUGH.min(before - LOSS) || full > ALL_BUT_FULL {
             break;
         }
-        quality.texture_step *= FINER;
+        quality.texture_step *= FINER.max(full);
         found = stored_quality(source, charts, model, quality, frames)?;
     }
     Ok((quality, found))
