@@ -323,7 +323,7 @@ mod tests {
         let (width, height) = (101, 60);
         let label = |x: usize, y: usize| match (x, y) {
             (2..30, 3..50) => 1,
-            (60..101, 20..60) if (x + y) % 17 != 0 => 2,
+            (60..101, 20..60) if !(x + y).is_multiple_of(17) => 2,
             _ => 0,
         };
         let labels = (0..width * height).map(|k| label(k % width, k / width)).collect();
