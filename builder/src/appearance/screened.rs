@@ -350,8 +350,15 @@ mod tests {
     #[test]
     fn the_equation_holds() {
         let level = level();
-        let right: Vec<f32> =
-            (0..level.labels.len()).map(|at| if level.labels[at] != 0 { noise(at) - 0.5 } else { 0.0 }).collect();
+        // A divergence, as in warping: what flows out of a texel flows into the next one.
+        let mut right = vec![0.0; level.labels.len()];
+        for at in (0..right.len()).filter(|&at| level.labels[at] != 0) {
+            for (linked, other) in [(level.right[at], at + 1), (level.down[at], at + level.stride)] {
+                let flow = linked * (noise(at + other) - 0.5);
+                right[at] += flow;
+                right[other] -= flow;
+            }
+        }
         let size = right.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>().sqrt();
         let all: Vec<Complex> = Instructions::available()
             .into_iter()
