@@ -83,8 +83,8 @@ pub struct PackArguments {
     #[arg(long, value_name = "METRES")]
     pub max_error: Option<f32>,
     /// What becomes of textures that change from frame to frame. Eigen maps look as captured and do not ghost in
-    /// transitions, but take minutes; at 1024 x 1024, storing captures of fewer than some 300 frames in 8 KB a frame costs
-    /// detail: see docs/appearance.md.
+    /// transitions, but take minutes, and storing them in 8 KB a frame costs some detail at 1024 x 1024: see
+    /// docs/appearance.md.
     #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
     pub appearance: AppearanceKind,
     /// Eigen textures and Eigen warps together; two in three are textures.
