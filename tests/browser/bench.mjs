@@ -108,10 +108,16 @@ function searching(element) {
   return figures;
 }
 
+/** Waits until everything is loaded and every thumbnail is drawn. */
+async function allThere(player) {
+  await player.loaded();
+  await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
+}
+
 /** The longest turns of the main thread, by its own time and by the clock, while the path tool searches and the actor moves. */
 async function turns(browser) {
   const player = await browser.open({ forgive: [/Device was destroyed/] });
-  await player.loaded();
+  await allThere(player);
   await player.run((element) => (element.tool = 'path'));
   const target = { path: { points: [[0, 0], [2, 1], [0, 3], [-2, 1], [0, 0], [3, 3]], shape: 'spline' } };
   const found = await turnsDuring(browser.chromium, player.page, async () => {
@@ -125,9 +131,8 @@ async function turns(browser) {
 
 const browser = await Browser.launch();
 const player = await browser.open({ forgive: [/Device was destroyed/] });
-await player.loaded();
+await allThere(player);
 await player.run((element) => element.pause());
-await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
 // The first run warms the code up.
 await player.run((element) => element.testing.player.bench());
 const figures = {
