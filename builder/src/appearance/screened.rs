@@ -18,8 +18,8 @@ const LANES: usize = 16;
 /// The rows of a level's planes that have active texels, by the stretches that do.
 #[derive(Clone, Debug)]
 pub(super) struct Stretches {
-    /// First and last texel but one of each stretch: they begin whole [`LANES`] from their row's beginning and end so too,
-    /// or with the row.
+    /// The first texel of each stretch and the one after its last: both whole [`LANES`] from the beginning of their row,
+    /// or at its end.
     ends: Vec<[u32; 2]>,
     /// For each row that has any, where its stretches begin in `ends`, and the end of all.
     rows: Vec<u32>,
@@ -82,6 +82,7 @@ pub(super) fn solve(
     let (mut x, mut image) = (Complex::zero(length), Complex::zero(length));
     let mut residual = Complex { im: vec![0.0; length], re: right };
     let mut direction = residual.clone();
+    // No step yet: only what the residual comes to.
     let first = Advance {
         stretches,
         step: (0.0, 0.0),
