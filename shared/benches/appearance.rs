@@ -38,21 +38,25 @@ fn appearance(criterion: &mut Criterion) {
     drop(model);
     let reader = BundleReader::from_bytes(&bytes).unwrap();
     let appearance = reader.appearance().unwrap();
-    let read = |ordinal: u32| -> (usize, Mode) {
+    let read = |decoder: &mut ModeDecoder, ordinal: u32| -> (usize, Mode) {
         let (layer, _) = appearance.place(ordinal).unwrap();
         let bytes = reader.mode_bytes(ordinal).unwrap();
-        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX);
-        (layer, mode.unwrap().unwrap())
+        (layer, decoder.advance(bytes, appearance, layer, usize::MAX).unwrap().unwrap())
     };
     let mut group = criterion.benchmark_group("appearance");
     group.sample_size(10);
-    group.bench_function("mean texture read", |bencher| bencher.iter(|| black_box(read(0))));
-    group.bench_function("all modes read", |bencher| {
-        bencher.iter(|| (0..appearance.section_count()).for_each(|ordinal| drop(black_box(read(ordinal)))));
+    group.bench_function("mean texture read", |bencher| {
+        bencher.iter(|| black_box(read(&mut ModeDecoder::default(), 0)))
     });
-    let mut modes = [Vec::new(), Vec::new()];
+    group.bench_function("all modes read", |bencher| {
+        bencher.iter(|| {
+            let mut decoder = ModeDecoder::default();
+            (0..appearance.section_count()).for_each(|ordinal| drop(black_box(read(&mut decoder, ordinal))));
+        });
+    });
+    let (mut modes, mut decoder) = ([Vec::new(), Vec::new()], ModeDecoder::default());
     for ordinal in 0..appearance.section_count() {
-        let (layer, mode) = read(ordinal);
+        let (layer, mode) = read(&mut decoder, ordinal);
         modes[layer].push(mode);
     }
     let entries: usize = modes.iter().flatten().map(|mode| mode.entries.len()).sum();

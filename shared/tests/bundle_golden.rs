@@ -24,7 +24,8 @@ const GOLDEN: &[u8] = include_bytes!("golden/v1.1.reprise");
 /// What earlier versions wrote.
 const GOLDEN_1_0: &[u8] = include_bytes!("golden/v1.0.reprise");
 const GOLDEN_WITH_CONTACTS: &[u8] = include_bytes!("golden/v1.2.reprise");
-const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.1-appearance.reprise");
+const GOLDEN_WITH_EARLIER_APPEARANCE: &[u8] = include_bytes!("golden/v1.1-appearance.reprise");
+const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.3-appearance.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
 fn pyramid() -> Capture {
@@ -120,28 +121,47 @@ fn the_writer_of_appearance_has_not_changed() {
 
 #[test]
 fn version_1_1_can_be_read() {
-    let reader = BundleReader::from_bytes(GOLDEN_WITH_APPEARANCE).unwrap();
-    assert_eq!(validate(GOLDEN_WITH_APPEARANCE), []);
+    assert_eq!(
+        looks_checksum(GOLDEN_WITH_EARLIER_APPEARANCE),
+        EARLIER_MODES_CHECKSUM,
+        "decoded modes are not the same"
+    );
+}
+
+#[test]
+fn version_1_3_can_be_read() {
+    assert_eq!(looks_checksum(GOLDEN_WITH_APPEARANCE), MODES_CHECKSUM, "decoded modes are not the same");
+}
+
+/// Of all decoded modes, coefficients and scales, bit for bit.
+fn looks_checksum(golden: &[u8]) -> u32 {
+    let reader = BundleReader::from_bytes(golden).unwrap();
+    assert_eq!(validate(golden), []);
     let appearance = reader.appearance().unwrap();
     assert_eq!((appearance.size, appearance.material), ([40, 18], 0));
     let active: Vec<bool> = appearance.mask.full().flags.iter().map(|flags| flags & 1 == 1).collect();
     assert_eq!(active, looks().active);
-    let mut hasher = crc32fast::Hasher::new();
+    let (mut hasher, mut decoder) = (crc32fast::Hasher::new(), ModeDecoder::default());
     for ordinal in 0..appearance.section_count() {
         let (layer, _) = appearance.place(ordinal).unwrap();
         let bytes = reader.mode_bytes(ordinal).unwrap();
-        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX).unwrap().unwrap();
+        let mode = decoder.advance(bytes, appearance, layer, usize::MAX).unwrap().unwrap();
         hasher.update(bytemuck::cast_slice(&mode.offsets));
         hasher.update(bytemuck::cast_slice(&mode.entries));
     }
     for layer in &appearance.layers {
         hasher.update(bytemuck::cast_slice(&layer.coefficients));
     }
-    assert_eq!(hasher.finalize(), MODES_CHECKSUM, "decoded modes are not the same bit for bit");
+    // Versions before 1.3 have the same steps everywhere.
+    for layer in appearance.layers.iter().filter(|layer| layer.scales.iter().any(|&scale| scale != 1.0)) {
+        hasher.update(bytemuck::cast_slice(&layer.scales));
+    }
+    hasher.finalize()
 }
 
-/// CRC-32 of all decoded modes and coefficients.
-const MODES_CHECKSUM: u32 = 1_235_211_428;
+/// CRC-32 of all decoded modes, coefficients and scales.
+const EARLIER_MODES_CHECKSUM: u32 = 1_235_211_428;
+const MODES_CHECKSUM: u32 = 3_815_803_761;
 
 /// The common graph with costs and placements that are whole numbers over powers of two.
 fn graph_without_transcendentals(capture: &Capture) -> shared::graph::EssentialGraph {

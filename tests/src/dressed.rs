@@ -150,10 +150,11 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
 pub fn modes(reader: &BundleReader) -> Result<[Vec<Mode>; 2]> {
     let appearance = reader.appearance().context("the bundle has no appearance")?;
     let mut modes = [Vec::new(), Vec::new()];
+    let mut decoder = ModeDecoder::default();
     for ordinal in 0..appearance.section_count() {
         let (layer, _) = appearance.place(ordinal).context("no such mode")?;
         let bytes = reader.mode_bytes(ordinal).context("a mode is missing")?;
-        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX);
+        let mode = decoder.advance(bytes, appearance, layer, usize::MAX);
         modes[layer].push(mode.map_err(anyhow::Error::msg)?.context("a mode is not complete")?);
     }
     Ok(modes)

@@ -37,6 +37,8 @@ pub struct Layer {
     pub blocks: Vec<Block>,
     /// Step of the mean's waves, then of each mode's.
     pub steps: Vec<f32>,
+    /// How much larger the steps of each stored block are.
+    pub scales: Vec<f32>,
     /// Coefficients, frame by frame, one per mode.
     pub coefficients: Vec<f32>,
 }
@@ -125,7 +127,8 @@ impl Layer {
                 *wave = wave.wrapping_add((value as f32 * (weight * ONE)).round_ties_even() as i32);
             }
         }
-        let scale = |channel: usize| if channel > 0 && self.channels == 3 { CHROMA / ONE } else { 1.0 / ONE };
+        let own = self.scales.get(block).copied().unwrap_or(1.0) / ONE;
+        let scale = |channel: usize| if channel > 0 && self.channels == 3 { CHROMA * own } else { own };
         std::array::from_fn(|channel| sum[channel].map(|wave| wave as f32 * scale(channel)))
     }
 

@@ -66,6 +66,31 @@ impl Similarity {
         red.iter().zip(&green).zip(&blue).map(|((red, green), blue)| (red + green + blue) / 3.0).collect()
     }
 
+    /// How much an error of `texture` counts about each active texel: one over the square that lowers similarity to a half
+    /// there, mean over channels. Where there is much to see, errors are hard to see.
+    #[must_use]
+    pub fn sensitivity(&self, texture: &[f32]) -> Vec<f32> {
+        let of = |channel: usize| -> Vec<f32> {
+            let blurred = |power: i32| {
+                let mut plane = vec![0.0; self.total.len()];
+                for (k, &texel) in self.texels.iter().enumerate() {
+                    plane[texel as usize] = texture[3 * k + channel].powi(power);
+                }
+                self.blur(&mut plane);
+                plane
+            };
+            let (means, squares) = (blurred(1), blurred(2));
+            let about = |&texel: &u32| {
+                let scale = 1.0 / self.total[texel as usize];
+                let mean = means[texel as usize] * scale;
+                1.0 / (2.0 * (squares[texel as usize] * scale - mean * mean).max(0.0) + C2)
+            };
+            self.texels.iter().map(about).collect()
+        };
+        let [red, green, blue] = [0, 1, 2].map(of);
+        red.iter().zip(&green).zip(&blue).map(|((red, green), blue)| (red + green + blue) / 3.0).collect()
+    }
+
     fn of_channel(&self, a: &[f32], b: &[f32], channel: usize) -> Vec<f32> {
         let blurred = |value: &dyn Fn(f32, f32) -> f32| {
             let mut plane = vec![0.0; self.total.len()];
@@ -192,5 +217,26 @@ mod tests {
     fn errors_are_means_of_squares() {
         assert!((mean_square_error(&[0.0, 1.0], &[0.0, 0.5]) - 0.125).abs() < 1e-12);
         assert!((psnr(0.01) - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn errors_count_most_where_nothing_is_to_be_seen() {
+        let (width, height) = (40_usize, 12_usize);
+        let value = |k: usize| if k % width < 20 { 0.5 } else { ((k % width + k / width) % 2) as f32 };
+        let texture: Vec<f32> = (0..width * height).flat_map(|k| [value(k); 3]).collect();
+        let similarity = Similarity::new(width as u32, &vec![true; width * height]);
+        let counts = similarity.sensitivity(&texture);
+        assert!((counts[0] * 9e-4 - 1.0).abs() < 0.01, "{}", counts[0]);
+        // Ones and noughts in turn have a variance of a quarter.
+        assert!((counts[6 * width + 30] - 1.0 / (0.5 + 9e-4)).abs() < 0.05, "{}", counts[6 * width + 30]);
+        // What a small error that is seen nowhere else takes from similarity, in both.
+        for (texel, error) in [(6 * width + 8, 1e-3), (6 * width + 30, 1e-2)] {
+            let noisy: Vec<f32> = (0..texture.len())
+                .map(|k| texture[k] + if (k / 3 + k / 3 / width / 2).is_multiple_of(2) { error } else { -error })
+                .collect();
+            let lost = 1.0 - similarity.of_texels(&texture, &noisy)[texel];
+            let told = error * error * counts[texel];
+            assert!(lost > 0.5 * told && lost < 1.5 * told, "{texel}: {lost} {told}");
+        }
     }
 }

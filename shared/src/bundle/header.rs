@@ -9,7 +9,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 2;
+pub const VERSION_MINOR: u16 = 3;
 
 /// Bytes before the section table.
 pub(super) const FIXED_BYTES: usize = 48;
@@ -37,13 +37,21 @@ pub enum Kind {
     Order,
     /// The welded vertex of each vertex of the input files.
     FileVertices,
-    /// What all frames' textures share, and each frame's coefficients. Since 1.1.
+    /// As `Appearance`, with all blocks in the same steps. Since 1.1; written until 1.2.
+    EarlierAppearance,
+    /// As `AppearanceMode`, coded without a look at other modes. Since 1.1; written until 1.2.
+    EarlierMode,
+    /// As `EarlierAppearance`, of textures that were not aligned. Since 1.2; not written since.
+    EarlierNaive,
+    /// As `EarlierMode`, of [`Kind::EarlierNaive`]. Since 1.2; not written since.
+    EarlierNaiveMode,
+    /// What all frames' textures share, and each frame's coefficients. Since 1.3.
     Appearance,
-    /// The mean of the textures or of the warps, or one of their modes. Since 1.1.
+    /// The mean of the textures or of the warps, or one of their modes. Since 1.3.
     AppearanceMode,
-    /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.2.
+    /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.3.
     Naive,
-    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.2.
+    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.3.
     NaiveMode,
     /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
@@ -53,7 +61,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 18] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -62,6 +70,10 @@ impl Kind {
         Self::Graph,
         Self::Order,
         Self::FileVertices,
+        Self::EarlierAppearance,
+        Self::EarlierMode,
+        Self::EarlierNaive,
+        Self::EarlierNaiveMode,
         Self::Appearance,
         Self::AppearanceMode,
         Self::Naive,
@@ -82,10 +94,14 @@ impl Kind {
             Self::Graph => 6,
             Self::Order => 7,
             Self::FileVertices => 8,
-            Self::Appearance => 32,
-            Self::AppearanceMode => 33,
-            Self::Naive => 34,
-            Self::NaiveMode => 35,
+            Self::EarlierAppearance => 32,
+            Self::EarlierMode => 33,
+            Self::EarlierNaive => 34,
+            Self::EarlierNaiveMode => 35,
+            Self::Appearance => 36,
+            Self::AppearanceMode => 37,
+            Self::Naive => 38,
+            Self::NaiveMode => 39,
             Self::Motion => 64,
             Self::Contacts => 65,
         }
@@ -109,6 +125,10 @@ impl Kind {
             Self::Graph => "graph",
             Self::Order => "order",
             Self::FileVertices => "file-vertices",
+            Self::EarlierAppearance => "earlier-appearance",
+            Self::EarlierMode => "earlier-mode",
+            Self::EarlierNaive => "earlier-naive",
+            Self::EarlierNaiveMode => "earlier-naive-mode",
             Self::Appearance => "appearance",
             Self::AppearanceMode => "appearance-mode",
             Self::Naive => "naive",
@@ -121,15 +141,17 @@ impl Kind {
     /// Whether a bundle may hold several of it, told apart by their ordinals.
     #[must_use]
     pub fn is_repeated(self) -> bool {
-        matches!(self, Self::Geometry | Self::Image | Self::AppearanceMode | Self::NaiveMode)
+        let modes = [Self::EarlierMode, Self::EarlierNaiveMode, Self::AppearanceMode, Self::NaiveMode];
+        matches!(self, Self::Geometry | Self::Image) || modes.contains(&self)
     }
 
     /// The minor version that brought it.
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
-            Self::Contacts | Self::Naive | Self::NaiveMode => 2,
-            Self::Appearance | Self::AppearanceMode | Self::Motion => 1,
+            Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,
+            Self::Contacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,
+            Self::EarlierAppearance | Self::EarlierMode | Self::Motion => 1,
             _ => 0,
         }
     }

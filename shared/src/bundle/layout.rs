@@ -51,10 +51,11 @@ fn needs(kind: Kind) -> &'static [Kind] {
     match kind {
         Kind::Meta => &[],
         Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => &[Kind::Meta],
-        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices | Kind::Appearance | Kind::Naive => {
-            &[Kind::Meta, Kind::Surface]
-        }
+        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices => &[Kind::Meta, Kind::Surface],
+        Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => &[Kind::Meta, Kind::Surface],
         Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
+        Kind::EarlierMode => &[Kind::EarlierAppearance],
+        Kind::EarlierNaiveMode => &[Kind::EarlierNaive],
         Kind::AppearanceMode => &[Kind::Appearance],
         Kind::NaiveMode => &[Kind::Naive],
     }

@@ -368,16 +368,18 @@ impl BundleReader {
             Kind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
-            Kind::Appearance | Kind::Naive => {
+            Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => {
+                let (coding, modes) = appearance::Coding::of(kind);
                 let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
-                let appearance = appearance::decode::head(&raw, timeline.frame_count(), materials).map_err(wrong)?;
-                let count = self.header.as_ref().map_or(0, |header| layout::count(header, looks.modes_kind()));
+                let appearance =
+                    appearance::decode::head(&raw, coding, timeline.frame_count(), materials).map_err(wrong)?;
+                let count = self.header.as_ref().map_or(0, |header| layout::count(header, modes));
                 if count != appearance.section_count() as usize {
                     return Err(wrong("declares another number of modes than there are"));
                 }
                 self.looks[looks as usize] = Looks { appearance: Some(appearance), modes: vec![None; count] };
             }
-            Kind::AppearanceMode | Kind::NaiveMode => {
+            Kind::EarlierMode | Kind::EarlierNaiveMode | Kind::AppearanceMode | Kind::NaiveMode => {
                 let mode = self.looks[looks as usize].modes.get_mut(ordinal);
                 *mode.ok_or_else(|| wrong("is not declared"))? = Some(raw);
             }

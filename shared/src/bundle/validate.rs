@@ -119,10 +119,11 @@ fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {
 
 fn mode_findings(reader: &BundleReader, textures: Textures) -> Vec<Finding> {
     let Some(appearance) = reader.appearance_of(textures) else { return Vec::new() };
+    let mut decoder = ModeDecoder::default();
     let modes = (0..appearance.section_count()).filter_map(|ordinal| {
         let (layer, _) = appearance.place(ordinal)?;
         let bytes = reader.mode_bytes_of(textures, ordinal)?;
-        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX);
+        let mode = decoder.advance(bytes, appearance, layer, usize::MAX);
         let message = format!("section {} {ordinal} {}", textures.modes_kind().name(), mode.err()?);
         Some(Finding::new("damaged-mode", Severity::Error, message))
     });

@@ -31,15 +31,18 @@ impl Looks {
             if end() {
                 return Ok(true);
             }
-            let read = self.decoder.advance(bytes, &appearance.layers[layer], BLOCKS);
+            let read = self.decoder.advance(bytes, appearance, layer, BLOCKS);
             if read.is_err() {
                 // Said once; what has been read stays.
                 self.section = u32::MAX;
             }
             if let Some(mode) = read.map_err(|_| PlayerError::DamagedLooks)? {
                 self.modes[layer].push(mode);
-                self.decoder = ModeDecoder::default();
                 self.section += 1;
+                if self.section == appearance.section_count() {
+                    // What it has learnt is as large as all waves of a mode.
+                    self.decoder = ModeDecoder::default();
+                }
             }
         }
         Ok(false)

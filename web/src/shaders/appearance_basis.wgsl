@@ -13,8 +13,14 @@ struct Layer {
 @group(0) @binding(0) var<uniform> layer: Layer;
 // Wave u at texel x: u * 16 + x.
 @group(0) @binding(1) var<storage> cosines: array<f32>;
-// Column and, in the high half, row of each block.
-@group(0) @binding(2) var<storage> places: array<u32>;
+struct Block {
+    // Column and, in the high half, row.
+    place: u32,
+    // How much larger its steps are.
+    scale: f32,
+}
+
+@group(0) @binding(2) var<storage> blocks: array<Block>;
 // For each mode, where the entries of its blocks begin.
 @group(0) @binding(3) var<storage> offsets: array<u32>;
 // Index of the wave, and in the high half its number of steps.
@@ -65,7 +71,7 @@ fn along_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         for (var u = 0u; u < layer.side; u++) {
             sum += f32(atomicLoad(&sums[first + place.z * 16u + u])) / ONE * cosines[u * 16u + place.y];
         }
-        rows[first + at] = sum;
+        rows[first + at] = sum * blocks[place.x].scale;
     }
 }
 
@@ -84,7 +90,7 @@ fn along_columns(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
         }
         colour += sum * layer.turn[channel].xyz;
     }
-    let corner = vec2u(places[place.x] & 0xffffu, places[place.x] >> 16u) * layer.side;
+    let corner = vec2u(blocks[place.x].place & 0xffffu, blocks[place.x].place >> 16u) * layer.side;
     let texel = corner + place.yz;
     if (all(texel < textureDimensions(restored))) {
         let shown = (textureLoad(mask, texel, 0).r & 1u) == 1u;

@@ -1,8 +1,9 @@
-//! The part of the geometry codec that runs for every vertex of every frame that is shown.
+//! The parts of the codecs that run most: for every vertex of every frame that is shown, and for every decision about a mode.
 //!
-//! What it means is told in `shared`'s `bundle::geometry`, which reads and writes sections around it.
+//! What they mean is told in `shared`'s `bundle::geometry` and `bundle::appearance`, which read and write sections around them.
 
 pub mod frame;
+pub mod mixing;
 pub mod rans;
 pub mod residual;
 pub mod zigzag;

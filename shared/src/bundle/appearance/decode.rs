@@ -2,10 +2,11 @@
 
 use std::rc::Rc;
 
+use super::mixed::Learnt;
 use super::texels::active;
-use super::waves::{Model, Scan, Trace};
-use super::{Appearance, Head};
-use crate::appearance::basis::{Layer, Mode};
+use super::waves::{Model, Scan, Trace, Waves};
+use super::{Appearance, COARSENESS, Coding, Head, expected, scale};
+use crate::appearance::basis::{Block, Layer, Mode};
 use crate::appearance::mask::{LEVELS, Mask};
 use crate::appearance::transform::{AREA, SIDE};
 use crate::bundle::entropy::binary::{Decoder, MOST_DECISIONS_PER_BYTE, Paused};
@@ -13,7 +14,7 @@ use crate::bundle::entropy::numbers::Number;
 use crate::bundle::limits::{MAX_MODES, MAX_TEXTURE_SIDE};
 
 /// Reads the section `appearance` of a capture of `frame_count` frames with `material_count` materials.
-pub fn head(bytes: &[u8], frame_count: u32, material_count: usize) -> Result<Appearance, &'static str> {
+pub fn head(bytes: &[u8], coding: Coding, frame_count: u32, material_count: usize) -> Result<Appearance, &'static str> {
     let (head, coded) = postcard::take_from_bytes::<Head>(bytes).map_err(|_| "cannot be read")?;
     check(&head, material_count)?;
     let [width, height] = head.size.map(|side| side as usize);
@@ -28,21 +29,24 @@ pub fn head(bytes: &[u8], frame_count: u32, material_count: usize) -> Result<App
         let count = head.steps[layer].len() - 1;
         coefficients(&mut decoder, count, frame_count as usize, head.coefficient_steps[layer])
     });
-    if decoder.exhausted() || !decoder.at_end() {
-        return Err("ends too early or has bytes left over");
-    }
     let mask = Mask::new(width, &active);
     let mut layers = [(3, 0), (2, head.warp_level as usize)].into_iter().zip(head.steps).zip(coefficients).map(
-        |(((channels, level), steps), coefficients)| Layer {
-            channels,
-            level,
-            blocks: Layer::blocks_of(&mask.levels[level]),
-            steps,
-            coefficients,
+        |(((channels, level), steps), coefficients)| {
+            let blocks = Layer::blocks_of(&mask.levels[level]);
+            let scales = match (coding, channels) {
+                (Coding::Mixed, 3) => scales(&mut decoder, &blocks),
+                _ => vec![1.0; blocks.len()],
+            };
+            Layer { channels, level, blocks, steps, scales, coefficients }
         },
     );
     let (Some(colours), Some(warps)) = (layers.next(), layers.next()) else { return Err("cannot be read") };
-    Ok(Appearance { material: head.material, size: head.size, mask: Rc::new(mask), layers: [colours, warps] })
+    drop(layers);
+    if decoder.exhausted() || !decoder.at_end() {
+        return Err("ends too early or has bytes left over");
+    }
+    let layers = [colours, warps];
+    Ok(Appearance { material: head.material, size: head.size, mask: Rc::new(mask), layers, coding })
 }
 
 fn check(head: &Head, material_count: usize) -> Result<(), &'static str> {
@@ -56,6 +60,16 @@ fn check(head: &Head, material_count: usize) -> Result<(), &'static str> {
         return Err("has a number out of range");
     }
     if head.material as usize >= material_count { Err("paints a material that does not exist") } else { Ok(()) }
+}
+
+/// How much larger the steps of each block are.
+pub(super) fn scales(decoder: &mut Decoder, blocks: &[Block]) -> Vec<f32> {
+    let (mut model, mut classes) = (Number::default(), Vec::new());
+    for block in blocks {
+        let expected = expected(&classes, block);
+        classes.push(expected.wrapping_add(model.decode_signed(decoder)).clamp(COARSENESS.0, COARSENESS.1));
+    }
+    classes.into_iter().map(scale).collect()
 }
 
 /// Each mode's coefficients as differences from the frame before.
@@ -75,60 +89,117 @@ fn coefficients(decoder: &mut Decoder, modes: usize, frames: usize, step: f32) -
     all
 }
 
-/// Reads a mean or a mode, some blocks at a time.
+/// Reads the mean and the modes of both layers, each after those before it, some blocks at a time.
 #[derive(Debug)]
 pub struct ModeDecoder {
     paused: Option<Paused>,
+    mode: Mode,
+    /// What has been learnt of colours and of warps.
+    learnt: [Option<Learnt>; 2],
+    /// What a mode that is coded alone has learnt so far.
+    alone: Alone,
+}
+
+#[derive(Debug, Default)]
+struct Alone {
     scan: Scan,
     models: Vec<Model>,
     traces: Vec<[Trace; 3]>,
-    mode: Mode,
 }
 
 impl Default for ModeDecoder {
     fn default() -> Self {
-        let mode = Mode { offsets: vec![0], entries: Vec::new() };
-        Self { paused: None, scan: Scan::default(), models: Vec::new(), traces: Vec::new(), mode }
+        Self { paused: None, mode: empty(), learnt: [None, None], alone: Alone::default() }
     }
 }
 
+fn empty() -> Mode {
+    Mode { offsets: vec![0], entries: Vec::new() }
+}
+
 impl ModeDecoder {
-    /// Reads at most `most` further blocks of `bytes`, which are the same at each call; the mode once it is complete.
+    /// Reads at most `most` further blocks of `bytes`, which are the same at each call, of the layer with the number `layer`;
+    /// the mode once it is complete.
     ///
     /// # Errors
     /// What the bytes do not hold; the decoder is of no use from then on.
-    pub fn advance(&mut self, bytes: &[u8], layer: &Layer, most: usize) -> Result<Option<Mode>, &'static str> {
-        let mut decoder = match self.paused {
+    pub fn advance(
+        &mut self,
+        bytes: &[u8],
+        appearance: &Appearance,
+        layer: usize,
+        most: usize,
+    ) -> Result<Option<Mode>, &'static str> {
+        let (own, learnt) = (&appearance.layers[layer], &mut self.learnt[layer]);
+        let mut decoder = match self.paused.take() {
             Some(paused) => Decoder::resume(bytes, paused),
             None => Decoder::new(bytes),
         };
-        self.models.resize_with(layer.channels, Model::default);
+        let learnt = match appearance.coding {
+            Coding::Alone => None,
+            Coding::Mixed => Some(learnt.get_or_insert_with(|| Learnt::new(own.channels))),
+        };
+        let mut coder = match learnt {
+            Some(learnt) => Either::Mixed(learnt),
+            None => Either::Alone(&mut self.alone),
+        };
         for _ in 0..most {
-            let Some(block) = layer.blocks.get(self.traces.len()) else { break };
-            let near = [block.left, block.above].map(|index| Some(self.traces[index? as usize]));
-            let mut traces = [Trace::default(); 3];
-            for (channel, model) in self.models.iter_mut().enumerate() {
+            let index = self.mode.offsets.len() - 1;
+            let Some(block) = own.blocks.get(index) else { break };
+            for channel in 0..own.channels {
                 let mut waves = [0; AREA];
-                let near = near.map(|near| Some(near?[channel]));
-                traces[channel] = model.block(&mut decoder, &self.scan, near, &mut waves).ok_or("holds no waves")?;
+                coder.block(&mut decoder, (index, block), channel, &mut waves).ok_or("holds no waves")?;
                 for (at, &value) in waves.iter().enumerate().filter(|(_, value)| **value != 0) {
                     let value = i16::try_from(value).map_err(|_| "holds a wave out of range")?;
                     self.mode.entries.push((channel * AREA + at) as u32 | (value as u32) << 16);
                 }
             }
-            self.traces.push(traces);
             self.mode.offsets.push(self.mode.entries.len() as u32);
             if decoder.exhausted() {
                 return Err("ends too early");
             }
         }
-        if self.traces.len() < layer.blocks.len() {
+        if self.mode.offsets.len() <= own.blocks.len() {
             self.paused = Some(decoder.pause());
             return Ok(None);
         }
         if decoder.exhausted() || !decoder.at_end() {
             return Err("ends too early or has bytes left over");
         }
-        Ok(Some(std::mem::take(&mut self.mode)))
+        coder.end_mode();
+        Ok(Some(std::mem::replace(&mut self.mode, empty())))
+    }
+}
+
+/// How a mode is coded, with what is known for it.
+enum Either<'a> {
+    Alone(&'a mut Alone),
+    Mixed(&'a mut Learnt),
+}
+
+impl Either<'_> {
+    fn block(
+        &mut self,
+        decoder: &mut Decoder,
+        (index, block): (usize, &Block),
+        channel: usize,
+        waves: &mut Waves,
+    ) -> Option<()> {
+        let alone = match self {
+            Self::Mixed(learnt) => return learnt.block(decoder, (index, block), channel, waves),
+            Self::Alone(alone) => alone,
+        };
+        alone.models.resize_with(alone.models.len().max(channel + 1), Model::default);
+        alone.traces.resize(alone.traces.len().max(index + 1), [Trace::default(); 3]);
+        let near = [block.left, block.above].map(|other| Some(alone.traces[other? as usize][channel]));
+        alone.traces[index][channel] = alone.models[channel].block(decoder, &alone.scan, near, waves)?;
+        Some(())
+    }
+
+    fn end_mode(&mut self) {
+        match self {
+            Self::Mixed(learnt) => learnt.end_mode(),
+            Self::Alone(alone) => **alone = Alone::default(),
+        }
     }
 }

@@ -1,27 +1,32 @@
 //! Writing appearance: each mode's waves in steps that spread the error evenly over a frame's texture.
 //!
 //! A mode's error reaches the texture times its coefficient, so its step is the common step divided by the root mean
-//! square of its coefficients: bits go where the variance is, and what is never seen costs next to nothing.
+//! square of its coefficients: bits go where the variance is, and what is never seen costs next to nothing. Over the texture,
+//! steps follow how much an error lowers structural similarity: they are larger where there is much to see.
 
 use serde::Serialize;
 
+use super::mixed::Learnt;
 use super::texels::active as code_active;
-use super::waves::{Model, Scan, Trace};
-use super::{Head, place};
+use super::{Head, expected, place, scale};
 use crate::appearance::AppearanceModel;
-use crate::appearance::basis::{CHROMA, Layer};
+use crate::appearance::basis::{Block, CHROMA, Layer};
 use crate::appearance::dealign::Field;
 use crate::appearance::mask::{ACTIVE, LEVELS, Level, Mask};
+use crate::appearance::quality::Similarity;
 use crate::appearance::transform::{AREA, OPPONENT, SIDE, cosines, forward, inverse};
 use crate::bundle::entropy::binary::Encoder;
 use crate::bundle::entropy::numbers::Number;
 use crate::bundle::error::EncodeError;
 use crate::bundle::limits::{MAX_MODES, MAX_TEXTURE_SIDE};
 
+/// Classes of steps that are used.
+const CLASSES: (i32, i32) = (-4, 12);
+
 /// How finely appearance is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AppearanceQuality {
-    /// Step of colours, 1 being the range of a channel.
+    /// Step of colours, 1 being the range of a channel: that of blocks where errors count as much as in the mean over blocks.
     pub texture_step: f32,
     /// Step of warps, in texels.
     pub warp_step: f32,
@@ -130,21 +135,23 @@ fn encode_once(
     let (width, height) = (model.width as usize, model.height as usize);
     let mask = Mask::new(width, &model.active);
     let count = model.active_count().max(1) as f32;
-    let (mut colours, colour_error) = LayerCoder::new(&mask, 3, 0).encode(
+    let warp_level = quality.warp_level as usize;
+    let classes = coarseness(model, &mask);
+    let (mut colours, colour_error) = LayerCoder::new(&mask, 3, 0, &classes).encode(
         &model.mean_texture,
         &model.textures,
         &model.texture_coefficients,
         quality.texture_step,
     );
-    let (mut warps, warp_error) = LayerCoder::new(&mask, 2, quality.warp_level as usize).encode(
+    let (mut warps, warp_error) = LayerCoder::new(&mask, 2, warp_level, &[]).encode(
         &model.mean_warp,
         &model.warps,
         &model.warp_coefficients,
         quality.warp_step,
     );
-    // A mode of unit length changes a texel by 1 / sqrt(values): an eighth of a step on the whole texture is not seen.
+    // A mode of unit length changes a texel by 1 / sqrt(values): a 32nd of a step on the whole texture is not seen.
     let coefficient_steps =
-        [quality.texture_step * (3.0 * count).sqrt() / 8.0, quality.warp_step * (2.0 * count).sqrt() / 8.0];
+        [quality.texture_step * (3.0 * count).sqrt() / 32.0, quality.warp_step * (2.0 * count).sqrt() / 32.0];
     let head = Head {
         material,
         size: [model.width, model.height],
@@ -161,6 +168,7 @@ fn encode_once(
     ] {
         encode_coefficients(&mut encoder, coefficients, modes, step);
     }
+    encode_classes(&mut encoder, &classes, &Layer::blocks_of(mask.full()));
     bytes.extend(encoder.finish());
     let counts = [model.textures.len(), model.warps.len()];
     let mut layers = [&mut colours.modes, &mut warps.modes];
@@ -191,6 +199,32 @@ fn encode_coefficients(encoder: &mut Encoder, coefficients: &[f32], modes: usize
     }
 }
 
+fn encode_classes(encoder: &mut Encoder, classes: &[i32], blocks: &[Block]) {
+    let mut model = Number::default();
+    for (index, block) in blocks.iter().enumerate() {
+        model.encode_signed(encoder, classes[index] - expected(&classes[..index], block));
+    }
+}
+
+/// Classes of the steps of the colours' blocks: errors count as much in all of them. Where there is much to see they are hard
+/// to see, and steps may be larger.
+fn coarseness(model: &AppearanceModel, mask: &Mask) -> Vec<i32> {
+    let full = mask.full();
+    let texels = (0..full.flags.len()).filter(|&at| full.flags[at] & ACTIVE != 0);
+    let counts = Similarity::new(model.width, &model.active).sensitivity(&model.mean_texture);
+    let blocks = Layer::blocks_of(full);
+    let wide = full.width.div_ceil(SIDE);
+    let mut sums = vec![0.0_f64; wide * full.height.div_ceil(SIDE)];
+    for (at, count) in texels.zip(counts) {
+        sums[at / full.width / SIDE * wide + at % full.width / SIDE] += f64::from(count);
+    }
+    let own: Vec<f64> = blocks.iter().map(|block| sums[usize::from(block.y) * wide + usize::from(block.x)]).collect();
+    let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+    let class =
+        |sum: &f64| ((-2.0 * (sum / mean.max(1e-12)).max(1e-6).log2()).round() as i32).clamp(CLASSES.0, CLASSES.1);
+    own.iter().map(class).collect()
+}
+
 /// A coded layer: the step and the bytes of its mean and of each mode.
 struct CodedLayer {
     steps: Vec<f32>,
@@ -206,16 +240,16 @@ struct LayerCoder<'a> {
     /// For texels of stored blocks at the layer's size, the nearest active one.
     nearest: Vec<u32>,
     table: [f32; AREA],
-    scan: Scan,
 }
 
 impl<'a> LayerCoder<'a> {
-    fn new(mask: &'a Mask, channels: usize, level: usize) -> Self {
+    fn new(mask: &'a Mask, channels: usize, level: usize, classes: &[i32]) -> Self {
         let own = &mask.levels[level];
         let blocks = Layer::blocks_of(own);
         let texels = (0..mask.full().flags.len()).filter(|&at| mask.full().flags[at] & ACTIVE != 0).collect();
-        let layer = Layer { channels, level, blocks, steps: Vec::new(), coefficients: Vec::new() };
-        Self { mask, layer, texels, nearest: nearest_active(own), table: cosines(SIDE), scan: Scan::default() }
+        let scales = (0..blocks.len()).map(|index| scale(classes.get(index).copied().unwrap_or(0))).collect();
+        let layer = Layer { channels, level, blocks, steps: Vec::new(), scales, coefficients: Vec::new() };
+        Self { mask, layer, texels, nearest: nearest_active(own), table: cosines(SIDE) }
     }
 
     /// Codes a mean and its modes; the root mean square error over texels and frames.
@@ -226,11 +260,11 @@ impl<'a> LayerCoder<'a> {
             of.sum::<f64>() / frames.max(1) as f64
         };
         let mut coded = CodedLayer { steps: Vec::new(), modes: Vec::new() };
-        let mut error = 0.0;
+        let (mut error, mut learnt) = (0.0, Learnt::new(self.layer.channels));
         for (index, mode) in std::iter::once(mean).chain(modes.iter().map(Vec::as_slice)).enumerate() {
             let square = if index == 0 { 1.0 } else { squares(index - 1) };
             let own = (f64::from(step) / square.sqrt().max(1e-6)) as f32;
-            let (bytes, lost) = self.mode(mode, own);
+            let (bytes, lost) = self.mode(mode, own, &mut learnt);
             error += lost * square;
             coded.steps.push(own);
             coded.modes.push(bytes);
@@ -239,29 +273,26 @@ impl<'a> LayerCoder<'a> {
     }
 
     /// Codes a mode with this step; the sum of squares of what is lost.
-    fn mode(&self, mode: &[f32], step: f32) -> (Vec<u8>, f64) {
+    fn mode(&self, mode: &[f32], step: f32, learnt: &mut Learnt) -> (Vec<u8>, f64) {
         let field = self.field(mode);
         let level = &self.mask.levels[self.layer.level];
         let channels = self.layer.channels;
         let mut restored = Field { texels: vec![[0.0; 4]; field.len()], width: level.width, height: level.height };
-        let (mut encoder, mut models) = (Encoder::default(), vec![Model::default(); channels]);
-        let mut traces: Vec<[Trace; 3]> = Vec::new();
-        for block in &self.layer.blocks {
+        let mut encoder = Encoder::default();
+        for (index, block) in self.layer.blocks.iter().enumerate() {
+            let step = step * self.layer.scales[index];
             let corner = [usize::from(block.x) * SIDE, usize::from(block.y) * SIDE];
             let mut planes = self.block(&field, corner);
             if channels == 3 {
                 turn(&mut planes, |row, column| OPPONENT[row][column]);
             }
-            let near = [block.left, block.above].map(|index| Some(traces[index? as usize]));
-            let mut own = [Trace::default(); 3];
             for channel in 0..channels {
                 let step = if channels == 3 && channel > 0 { step * CHROMA } else { step };
                 let mut waves = quantise(&forward(&self.table, &planes[channel]), step);
                 planes[channel] = inverse(&self.table, &waves.map(|wave| wave as f32 * step));
-                let near = near.map(|near| Some(near?[channel]));
-                own[channel] = models[channel].block(&mut encoder, &self.scan, near, &mut waves).unwrap_or_default();
+                // What is written is never out of range: it was limited when it was quantised.
+                let _ = learnt.block(&mut encoder, (index, block), channel, &mut waves);
             }
-            traces.push(own);
             if channels == 3 {
                 turn(&mut planes, |row, column| OPPONENT[column][row]);
             }
@@ -273,6 +304,7 @@ impl<'a> LayerCoder<'a> {
                 }
             }
         }
+        learnt.end_mode();
         (encoder.finish(), self.lost(mode, &restored))
     }
 
@@ -386,4 +418,35 @@ fn nearest_active(level: &Level) -> Vec<u32> {
         front = next;
     }
     nearest.into_iter().map(|nearest| nearest.unwrap_or(0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bundle::entropy::binary::Decoder;
+
+    #[test]
+    fn steps_are_larger_where_there_is_much_to_see() {
+        let (width, height) = (64, 32);
+        let value = |at: usize| if at % width < 32 { 0.5 } else { (at % 2) as f32 };
+        let model = AppearanceModel {
+            width: width as u32,
+            height: height as u32,
+            active: vec![true; width * height],
+            mean_texture: (0..width * height).flat_map(|at| [value(at); 3]).collect(),
+            mean_warp: vec![0.0; 2 * width * height],
+            ..AppearanceModel::default()
+        };
+        let mask = Mask::new(width, &model.active);
+        let classes = coarseness(&model, &mask);
+        assert_eq!(classes, [classes[0], classes[0], CLASSES.1, CLASSES.1].repeat(2));
+        assert!(classes[0] < 0);
+        let mut encoder = Encoder::default();
+        let blocks = Layer::blocks_of(mask.full());
+        encode_classes(&mut encoder, &classes, &blocks);
+        let bytes = encoder.finish();
+        let read = super::super::decode::scales(&mut Decoder::new(&bytes), &blocks);
+        assert_eq!(read, classes.iter().map(|&class| scale(class)).collect::<Vec<_>>());
+        assert_eq!([-8, 0, 2, 4].map(scale), [0.25, 1.0, std::f32::consts::SQRT_2, 2.0]);
+    }
 }

@@ -3,6 +3,7 @@
 
 pub(super) mod decode;
 pub(super) mod encode;
+mod mixed;
 mod texels;
 mod waves;
 
@@ -15,7 +16,7 @@ pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 
 use super::error::EncodeError;
 use super::header::Kind;
-use crate::appearance::basis::{Layer, Mode};
+use crate::appearance::basis::{Block, Layer, Mode};
 use crate::appearance::dealign::{Aligned, Field};
 use crate::appearance::mask::{ACTIVE, Mask};
 use crate::appearance::transform::SIDE;
@@ -33,7 +34,8 @@ pub enum Textures {
 impl Textures {
     /// Those that a section of `kind` is about.
     pub(super) fn of(kind: Kind) -> Self {
-        if matches!(kind, Kind::Naive | Kind::NaiveMode) { Self::Naive } else { Self::Aligned }
+        let naive = [Kind::EarlierNaive, Kind::EarlierNaiveMode, Kind::Naive, Kind::NaiveMode];
+        if naive.contains(&kind) { Self::Naive } else { Self::Aligned }
     }
 
     /// The kind of section that holds what they share.
@@ -44,6 +46,28 @@ impl Textures {
     /// The kind of section that holds one of their modes.
     pub(super) fn modes_kind(self) -> Kind {
         [Kind::AppearanceMode, Kind::NaiveMode][self as usize]
+    }
+}
+
+/// How modes are coded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Coding {
+    /// Each by itself, until 1.2.
+    Alone,
+    /// With those before as context.
+    #[default]
+    Mixed,
+}
+
+impl Coding {
+    /// That of a section of `kind`, which holds what modes share, and the kind of its modes.
+    pub(super) fn of(kind: Kind) -> (Self, Kind) {
+        match kind {
+            Kind::EarlierAppearance => (Self::Alone, Kind::EarlierMode),
+            Kind::EarlierNaive => (Self::Alone, Kind::EarlierNaiveMode),
+            Kind::Naive => (Self::Mixed, Kind::NaiveMode),
+            _ => (Self::Mixed, Kind::AppearanceMode),
+        }
     }
 }
 
@@ -58,6 +82,7 @@ pub struct Appearance {
     pub mask: Rc<Mask>,
     /// Colours, then warps.
     pub layers: [Layer; 2],
+    pub(super) coding: Coding,
 }
 
 impl StoredAppearance {
@@ -137,11 +162,12 @@ pub fn store_appearance(
 ) -> Result<StoredAppearance, EncodeError> {
     let wrong = |reason: &str| EncodeError::Inconsistent(format!("the appearance that was just written {reason}"));
     let sections = encode::encode(input, frame_count, material_count)?;
-    let appearance = decode::head(&sections.head, frame_count, material_count).map_err(wrong)?;
+    let appearance = decode::head(&sections.head, Coding::Mixed, frame_count, material_count).map_err(wrong)?;
     let mut modes = [Vec::new(), Vec::new()];
+    let mut decoder = ModeDecoder::default();
     for (ordinal, bytes) in (0..).zip(&sections.modes) {
         let (layer, _) = appearance.place(ordinal).ok_or_else(|| wrong("has too many modes"))?;
-        let mode = ModeDecoder::default().advance(bytes, &appearance.layers[layer], usize::MAX).map_err(wrong)?;
+        let mode = decoder.advance(bytes, &appearance, layer, usize::MAX).map_err(wrong)?;
         modes[layer].push(mode.ok_or_else(|| wrong("ends too early"))?);
     }
     let Appearance { mask, layers, .. } = appearance;
@@ -161,6 +187,21 @@ fn place(counts: [usize; 2], ordinal: usize) -> Option<(usize, usize)> {
             Some(if after > before { (1, after) } else { (0, index + 1 - after) })
         }
     }
+}
+
+/// Least and greatest class of a block's steps.
+const COARSENESS: (i32, i32) = (-16, 24);
+
+/// How much larger the steps of a block of this class are: four classes an octave.
+fn scale(class: i32) -> f32 {
+    const QUARTERS: [f32; 4] = [1.0, 1.189_207_1, std::f32::consts::SQRT_2, 1.681_792_9];
+    QUARTERS[class.rem_euclid(4) as usize] * 2.0_f32.powi(class.div_euclid(4))
+}
+
+/// The class that the stored blocks to the left and above let expect, among those that are known.
+fn expected(classes: &[i32], block: &Block) -> i32 {
+    let [left, above] = [block.left, block.above].map(|other| classes.get(other? as usize).copied());
+    left.or(above).unwrap_or(0).midpoint(above.or(left).unwrap_or(0))
 }
 
 /// What postcard stores in front of what is entropy coded.

@@ -1,4 +1,4 @@
-//! Entropy coding of a block's waves, both ways in one function so that they cannot differ.
+//! Entropy coding of a block's waves as versions 1.1 and 1.2 did it: modes know nothing of each other.
 
 use crate::appearance::transform::{AREA, SIDE};
 use crate::bundle::entropy::binary::{Bit, Decoder, Encoder};
@@ -63,7 +63,7 @@ pub struct Trace {
 #[derive(Clone, Debug)]
 pub struct Scan {
     /// Index in [`Waves`] and class by speed.
-    order: Vec<(u8, u8)>,
+    pub(super) order: Vec<(u8, u8)>,
 }
 
 impl Default for Scan {

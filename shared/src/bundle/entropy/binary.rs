@@ -60,6 +60,18 @@ impl Encoder {
         self.normalise();
     }
 
+    /// Codes `bit`, which is set with a probability of `yes` in 65,536, neither 0 nor 65,536.
+    pub fn likely(&mut self, yes: u16, bit: bool) {
+        let bound = (self.range >> 16) * (65_536 - u32::from(yes));
+        if bit {
+            self.low += u64::from(bound);
+            self.range -= bound;
+        } else {
+            self.range = bound;
+        }
+        self.normalise();
+    }
+
     /// Codes the `count` low bits of `value` as they are.
     pub fn raw(&mut self, value: u32, count: u32) {
         for shift in (0..count).rev() {
@@ -154,6 +166,20 @@ impl<'a> Decoder<'a> {
             self.range = bound;
         }
         model.adapt(bit);
+        self.normalise();
+        bit
+    }
+
+    /// The next decision, which is yes with a probability of `yes` in 65,536.
+    pub fn likely(&mut self, yes: u16) -> bool {
+        let bound = (self.range >> 16) * (65_536 - u32::from(yes));
+        let bit = self.code >= bound;
+        if bit {
+            self.code -= bound;
+            self.range -= bound;
+        } else {
+            self.range = bound;
+        }
         self.normalise();
         bit
     }

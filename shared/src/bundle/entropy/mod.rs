@@ -1,7 +1,9 @@
 //! Entropy coders of our own: small, total on hostile input, and the same bit for bit natively and in wasm.
 //!
-//! [`binary`] adapts while it codes and serves the sections that are read once; [`kernels::codec::rans`] works from tables that are
+//! [`binary`] adapts while it codes and serves the sections that are read once, [`mixing`] guesses from several contexts for
+//! those whose bytes count most; [`kernels::codec::rans`] works from tables that are
 //! known beforehand, which is what makes a single frame of geometry quick to decode: it lies among the kernels.
 
 pub mod binary;
+pub mod mixing;
 pub mod numbers;

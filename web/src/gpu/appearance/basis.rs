@@ -1,7 +1,7 @@
 //! The passes `appearance_basis`: a layer's mean and modes, and their sum; the twin of `Layer::rebuild`.
 
 use bytemuck::{Pod, Zeroable};
-use shared::appearance::basis::{CHROMA, Layer, Mode};
+use shared::appearance::basis::{Block, CHROMA, Layer, Mode};
 use shared::appearance::mask::Mask;
 use shared::appearance::transform::{AREA, OPPONENT, SIDE, cosines};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
@@ -89,7 +89,11 @@ impl Basis {
         // What a device has no room for, in textures of more than some 3,000 texels across, stays as it is.
         let room = gpu.device.limits().max_storage_buffer_binding_size / BLOCK_BYTES;
         let stored = &layer.blocks[..layer.blocks.len().min(room as usize)];
-        let places: Vec<u32> = stored.iter().map(|b| u32::from(b.x) | u32::from(b.y) << 16).collect();
+        let place = |(index, block): (usize, &Block)| {
+            let scale = layer.scales.get(index).copied().unwrap_or(1.0);
+            [u32::from(block.x) | u32::from(block.y) << 16, scale.to_bits()]
+        };
+        let places: Vec<[u32; 2]> = stored.iter().enumerate().map(place).collect();
         let blocks = places.len() as u32;
         let restored_at = |side: usize| {
             let level = layer.level + usize::from(side < SIDE);
