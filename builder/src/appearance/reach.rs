@@ -37,7 +37,8 @@ pub(super) fn reach<S: TextureSource + ?Sized>(
     report: Report,
 ) -> Result<Attempt, AppearanceError> {
     let [usual, fewer @ ..] = splits(components, learner);
-    let best = attempt(learner, wanted, usual, None, report)?;
+    report(Progress { what: "splits of components", done: 0, total: 1 + fewer.len() as u64 });
+    let best = attempt(learner, wanted, usual, None)?;
     let mut search = Search { learner, wanted, report, tried: vec![usual], best };
     search.descend(&fewer, Some(search.best.1.stored))?;
     for more in MORE.into_iter().filter(|&more| any && more > components) {
@@ -49,15 +50,14 @@ pub(super) fn reach<S: TextureSource + ?Sized>(
     Ok(search.best)
 }
 
-/// With fewer and fewer textures, and no more of either than the complete frames have.
+/// With fewer and fewer textures, at least one of either, and no more than the complete frames have.
 fn splits<S: ?Sized>(components: usize, learner: &Learner<S>) -> [Split; 4] {
     let most = learner.aligned.complete.len().saturating_sub(1);
-    let part = |tenths: usize| {
-        let textures = ((tenths * components + 5) / 10).clamp(1, components.saturating_sub(1).max(1));
-        (textures, components.saturating_sub(textures))
-    };
-    let [half, fewer, least] = TENTHS.map(part);
-    [split(components), half, fewer, least].map(|(textures, warps)| (textures.min(most), warps.min(most)))
+    let [half, fewer, least] = TENTHS.map(|tenths| (tenths * components + 5) / 10);
+    [split(components).0, half, fewer, least].map(|textures| {
+        let textures = textures.clamp(1, components.saturating_sub(1).max(1));
+        (textures.min(most), components.saturating_sub(textures).min(most))
+    })
 }
 
 /// Learns `split` and finds its steps, next to those of `rival` where there is one, which has to be beaten.
@@ -66,9 +66,7 @@ fn attempt<S: TextureSource + ?Sized>(
     wanted: f64,
     split: Split,
     rival: Option<&AppearanceSummary>,
-    report: Report,
 ) -> Result<Attempt, AppearanceError> {
-    report(Progress { what: "eigen textures", done: 0, total: 0 });
     let (model, mut summary) = learner.learn(split)?;
     let quality = rival.map_or_else(AppearanceQuality::default, |rival| rival.quality);
     let with = |step: f64| AppearanceQuality { texture_step: step as f32, warp_step: WARP_STEP, ..quality };
@@ -76,7 +74,6 @@ fn attempt<S: TextureSource + ?Sized>(
         Some(rival) if rival.stored.ssim >= wanted => rival.stored.bytes_per_frame,
         _ => f64::INFINITY,
     };
-    report(Progress { what: "appearance after storing", done: 0, total: 0 });
     let found = coarsest(wanted, f64::from(quality.texture_step), most_bytes, |step| {
         stored_quality(learner.source, learner.charts, &model, with(step), learner.sample)
     })?;
@@ -96,12 +93,14 @@ struct Search<'a, S: ?Sized> {
 impl<S: TextureSource + ?Sized> Search<'_, S> {
     /// Tries `splits` that are new, in turn, until one is worse than the one before.
     fn descend(&mut self, splits: &[Split], mut before: Option<StoredQuality>) -> Result<(), AppearanceError> {
-        for &split in splits {
+        for (&split, left) in splits.iter().zip((1..=splits.len() as u64).rev()) {
+            let done = self.tried.len() as u64;
+            (self.report)(Progress { what: "splits of components", done, total: done + left });
             if self.tried.contains(&split) {
                 continue;
             }
             self.tried.push(split);
-            let new = attempt(self.learner, self.wanted, split, Some(&self.best.1), self.report)?;
+            let new = attempt(self.learner, self.wanted, split, Some(&self.best.1))?;
             let stored = new.1.stored;
             if self.better(&stored, &self.best.1.stored) {
                 self.best = new;
