@@ -44,7 +44,7 @@ pub(super) fn coarsest(
 ) -> Result<Stepped, AppearanceError> {
     // The coarsest that reaches it, and the finest that does not.
     let mut ends: [Option<Stepped>; 2] = [None; 2];
-    let (mut step, mut length, mut attempts) = (start, 0.0_f64, 0);
+    let (mut step, mut length, mut attempts) = (allowed(start), 0.0_f64, 0);
     loop {
         let found = Stepped { step, stored: measure(step)? };
         let above = found.stored.ssim - wanted;
@@ -59,8 +59,13 @@ pub(super) fn coarsest(
                 step.ln() + length.copysign(above)
             }
         };
-        step = ((logarithm.exp() * PARTS).round() / PARTS).clamp(FINEST, COARSEST);
+        step = allowed(logarithm.exp());
     }
+}
+
+/// The step next to `step` that may be tried.
+fn allowed(step: f64) -> f64 {
+    ((step * PARTS).round() / PARTS).clamp(FINEST, COARSEST)
 }
 
 /// Whether nothing is left to try after a step whose similarity is so far `above` the wanted one.
@@ -111,6 +116,9 @@ mod tests {
         for start in [FINEST, 0.012, COARSEST] {
             let (found, tried) = search(0.97, 0.98, start, f64::INFINITY);
             assert!(found.step == FINEST && found.stored.ssim < 0.98, "{found:?}, {tried:?}");
+            // A quality holds 32 bits: from there the same step is not tried again.
+            let (_, tried) = search(0.97, 0.98, f64::from(found.step as f32), f64::INFINITY);
+            assert_eq!(tried, [FINEST]);
             let (found, _) = search(0.992, 0.3, start, f64::INFINITY);
             assert!(found.step == COARSEST && found.stored.ssim >= 0.3);
         }
