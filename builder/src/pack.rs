@@ -217,12 +217,28 @@ fn eigen_appearance(
             ),
         ));
     }
+    warnings.extend(missed_similarity(options, &summary));
     let mut models = vec![model];
     if options.compare {
         report(Progress { what: "naive components", done: 0, total: 0 });
         models.push(naive(textures, &charts, summary.textures + summary.warps)?);
     }
     Ok((models, summary))
+}
+
+/// That textures are not as similar as was asked for, where they are not.
+fn missed_similarity(options: &AppearanceOptions, summary: &AppearanceSummary) -> Option<Warning> {
+    let (wanted, stored) = (options.ssim?, &summary.stored);
+    if stored.ssim >= wanted {
+        return None;
+    }
+    let advice = if options.any_components { "ask for less" } else { "ask for less, or for more components" };
+    let message = format!(
+        "textures do not reach a structural similarity of {wanted}: they have {:.4} before storing and {:.4} after, in \
+         {:.0} bytes a frame, with {} Eigen textures and {} Eigen warps, the best that was found; {advice}",
+        summary.ssim, stored.ssim, stored.bytes_per_frame, summary.textures, summary.warps
+    );
+    Some(Warning::new("W_APPEARANCE_SSIM", message))
 }
 
 /// Returns the bytes of the bundle of a capture in memory, with a report.

@@ -13,8 +13,9 @@ use builder::appearance::pca::components;
 use builder::appearance::store::Store;
 use builder::appearance::stored::stored_quality;
 use builder::appearance::textures::{Texture, TextureFiles, TextureSource};
-use builder::appearance::{AppearanceError, AppearanceOptions, Charts, build};
+use builder::appearance::{AppearanceError, AppearanceOptions, AppearanceSummary, Charts, build};
 use builder::progress::silent;
+use shared::appearance::AppearanceModel;
 use shared::appearance::quality::Similarity;
 use shared::bundle::AppearanceQuality;
 use shared::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
@@ -221,16 +222,64 @@ fn threads_do_not_change_a_bit() {
     assert!(!made[0].0.warps.is_empty());
 }
 
-#[test]
-fn as_few_components_as_reach_a_quality() {
-    let textures = capture();
-    let build = |ssim| {
-        let options = AppearanceOptions { ssim: Some(ssim), ..AppearanceOptions::default() };
-        build(&textures[..], &charts(), &options, &silent).unwrap().1
+/// The appearance that reaches a similarity, with as many components as given or any number.
+fn reaching(ssim: f64, components: Option<usize>) -> (AppearanceModel, AppearanceSummary) {
+    let options = AppearanceOptions {
+        ssim: Some(ssim),
+        components: components.unwrap_or(12),
+        any_components: components.is_none(),
+        ..AppearanceOptions::default()
     };
-    let (rough, fine) = (build(0.5), build(0.97));
-    assert!(rough.textures + rough.warps < fine.textures + fine.warps, "{rough:?} {fine:?}");
-    assert!(rough.ssim >= 0.5 && fine.ssim >= 0.97, "{rough:?} {fine:?}");
+    build(&capture()[..], &charts(), &options, &silent).unwrap()
+}
+
+#[test]
+fn a_similarity_after_storing_is_reached_in_few_bytes() {
+    let textures = capture();
+    // The sample is all complete frames here.
+    let frames: Vec<usize> = (0..FRAMES).filter(|frame| ![3, 9].contains(frame)).collect();
+    let found = [0.9, 0.95, 0.97].map(|wanted| {
+        let (model, summary) = reaching(wanted, Some(9));
+        println!("{wanted}: {} and {}, {:?} {:?}", summary.textures, summary.warps, summary.quality, summary.stored);
+        assert!((wanted..=wanted + 0.0005).contains(&summary.stored.ssim), "{wanted}: {summary:?}");
+        assert_eq!((summary.textures + summary.warps, summary.quality.most_bytes), (9, None));
+        // What is told is what the bundle will hold.
+        let stored = stored_quality(&textures[..], &charts(), &model, summary.quality, &frames).unwrap();
+        assert_eq!(stored, summary.stored);
+        summary
+    });
+    let bytes = found.each_ref().map(|summary| summary.stored.bytes_per_frame);
+    assert!(bytes[0] < bytes[1] && bytes[1] < bytes[2], "{bytes:?}");
+
+    // The plain way: two thirds textures, in finer and finer steps.
+    let options = AppearanceOptions { components: 9, ..AppearanceOptions::default() };
+    let (model, usual) = build(&textures[..], &charts(), &options, &silent).unwrap();
+    assert_eq!((usual.textures, usual.warps), (6, 3));
+    let plain = (0..400).map(|k| 0.25 * 0.98_f32.powi(k)).find_map(|texture_step| {
+        let quality = AppearanceQuality { texture_step, ..found[1].quality };
+        let stored = stored_quality(&textures[..], &charts(), &model, quality, &frames).unwrap();
+        (stored.ssim >= 0.95).then_some(stored)
+    });
+    let plain = plain.unwrap();
+    println!("plain: {plain:?}");
+    assert!(bytes[1] < 1.01 * plain.bytes_per_frame, "{plain:?} {bytes:?}");
+}
+
+#[test]
+fn a_similarity_out_of_reach_gives_the_most_similar() {
+    let (few, many) = (reaching(0.9999, Some(3)).1, reaching(0.9999, None).1);
+    println!("{few:?}\n{many:?}");
+    assert_eq!(few.textures + few.warps, 3);
+    assert!(many.textures + many.warps > 12 && few.stored.ssim < many.stored.ssim && many.stored.ssim < 0.9999);
+}
+
+#[test]
+fn threads_do_not_change_what_reaches_a_similarity() {
+    let made = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| reaching(0.9, Some(6)))
+    });
+    assert!(made[0] == made[1]);
 }
 
 #[test]

@@ -82,6 +82,38 @@ fn packs_inspects_and_validates() {
 }
 
 #[test]
+fn a_similarity_that_textures_do_not_reach_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (capture, bundle) = (path("capture"), path("actor.reprise"));
+    let small = ["--frames", "20", "--vertices", "1500", "--texture-size", "128", "--artefacts", "drift,light"];
+    let performed = builder(&[&["performer", "-o", &capture], &small[..]].concat());
+    assert_eq!(code(&performed), 0, "{}", stderr(&performed));
+    let pack = |ssim: &str| -> Value {
+        let wanted = ["--appearance-ssim", ssim, "--appearance-components", "4"];
+        let packed = builder(&[&["pack", &capture, "-o", &bundle, "--json"], &wanted[..]].concat());
+        assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+        serde_json::from_slice(&packed.stdout).unwrap()
+    };
+    let warning = |report: &Value| -> Option<String> {
+        let warnings = report["warnings"].as_array().unwrap();
+        let warning = warnings.iter().find(|warning| warning["code"] == "W_APPEARANCE_SSIM")?;
+        Some(warning["message"].as_str().unwrap().to_owned())
+    };
+    let (reached, missed) = (pack("0.8"), pack("0.9999"));
+    let figure = |report: &Value, name: &str| report["appearance"]["stored"][name].as_f64().unwrap();
+    assert!(figure(&reached, "ssim") >= 0.8 && figure(&missed, "ssim") < 0.9999);
+    assert!(figure(&reached, "ssim") < figure(&missed, "ssim"));
+    assert_eq!(warning(&reached), None);
+    let message = warning(&missed).unwrap();
+    let bytes = format!("{:.0} bytes a frame", figure(&missed, "bytes_per_frame"));
+    assert!(message.contains("0.9999") && message.contains(&bytes) && message.contains("more components"), "{message}");
+    // The bundle holds what was measured.
+    let in_bundle = &reached["bundle"]["appearance"]["bytes_per_frame"];
+    assert_eq!(in_bundle, &reached["appearance"]["stored"]["bytes_per_frame"], "{}", reached["bundle"]);
+}
+
+#[test]
 fn bad_input_is_exit_code_1_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("turn");

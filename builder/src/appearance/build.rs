@@ -11,6 +11,7 @@ use super::charts::Charts;
 use super::completion;
 use super::fit::{self, fit};
 use super::pca::{Components, components};
+use super::reach::reach;
 use super::stored::{self, StoredQuality};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
@@ -28,8 +29,11 @@ const SAMPLED_FRAMES: usize = 16;
 pub struct AppearanceOptions {
     /// Components in all: Eigen textures and Eigen warps.
     pub components: usize,
-    /// As few components as reach this structural similarity, instead of `components`.
+    /// The split of them and the steps of colours that reach this structural similarity after storing in the fewest bytes,
+    /// instead of two thirds textures and steps that keep to a number of bytes.
     pub ssim: Option<f64>,
+    /// Whether it may be reached with another number of components than `components`, up to [`MOST_COMPONENTS`].
+    pub any_components: bool,
     /// How textures are aligned.
     pub align: AlignOptions,
     /// As many components of textures that are not aligned go into the bundle, so that the page can compare.
@@ -38,7 +42,13 @@ pub struct AppearanceOptions {
 
 impl Default for AppearanceOptions {
     fn default() -> Self {
-        Self { components: DEFAULT_COMPONENTS, ssim: None, align: AlignOptions::default(), compare: false }
+        Self {
+            components: DEFAULT_COMPONENTS,
+            ssim: None,
+            any_components: true,
+            align: AlignOptions::default(),
+            compare: false,
+        }
     }
 }
 
@@ -85,53 +95,52 @@ pub fn build(
     report: Report,
 ) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
     let aligned = align(source, charts, &options.align, report)?;
-    report(Progress { what: "eigen textures", done: 0, total: 0 });
-    let most = if options.ssim.is_some() { MOST_COMPONENTS } else { options.components };
-    let (texture_count, warp_count) = split(most);
-    let mut basis = Basis::new(source, &aligned, &aligned.complete, texture_count, warp_count)?;
     let sample = sampled(&aligned.complete);
+    let learner = Learner { source, charts, aligned: &aligned, sample: &sample };
     if let Some(wanted) = options.ssim {
-        let count = fewest(most, |count| {
-            let (textures, warps) = split(count);
-            let (ssim, _) = basis.quality(source, &aligned, &sample, textures, warps)?;
-            Ok(ssim >= wanted)
-        })?;
-        // Fewer warps leave more to the textures, which are fitted anew.
-        let (textures, warps) = split(count);
-        basis = Basis::new(source, &aligned, &aligned.complete, textures, warps)?;
+        return reach(&learner, wanted, (options.components, options.any_components), report);
     }
-    let (ssim, mean_square_error) =
-        basis.quality(source, &aligned, &sample, basis.textures.modes.len(), basis.warps.modes.len())?;
-    let share = |components: &Components| match components.total_variance {
-        0.0 => 1.0,
-        total => components.variances.iter().sum::<f64>() / total,
-    };
-    let mut summary = AppearanceSummary {
-        textures: basis.textures.modes.len(),
-        warps: basis.warps.modes.len(),
-        reference: aligned.reference,
-        completed_frames: aligned.incomplete.iter().map(|incomplete| incomplete.frame).collect(),
-        texture_variance: share(&basis.textures),
-        warp_variance: share(&basis.warps),
-        ssim,
-        mean_square_error,
-        quality: AppearanceQuality::default(),
-        stored: StoredQuality::default(),
-    };
-    let model = basis.into_model(charts);
+    report(Progress { what: "eigen textures", done: 0, total: 0 });
+    let (model, mut summary) = learner.learn(split(options.components))?;
     report(Progress { what: "appearance after storing", done: 0, total: 0 });
-    (summary.quality, summary.stored) = stored::choose(source, charts, &model, ssim, &sample)?;
+    (summary.quality, summary.stored) = stored::choose(source, charts, &model, summary.ssim, &sample)?;
     Ok((model, summary))
 }
 
-/// The least count from 1 to `most` that is enough, where more is never worse; `most` where none is.
-fn fewest(most: usize, enough: impl Fn(usize) -> Result<bool, AppearanceError>) -> Result<usize, AppearanceError> {
-    let (mut low, mut high) = (1, most.max(1));
-    while low < high {
-        let middle = (low + high) / 2;
-        if enough(middle)? { high = middle } else { low = middle + 1 }
+/// What appearances of a capture are learnt from and measured on.
+pub(super) struct Learner<'a, S: ?Sized> {
+    pub source: &'a S,
+    pub charts: &'a Charts,
+    pub aligned: &'a Aligned,
+    /// The frames that qualities are measured on.
+    pub sample: &'a [usize],
+}
+
+impl<S: TextureSource + ?Sized> Learner<'_, S> {
+    /// A model of so many Eigen textures and Eigen warps, and what is known of it before it is stored.
+    pub fn learn(&self, split: (usize, usize)) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+        let Self { source, aligned, .. } = *self;
+        let basis = Basis::new(source, aligned, &aligned.complete, split.0, split.1)?;
+        let (textures, warps) = (basis.textures.modes.len(), basis.warps.modes.len());
+        let (ssim, mean_square_error) = basis.quality(source, aligned, self.sample, textures, warps)?;
+        let share = |components: &Components| match components.total_variance {
+            0.0 => 1.0,
+            total => components.variances.iter().sum::<f64>() / total,
+        };
+        let summary = AppearanceSummary {
+            textures,
+            warps,
+            reference: aligned.reference,
+            completed_frames: aligned.incomplete.iter().map(|incomplete| incomplete.frame).collect(),
+            texture_variance: share(&basis.textures),
+            warp_variance: share(&basis.warps),
+            ssim,
+            mean_square_error,
+            quality: AppearanceQuality::default(),
+            stored: StoredQuality::default(),
+        };
+        Ok((basis.into_model(self.charts), summary))
     }
-    Ok(high)
 }
 
 /// Evenly spread frames that stand for all.

@@ -11,6 +11,7 @@
 pub mod align;
 pub mod build;
 pub mod charts;
+mod coarsest;
 pub mod completion;
 pub mod curves;
 mod error;
@@ -22,6 +23,7 @@ mod level;
 pub mod naive;
 pub mod pca;
 pub mod prepare;
+mod reach;
 pub mod reference;
 mod sampling;
 mod screened;

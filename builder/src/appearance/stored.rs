@@ -17,7 +17,7 @@ use super::textures::TextureSource;
 /// Multigrid cycles of the player.
 pub(super) const CYCLES: usize = 1;
 /// Step of warps, in texels: they weigh little, and an error of theirs moves edges.
-const WARP_STEP: f32 = 0.08;
+pub(super) const WARP_STEP: f32 = 0.08;
 /// Bytes of the appearance, a frame of the whole capture, that are never exceeded.
 const MOST_BYTES: u64 = 8192;
 /// Structural similarity that is enough, and what storing may cost of it where the model has less.

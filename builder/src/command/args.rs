@@ -87,14 +87,16 @@ pub struct PackArguments {
     /// docs/appearance.md.
     #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
     pub appearance: AppearanceKind,
-    /// Eigen textures and Eigen warps together; two in three are textures.
-    #[arg(long, default_value_t = 50, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]
-    pub appearance_components: u16,
-    /// As few components as reach this structural similarity of textures, for example 0.98.
-    #[arg(long, value_name = "SSIM", conflicts_with = "appearance_components")]
+    /// Eigen textures and Eigen warps together, 50 by default; two in three are textures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]
+    pub appearance_components: Option<u16>,
+    /// Structural similarity of textures that is to be left after storing, for example 0.98: the split into textures and
+    /// warps and the steps that reach it in the fewest bytes, however many those are. Takes several times as long. Where 50
+    /// components do not reach it, up to 150 are tried, unless --appearance-components says how many.
+    #[arg(long, value_name = "SSIM")]
     pub appearance_ssim: Option<f64>,
     /// Also store as many components of textures that are not aligned, so that the page can compare: about as many bytes
-    /// again.
+    /// again, or more with --appearance-ssim.
     #[arg(long)]
     pub appearance_compare: bool,
     /// Print an object with times, sizes and errors on stdout at the end.

@@ -82,14 +82,20 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         max_error: arguments.max_error,
         appearance: match arguments.appearance {
             AppearanceKind::Static => AppearanceChoice::Static,
-            AppearanceKind::Eigen => AppearanceChoice::Eigen(AppearanceOptions {
-                components: arguments.appearance_components.into(),
-                ssim: arguments.appearance_ssim,
-                compare: arguments.appearance_compare,
-                ..AppearanceOptions::default()
-            }),
+            AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
         },
     })
+}
+
+fn appearance_options(arguments: &PackArguments) -> AppearanceOptions {
+    let (usual, wanted) = (AppearanceOptions::default(), arguments.appearance_components);
+    AppearanceOptions {
+        components: wanted.map_or(usual.components, usize::from),
+        any_components: wanted.is_none(),
+        ssim: arguments.appearance_ssim,
+        compare: arguments.appearance_compare,
+        ..usual
+    }
 }
 
 fn summary(report: &PackReport) -> String {
