@@ -26,8 +26,9 @@ use super::store::Store;
 use super::textures::TextureSource;
 use super::warp::Warping;
 
-/// Times that what is missing is added.
-pub const STEPS: usize = 4;
+/// Times that what is missing is added. More come closer before storing (SSIM 0.9944 after four, 0.9933 after two, 0.9907 after
+/// one, at 1024 x 1024), but what they add is fine detail that costs more bytes than it is worth (docs/appearance.md).
+pub const STEPS: usize = 2;
 /// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
 const STEP: f32 = 1.4;
 
