@@ -8,7 +8,7 @@ use miniz_oxide::deflate::compress_to_vec;
 
 /// What WebAssembly and JavaScript may weigh together at most, gzipped, in bytes. The mark is [`MARK`]: directing and
 /// appearance brought more than that leaves room for.
-const LIMIT: usize = 332_000;
+const LIMIT: usize = 333_500;
 
 /// What they should weigh.
 pub const MARK: usize = 300_000;
