@@ -31,7 +31,7 @@ const COUNTS: [usize; 9] = [2, 3, 6, 12, 20, 30, 40, 50, 80];
 const USUAL: usize = 50;
 /// Frames of which pictures are compared.
 const VIEWS: usize = 6;
-/// Shares of the frames that are learnt from, in percent.
+/// Shares of the frames that are learnt from, in percent. What the largest leaves is rebuilt in all of them.
 const SHARES: [usize; 4] = [10, 25, 50, 75];
 /// Frames between the two that are interpolated.
 const DISTANCES: [usize; 3] = [4, 8, 16];
@@ -68,7 +68,7 @@ pub struct Reconstruction {
     pub naive_seen: Quality,
 }
 
-/// One share of training frames; all others are rebuilt.
+/// One share of training frames; frames that no share holds are rebuilt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Generalisation {
     /// Share of the complete frames that is learnt from, in percent.
@@ -258,14 +258,14 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
 
     fn generalisation(&self, frames: &[usize]) -> Result<Vec<Generalisation>, AppearanceError> {
         let order = shuffled(frames);
+        let share = |percent: usize| (order.len() * percent / 100).max(2).min(order.len().saturating_sub(1));
+        let unknown = evenly(&order[share(SHARES[SHARES.len() - 1])..], SAMPLE);
         SHARES
             .into_iter()
             .map(|percent| {
-                let training = (order.len() * percent / 100).max(2).min(order.len().saturating_sub(1));
-                let (known, unknown) = order.split_at(training);
-                let mut known = known.to_vec();
+                let training = share(percent);
+                let mut known = order[..training].to_vec();
                 known.sort_unstable();
-                let unknown = evenly(unknown, SAMPLE);
                 let count = USUAL.min(training);
                 let (textures, warps) = split(count);
                 let (basis, naive) = (self.learn(&known, count)?, components(&self.raw, &known, count)?);
