@@ -120,12 +120,13 @@ fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {
 fn mode_findings(reader: &BundleReader, textures: Textures) -> Vec<Finding> {
     let Some(appearance) = reader.appearance_of(textures) else { return Vec::new() };
     let mut decoder = ModeDecoder::default();
-    let modes = (0..appearance.section_count()).filter_map(|ordinal| {
+    let mut error_of = |ordinal: u32| {
         let (layer, _) = appearance.place(ordinal)?;
         let bytes = reader.mode_bytes_of(textures, ordinal)?;
-        let mode = decoder.advance(bytes, appearance, layer, usize::MAX);
-        let message = format!("section {} {ordinal} {}", textures.modes_kind().name(), mode.err()?);
+        let error = decoder.advance(bytes, appearance, layer, usize::MAX).err()?;
+        let message = format!("section {} {ordinal} {error}", textures.modes_kind().name());
         Some(Finding::new("damaged-mode", Severity::Error, message))
-    });
-    modes.collect()
+    };
+    // Modes are read one after the other: what follows a damaged one cannot be told.
+    (0..appearance.section_count()).find_map(&mut error_of).into_iter().collect()
 }

@@ -135,13 +135,9 @@ impl ModeDecoder {
             Some(paused) => Decoder::resume(bytes, paused),
             None => Decoder::new(bytes),
         };
-        let learnt = match appearance.coding {
-            Coding::Alone => None,
-            Coding::Mixed => Some(learnt.get_or_insert_with(|| Learnt::new(own.channels))),
-        };
-        let mut coder = match learnt {
-            Some(learnt) => Either::Mixed(learnt),
-            None => Either::Alone(&mut self.alone),
+        let mut coder = match appearance.coding {
+            Coding::Alone => Either::Alone(&mut self.alone),
+            Coding::Mixed => Either::Mixed(learnt.get_or_insert_with(|| Learnt::new(own.channels))),
         };
         for _ in 0..most {
             let index = self.mode.offsets.len() - 1;

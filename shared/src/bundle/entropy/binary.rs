@@ -50,19 +50,17 @@ impl Encoder {
     /// Codes `bit` with the probability that `model` has learnt.
     pub fn bit(&mut self, model: &mut Bit, bit: bool) {
         let bound = (self.range >> PROBABILITY_BITS) * u32::from(model.0);
-        if bit {
-            self.low += u64::from(bound);
-            self.range -= bound;
-        } else {
-            self.range = bound;
-        }
         model.adapt(bit);
-        self.normalise();
+        self.split(bound, bit);
     }
 
     /// Codes `bit`, which is set with a probability of `yes` in 65,536, neither 0 nor 65,536.
     pub fn likely(&mut self, yes: u16, bit: bool) {
-        let bound = (self.range >> 16) * (65_536 - u32::from(yes));
+        self.split((self.range >> 16) * (65_536 - u32::from(yes)), bit);
+    }
+
+    /// Goes on in the part of the range from `bound` on, or in that before it.
+    fn split(&mut self, bound: u32, bit: bool) {
         if bit {
             self.low += u64::from(bound);
             self.range -= bound;
@@ -158,21 +156,18 @@ impl<'a> Decoder<'a> {
     /// The next decision of the kind that `model` has learnt.
     pub fn bit(&mut self, model: &mut Bit) -> bool {
         let bound = (self.range >> PROBABILITY_BITS) * u32::from(model.0);
-        let bit = self.code >= bound;
-        if bit {
-            self.code -= bound;
-            self.range -= bound;
-        } else {
-            self.range = bound;
-        }
+        let bit = self.split(bound);
         model.adapt(bit);
-        self.normalise();
         bit
     }
 
     /// The next decision, which is yes with a probability of `yes` in 65,536.
     pub fn likely(&mut self, yes: u16) -> bool {
-        let bound = (self.range >> 16) * (65_536 - u32::from(yes));
+        self.split((self.range >> 16) * (65_536 - u32::from(yes)))
+    }
+
+    /// Goes on in the part of the range that the code lies in: whether it is the one from `bound` on.
+    fn split(&mut self, bound: u32) -> bool {
         let bit = self.code >= bound;
         if bit {
             self.code -= bound;
