@@ -12,6 +12,7 @@ use actor::timeline::Timeline;
 use fixtures::{Captured, Random, crane_and_jumping};
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
+use pipeline::essential::sparse::{Candidates, essential_of, row_candidates};
 use pipeline::essential::{Essential, essential_edges, motion_graph, strongly_connected};
 use pipeline::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
 
@@ -67,6 +68,7 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let alpha = rounded_alpha(alpha);
     assert_eq!(found.edges, plain_essential(transitions, timeline, alpha));
     assert_eq!(found.edges, hidden_paths(transitions, timeline, alpha), "by hidden paths");
+    assert_eq!(found.edges, sparse(transitions, timeline, alpha), "from candidates");
 
     // The certificate: paths through the edges kept are as short as any.
     let all = direct_costs(transitions, timeline, alpha);
@@ -93,6 +95,17 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let size = |component| components.component_of_frame.iter().filter(|&&other| other == component).count();
     assert!((0..n as u32).all(|component| size(component) <= components.largest_frames().count()));
     found
+}
+
+/// By way of candidates; the next row is not always at hand.
+fn sparse(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Vec<(u32, u32)> {
+    let mut candidates = Candidates::new();
+    for from in 0..timeline.frame_count() {
+        let next = timeline.next(from).filter(|_| from % 4 != 3).map(|next| transitions.costs_from(next as usize));
+        candidates.push_row(row_candidates(timeline, alpha, from, transitions.costs_from(from as usize), next));
+    }
+    let kept = essential_of(&candidates, timeline, alpha);
+    (0..timeline.frame_count()).flat_map(|from| kept.from(from).iter().map(move |&(to, _)| (from, to))).collect()
 }
 
 fn random_transitions(n: usize, density: f32, levels: usize, random: &mut Random) -> TransitionMatrix {

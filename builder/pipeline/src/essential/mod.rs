@@ -11,6 +11,7 @@ mod graph;
 pub mod hidden_paths;
 mod motion_graph;
 mod paths;
+pub mod sparse;
 
 use actor::graph::{ALPHA_RESOLUTION, rounded_alpha};
 use actor::timeline::Timeline;

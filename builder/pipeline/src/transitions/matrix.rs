@@ -51,6 +51,12 @@ impl TransitionMatrix {
         &mut self.costs
     }
 
+    /// All transitions from frame `i`, which must exist, by destination; a duration of 0 stands for none.
+    #[must_use]
+    pub fn costs_from(&self, i: usize) -> &[TransitionCost] {
+        &self.costs[i * self.frame_count..(i + 1) * self.frame_count]
+    }
+
     /// Number of frames n.
     #[must_use]
     pub fn frame_count(&self) -> usize {
