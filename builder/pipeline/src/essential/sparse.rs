@@ -12,9 +12,12 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use actor::timeline::Timeline;
+use job::Job;
+use kernels::simd::Level;
 use rayon::prelude::*;
 
-use crate::transitions::TransitionCost;
+use crate::distance::DistanceMatrix;
+use crate::transitions::{Search, TransitionCost, TransitionError, TransitionMatrix, TransitionOptions};
 
 /// A two-edge round is worth its time where the one before took away this share of the transitions.
 const WORTHWHILE: f64 = 0.1;
@@ -133,6 +136,43 @@ fn recorded(timeline: &Timeline, alpha: f64, i: u32, j: u32) -> f64 {
         (false, true) => alpha * (steps + i64::from(sequence.frame_count)) as f64,
         (false, false) => f64::INFINITY,
     }
+}
+
+/// Rows of transitions that are held at once.
+const BAND: usize = 256;
+
+/// The optimal transitions that may stay in an essential graph of `alpha` ([`row_candidates`]), of the same search as
+/// [`crate::transitions::optimal_transitions`], without ever holding all of them: memory is that of the candidates and of a few rows.
+///
+/// # Errors
+/// As [`crate::transitions::optimal_transitions`].
+pub fn candidate_transitions(
+    distances: &DistanceMatrix,
+    timeline: &Timeline,
+    options: &TransitionOptions,
+    alpha: f64,
+    job: &Job,
+) -> Result<Candidates, TransitionError> {
+    let search = Search::new(Level::best(), distances, timeline, options, job)?;
+    let frame_count = distances.frame_count();
+    let mut candidates = Candidates::new();
+    let mut costs = Vec::new();
+    for start in (0..frame_count).step_by(BAND) {
+        let end = (start + BAND).min(frame_count);
+        costs.clear();
+        costs.resize((end - start) * frame_count, TransitionMatrix::NONE);
+        search.rows(start..end, &mut costs)?;
+        let row = |from: usize| &costs[(from - start) * frame_count..][..frame_count];
+        let rows: Vec<_> = (start..end)
+            .into_par_iter()
+            .map(|from| {
+                let next = timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
+                row_candidates(timeline, alpha, from as u32, row(from), next.map(row))
+            })
+            .collect();
+        rows.into_iter().for_each(|row| candidates.push_row(row));
+    }
+    Ok(candidates)
 }
 
 /// The essential ones among `candidates`, for an `alpha` that is a multiple of [`actor::graph::ALPHA_RESOLUTION`] and not 0.
