@@ -97,7 +97,8 @@ mod tests {
 
     #[test]
     fn an_answer_to_stop_is_an_error() {
-        let report = |progress: Progress| if progress.done < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
+        let report =
+            |progress: Progress| if progress.done < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) };
         let job = Job::new(&report);
         assert_eq!((0..10).map(|done| job.tell("stage", done, 10)).filter(Result::is_ok).count(), 3);
         assert!(Job::silent().share("stage", 1.0).is_ok());

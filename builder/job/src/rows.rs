@@ -56,7 +56,8 @@ impl Rows {
             journal.set_len((records.len() / RECORD * RECORD) as u64)?;
         }
         let has = Mutex::new(vec![false; rows]);
-        let table = Self { file: Mutex::new(file), journal: None, has, rows, row_bytes, stripe_bytes: stripe_bytes.max(1) };
+        let table =
+            Self { file: Mutex::new(file), journal: None, has, rows, row_bytes, stripe_bytes: stripe_bytes.max(1) };
         table.believe(&records);
         Ok(Self { journal: Some(Mutex::new(journal)), ..table })
     }

@@ -7,6 +7,7 @@
 mod synthetic;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use job::Job;
 use pipeline::essential::essential_edges;
 use pipeline::essential::sparse::{Candidates, essential_of, row_candidates};
 use pipeline::transitions::{TransitionOptions, optimal_transitions};
@@ -21,13 +22,19 @@ fn essential(criterion: &mut Criterion) {
         let (timeline, distances) = (synthetic::timeline(frames), synthetic::distances(frames));
         // Short segments, to be quick: the graph's size and density are what counts.
         let options = TransitionOptions { longest_seconds: 0.5, ..Default::default() };
-        let transitions = optimal_transitions(&distances, &timeline, &options, &|_| ()).unwrap();
+        let transitions = optimal_transitions(&distances, &timeline, &options, &Job::silent()).unwrap();
         let kept = essential_edges(&transitions, &timeline, 0.01).unwrap().edges.len();
         let candidates = || {
             let mut candidates = Candidates::new();
             for from in 0..frames as u32 {
                 let next = timeline.next(from).map(|next| transitions.costs_from(next as usize));
-                candidates.push_row(row_candidates(&timeline, ALPHA, from, transitions.costs_from(from as usize), next));
+                candidates.push_row(row_candidates(
+                    &timeline,
+                    ALPHA,
+                    from,
+                    transitions.costs_from(from as usize),
+                    next,
+                ));
             }
             candidates
         };

@@ -10,6 +10,7 @@ mod common;
 use actor::graph::rounded_alpha;
 use actor::timeline::Timeline;
 use fixtures::{Captured, Random, crane_and_jumping};
+use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
 use pipeline::essential::sparse::{Candidates, essential_of, row_candidates};
@@ -88,6 +89,8 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     assert_eq!(found.unreached, unreached);
 
     let components = strongly_connected(timeline, &found.edges);
+    let reach = components.reach(timeline, &found.edges);
+    assert_eq!((reach.unreachable_pairs, &reach.dead_ends), (found.unreachable_pairs, &found.dead_ends));
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| i != j) {
         let together = components.component_of_frame[i] == components.component_of_frame[j];
         assert_eq!(together, reached(i, j) && reached(j, i), "{i} and {j}");
@@ -152,8 +155,9 @@ fn matches_floyd_warshall_over_several_blocks() {
 #[ignore = "reads ../shared/data"]
 fn matches_floyd_warshall_on_a_real_capture() {
     let Captured { topology, poses, timeline } = crane_and_jumping(3);
-    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &|_| ()).unwrap();
-    let transitions = optimal_transitions(&distances, &timeline, &TransitionOptions::default(), &|_| ()).unwrap();
+    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
+    let transitions =
+        optimal_transitions(&distances, &timeline, &TransitionOptions::default(), &Job::silent()).unwrap();
     let mut before = 0;
     for alpha in [0.001, 0.01, 0.1] {
         let found = check(&transitions, &timeline, alpha);

@@ -140,7 +140,9 @@ fn measure_at(
     let poses: Vec<&[Vec3]> = poses.iter().collect();
     let measure = match options.kind {
         DistanceKind::Euclidean => Measure::residuals(topology, &poses),
-        DistanceKind::Deformation | DistanceKind::DeformationFrobenius => Measure::deformations(topology, &poses, options)?,
+        DistanceKind::Deformation | DistanceKind::DeformationFrobenius => {
+            Measure::deformations(topology, &poses, options)?
+        }
     };
     let mut distances = DistanceMatrix::zeros(poses.len());
     let mut headings = HeadingMatrix::zeros(poses.len());

@@ -166,7 +166,8 @@ pub fn candidate_transitions(
         let rows: Vec<_> = (start..end)
             .into_par_iter()
             .map(|from| {
-                let next = timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
+                let next =
+                    timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
                 row_candidates(timeline, alpha, from as u32, row(from), next.map(row))
             })
             .collect();
@@ -257,7 +258,13 @@ impl Scratch {
 }
 
 /// Which candidates of `frame` are cheaper than all paths of two edges.
-fn two_edge_detours(edges: &Edges, candidates: &Candidates, alpha: f64, frame: u32, scratch: &mut Scratch) -> Vec<bool> {
+fn two_edge_detours(
+    edges: &Edges,
+    candidates: &Candidates,
+    alpha: f64,
+    frame: u32,
+    scratch: &mut Scratch,
+) -> Vec<bool> {
     let own = candidates.from(frame);
     let dearest = own.iter().map(|(_, transition)| transition.cost(alpha)).fold(0.0, f64::max);
     scratch.reset();

@@ -103,7 +103,8 @@ impl<'a> Search<'a> {
         let keys = keys_of(distances, timeline, options)?;
         let frame_count = distances.frame_count();
         let kept = job.work().map(|work| {
-            let sequences: Vec<_> = timeline.sequences().iter().map(|s| (s.first_frame, s.frame_count, s.cyclic)).collect();
+            let sequences: Vec<_> =
+                timeline.sequences().iter().map(|s| (s.first_frame, s.frame_count, s.cyclic)).collect();
             let key = Key::new("transitions", VERSION).told(options).told(&timeline.fps()).told(&sequences);
             let key = (0..frame_count).fold(key, |key, i| key.of(bytemuck::cast_slice(distances.row(i))));
             let row_bytes = frame_count * TransitionCost::BYTES;
@@ -126,26 +127,31 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn search<S: Slope + Default>(&self, rows: Range<usize>, costs: &mut [TransitionCost]) -> Result<(), TransitionError> {
+    fn search<S: Slope + Default>(
+        &self,
+        rows: Range<usize>,
+        costs: &mut [TransitionCost],
+    ) -> Result<(), TransitionError> {
         let frame_count = self.distances.frame_count().max(1);
-        let found = costs.par_chunks_mut(frame_count).zip(rows).try_for_each_init(Scratch::<S>::default, |scratch, task| {
-            let (row, from) = task;
-            if !self.take(from, row)? {
-                self.level.run(SearchRow {
-                    distances: self.distances,
-                    timeline: self.timeline,
-                    lengths: self.lengths,
-                    choice: self.options.choice,
-                    keys: self.keys,
-                    from: from as u32,
-                    scratch,
-                    row,
-                });
-                self.keep(from, row)?;
-            }
-            let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-            Ok(self.job.tell("transitions", done as u64, frame_count as u64)?)
-        });
+        let found =
+            costs.par_chunks_mut(frame_count).zip(rows).try_for_each_init(Scratch::<S>::default, |scratch, task| {
+                let (row, from) = task;
+                if !self.take(from, row)? {
+                    self.level.run(SearchRow {
+                        distances: self.distances,
+                        timeline: self.timeline,
+                        lengths: self.lengths,
+                        choice: self.options.choice,
+                        keys: self.keys,
+                        from: from as u32,
+                        scratch,
+                        row,
+                    });
+                    self.keep(from, row)?;
+                }
+                let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+                Ok(self.job.tell("transitions", done as u64, frame_count as u64)?)
+            });
         found
     }
 
