@@ -14,6 +14,7 @@ mod blending;
 pub mod clay;
 mod contacts;
 pub mod document;
+mod escape;
 mod graphs;
 pub mod html;
 mod interpolation;

@@ -60,7 +60,13 @@ fn tube(frames: u32) -> Result<Capture, Box<dyn std::error::Error>> {
         for frame in 0..frame_count {
             poses.push(&pose(u64::from(first_frame), frame as f32 / 25.0));
         }
-        sequences.push(Sequence { name: first_frame.to_string(), labels: vec![], first_frame, frame_count, cyclic: false });
+        sequences.push(Sequence {
+            name: first_frame.to_string(),
+            labels: vec![],
+            first_frame,
+            frame_count,
+            cyclic: false,
+        });
     }
     let mut triangles = Vec::new();
     for (ring, side) in (0..RINGS - 1).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
