@@ -1,4 +1,5 @@
-//! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis 4.4.2, 4.4.3, 4.6.2).
+//! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis sections 4.4.2, 4.4.3
+//! and 4.6.2).
 
 use bundle::{AppearanceQuality, StoredAppearance};
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
 use job::progress::{Progress, Report};
 
-/// Components where nothing is said: "virtually no error" in thesis 4.5.1.
+/// Components where nothing is said: "virtually no error" in thesis section 4.5.1.
 pub const DEFAULT_COMPONENTS: usize = 50;
 /// More are never kept, whatever quality is asked for.
 pub const MOST_COMPONENTS: usize = 150;

@@ -1,6 +1,6 @@
 //! The essential graph of dense digraphs.
 //!
-//! `cargo bench -p reprise-builder --bench essential`. `RAYON_NUM_THREADS=1` for one thread.
+//! `cargo bench -p reprise-pipeline --bench essential`. `RAYON_NUM_THREADS=1` for one thread.
 
 #![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]
 
