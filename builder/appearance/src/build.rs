@@ -1,6 +1,8 @@
 //! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis sections 4.4.2, 4.4.3
 //! and 4.6.2).
 
+use std::io;
+
 use bundle::{AppearanceQuality, StoredAppearance};
 use rayon::prelude::*;
 use texture::AppearanceModel;
@@ -10,13 +12,13 @@ use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, Incomplete, align, colours};
 use super::charts::Charts;
 use super::completion;
-use super::fit::{self, fit};
+use super::fit::{self, Fitting, fit};
 use super::pca::{Components, components};
 use super::reach::reach;
 use super::stored::{self, StoredQuality};
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
-use job::progress::{Progress, Report};
+use job::Job;
 
 /// Components where nothing is said: "virtually no error" in thesis section 4.5.1.
 pub const DEFAULT_COMPONENTS: usize = 50;
@@ -54,7 +56,7 @@ impl Default for AppearanceOptions {
 }
 
 /// What came out.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AppearanceSummary {
     /// Eigen textures.
     pub textures: usize,
@@ -93,17 +95,45 @@ pub fn build(
     source: &(impl TextureSource + ?Sized),
     charts: &Charts,
     options: &AppearanceOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
-    let aligned = align(source, charts, &options.align, report)?;
-    let sample = sampled(&aligned.complete);
-    let learner = Learner { source, charts, aligned: &aligned, sample: &sample };
-    if let Some(wanted) = options.ssim {
-        return reach(&learner, wanted, (options.components, options.any_components), report);
+    let aligned = align(source, charts, &options.align, job)?;
+    let key = aligned.kept.as_ref().map(|(work, key)| {
+        let wanted = (options.components, options.ssim, options.any_components);
+        (work, key.part("model", u64::from(MODEL_VERSION)).told(&wanted))
+    });
+    if let Some(known) =
+        key.as_ref().and_then(|(work, key)| work.get(key)).and_then(|bytes| postcard::from_bytes(&bytes).ok())
+    {
+        return Ok(known);
     }
-    report(Progress { what: "eigen textures", done: 0, total: 0 });
+    let built = learnt(source, charts, &aligned, options, job)?;
+    if let Some((work, key)) = key {
+        let bytes =
+            postcard::to_allocvec(&built).map_err(|error| AppearanceError::Work { source: io::Error::other(error) })?;
+        work.put(&key, &bytes).map_err(|source| AppearanceError::Work { source })?;
+    }
+    Ok(built)
+}
+
+/// Changes whenever other models are learnt from the same aligned textures.
+const MODEL_VERSION: u32 = 1;
+
+fn learnt(
+    source: &(impl TextureSource + ?Sized),
+    charts: &Charts,
+    aligned: &Aligned,
+    options: &AppearanceOptions,
+    job: &Job,
+) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+    let sample = sampled(&aligned.complete);
+    let learner = Learner { source, charts, aligned, sample: &sample, job };
+    if let Some(wanted) = options.ssim {
+        return reach(&learner, wanted, (options.components, options.any_components), job);
+    }
+    job.begin("eigen textures")?;
     let (model, mut summary) = learner.learn(split(options.components))?;
-    report(Progress { what: "appearance after storing", done: 0, total: 0 });
+    job.begin("appearance after storing")?;
     (summary.quality, summary.stored) = stored::choose(source, charts, &model, summary.ssim, &sample)?;
     Ok((model, summary))
 }
@@ -115,13 +145,14 @@ pub(super) struct Learner<'a, S: ?Sized> {
     pub aligned: &'a Aligned,
     /// The frames that qualities are measured on.
     pub sample: &'a [usize],
+    pub job: &'a Job<'a>,
 }
 
 impl<S: TextureSource + ?Sized> Learner<'_, S> {
     /// A model of so many Eigen textures and Eigen warps, and what is known of it before it is stored.
     pub fn learn(&self, split: (usize, usize)) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
         let Self { source, aligned, .. } = *self;
-        let basis = Basis::new(source, aligned, &aligned.complete, split.0, split.1)?;
+        let basis = Basis::new(source, aligned, &aligned.complete, split, self.job)?;
         let (textures, warps) = (basis.textures.modes.len(), basis.warps.modes.len());
         let (ssim, mean_square_error) = basis.quality(source, aligned, self.sample, textures, warps)?;
         let share = |components: &Components| match components.total_variance {
@@ -169,30 +200,29 @@ impl Basis {
         source: &(impl TextureSource + ?Sized),
         aligned: &Aligned,
         training: &[usize],
-        textures: usize,
-        warps: usize,
+        (textures, warps): (usize, usize),
+        job: &Job,
     ) -> Result<Self, AppearanceError> {
-        Self::fitted(source, aligned, training, (textures, warps), fit::STEPS)
+        Self::fitted(source, aligned, &Fitting { training, textures, warps, steps: fit::STEPS }, job)
     }
 
-    /// The same with so many `steps` of the fit.
+    /// The same, fitted otherwise.
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn fitted(
         source: &(impl TextureSource + ?Sized),
         aligned: &Aligned,
-        training: &[usize],
-        (textures, warps): (usize, usize),
-        steps: usize,
+        fitting: &Fitting,
+        job: &Job,
     ) -> Result<Self, AppearanceError> {
-        let mut warps = components(&aligned.warps, training, warps)?;
+        let mut warps = components(&aligned.warps, fitting.training, fitting.warps)?;
         for Incomplete { frame, unseen, .. } in &aligned.incomplete {
             completion::complete(&mut warps, &aligned.warps, *frame, unseen, 2)?;
         }
         let shown = stored::warps(&warps, &aligned.charts, source.frame_count())?;
         let warp = |frame: usize| shown.warp(frame as u32, frame as u32, 0.0);
-        let textures = fit(source, aligned, &warp, training, textures, steps)?;
+        let textures = fit(source, aligned, &warp, fitting, job)?;
         Ok(Self { textures, warps, shown })
     }
 

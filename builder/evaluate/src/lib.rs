@@ -39,9 +39,10 @@ pub use self::subject::Subject;
 use appearance::AppearanceError;
 use capture_io::export::ExportError;
 use capture_io::import::ImportError;
-use job::progress::Report;
+use job::Job;
 use pipeline::distance::DistanceError;
 use pipeline::essential::{BuildError, EssentialError};
+use pipeline::graph::GraphError;
 use pipeline::transitions::{TransitionError, TransitionOptions};
 
 /// A section of the evaluation.
@@ -133,6 +134,9 @@ impl Default for EvaluateOptions {
 /// Why a capture could not be evaluated.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] job::Stopped),
     /// The capture cannot be read.
     #[error(transparent)]
     Import(#[from] ImportError),
@@ -151,6 +155,9 @@ pub enum EvaluateError {
     /// The graph could not be built: a fault of ours.
     #[error("the graph cannot be built: {0}")]
     Build(#[from] BuildError),
+    /// There is no graph.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
     /// Textures of frames that no appearance can be made of.
     #[error(transparent)]
     Appearance(#[from] AppearanceError),
@@ -166,10 +173,23 @@ pub enum EvaluateError {
 }
 
 impl EvaluateError {
+    /// Whether it was stopped, in whatever stage.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped(_)
+                | Self::Distance(DistanceError::Stopped(_))
+                | Self::Transition(TransitionError::Stopped(_))
+                | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
+                | Self::Appearance(AppearanceError::Stopped(_))
+        )
+    }
+
     /// Whether the input, not the builder, is at fault.
     #[must_use]
     pub fn is_input(&self) -> bool {
-        !matches!(self, Self::Build(_) | Self::Interpolation(_) | Self::Pose(_))
+        !matches!(self, Self::Build(_) | Self::Graph(GraphError::Build(_)) | Self::Interpolation(_) | Self::Pose(_))
     }
 }
 
@@ -177,17 +197,17 @@ impl EvaluateError {
 ///
 /// # Errors
 /// A capture that has no distances or transitions.
-pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateError> {
+pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError> {
     let sections = subject.options.sections.iter().map(|&section| {
         let made = match section {
-            Section::Poses => poses::section(subject, report),
-            Section::Transitions => transitions::section(subject, report),
-            Section::Graphs => graphs::section(subject, report),
-            Section::Blending => blending::section(subject, report),
-            Section::Interpolation => interpolation::section(subject, report),
-            Section::Walks => walks::section(subject, report),
-            Section::Scaling => scaling::section(subject, report),
-            Section::Appearance => textures::section(subject, report),
+            Section::Poses => poses::section(subject, job),
+            Section::Transitions => transitions::section(subject, job),
+            Section::Graphs => graphs::section(subject, job),
+            Section::Blending => blending::section(subject, job),
+            Section::Interpolation => interpolation::section(subject, job),
+            Section::Walks => walks::section(subject, job),
+            Section::Scaling => scaling::section(subject, job),
+            Section::Appearance => textures::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

@@ -23,7 +23,9 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
         [path] if is_bundle(Path::new(path)) => inspect_bundle(Path::new(path))?,
         inputs => {
             let options = import_options(&arguments.import);
-            let imported = import(inputs, &options, &|step| terminal.progress(step));
+            let imported = import(inputs, &options, &|step| {
+                let _ = terminal.progress(step);
+            });
             let imported = imported.map_err(|error| Failure::Input(error.into()))?;
             let capture = imported.capture;
             json!({

@@ -30,7 +30,9 @@ pub fn run(arguments: &ValidateArguments, terminal: &Terminal) -> Result<(), Fai
             let bytes = fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
             validate(&bytes).into_iter().map(of_bundle).collect()
         }
-        inputs => of_input(import(inputs, &import_options(&arguments.import), &|step| terminal.progress(step))),
+        inputs => of_input(import(inputs, &import_options(&arguments.import), &|step| {
+            let _ = terminal.progress(step);
+        })),
     };
     let name = arguments.inputs.join(" ");
     if arguments.json {

@@ -12,7 +12,7 @@ use crate::document::{Cell, SectionReport, Table};
 use crate::stage::{Recordings, Stage};
 use crate::statistics::{Moments, percentile};
 use crate::subject::{Subject, told};
-use job::progress::Report;
+use job::Job;
 use pipeline::transitions::LengthChoice;
 
 /// Slides in metres per frame: of all that touches the ground, and of feet that are known to stand.
@@ -56,10 +56,10 @@ pub(super) fn skate(
     order: &[u32],
     graph: &EssentialGraph,
     chosen: &[usize],
-    report: Report,
+    job: &Job,
 ) -> Result<Slides, EvaluateError> {
     let contacts = Contacts::of(&recordings, subject.truth.as_ref());
-    let told = told(report, "foot skate");
+    let told = told(job, "foot skate");
     let done = AtomicUsize::new(0);
     let parts: Vec<Slides> = chosen
         .par_chunks(4)
@@ -79,7 +79,7 @@ pub(super) fn skate(
                 }
             }
             let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / chosen.len() as f64);
+            told((before + chunk.len()) as f64 / chosen.len() as f64)?;
             Ok(slides)
         })
         .collect::<Result<_, EvaluateError>>()?;

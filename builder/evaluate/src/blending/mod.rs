@@ -17,7 +17,7 @@ use super::stage::Recordings;
 use super::statistics::Moments;
 use super::subject::{Subject, told};
 use foot_skate::{Skate, skate, skate_table};
-use job::progress::{Progress, Report};
+use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
 use seam_tables::{SeamReport, seam_tables};
@@ -28,7 +28,7 @@ const WALKS: u64 = 300;
 const SKATE_TRANSITIONS: usize = 200;
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let order = elimination_order(&subject.capture.topology);
     let mut section = SectionReport::default();
@@ -38,12 +38,12 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let mut reports = Vec::new();
     let mut skates = Vec::new();
     for choice in [LengthChoice::Total, LengthChoice::Mean] {
-        let graph = subject.graph(choice, report)?;
+        let graph = subject.graph(choice, job)?;
         let of_graph = draw(graph.transitions().len(), subject.options.seam_transitions, subject.options.seed);
-        let walks = walks(subject, &graph, report);
+        let walks = walks(subject, &graph, job)?;
         for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
             for ease in [Ease::Smooth, Ease::Linear] {
-                let told = told(report, "seams");
+                let told = told(job, "seams");
                 let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &told)?;
                 reports.push(SeamReport { choice, population, ease, seams });
             }
@@ -54,8 +54,8 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
             .collect();
         let free = Recordings { contacts: &actor::contacts::Contacts::default(), ..recordings };
         let slides = Skate {
-            held: skate(subject, recordings, &order, &graph, &few, report)?,
-            free: skate(subject, free, &order, &graph, &few, report)?,
+            held: skate(subject, recordings, &order, &graph, &few, job)?,
+            free: skate(subject, free, &order, &graph, &few, job)?,
         };
         skates.push((choice, walks, slides));
     }
@@ -72,10 +72,10 @@ struct Walks {
     moments: [Moments; 4],
 }
 
-fn walks(subject: &Subject, graph: &EssentialGraph, report: Report) -> Walks {
+fn walks(subject: &Subject, graph: &EssentialGraph, job: &Job) -> Result<Walks, EvaluateError> {
     let (n, seed) = (u64::from(subject.timeline().frame_count()), subject.options.seed);
     let frame = |index: u64| (mix(seed, index) % n) as u32;
-    report(Progress { what: "walks", done: 0, total: 0 });
+    job.begin("walks")?;
     let found: Vec<Option<Walk>> = (0..WALKS)
         .into_par_iter()
         .map(|index| cheapest_walk(graph, subject.timeline(), frame(2 * index), frame(2 * index + 1)))
@@ -90,7 +90,7 @@ fn walks(subject: &Subject, graph: &EssentialGraph, report: Report) -> Walks {
         }));
     }
     walks.transitions.sort_unstable();
-    walks
+    Ok(walks)
 }
 
 /// Up to `most` of 0..count, in order.

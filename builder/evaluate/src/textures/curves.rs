@@ -24,7 +24,7 @@ use appearance::store::Store;
 use appearance::stored;
 use appearance::textures::TextureSource;
 use appearance::warp::Warping;
-use job::progress::{Progress, Report};
+use job::Job;
 
 /// Numbers of components on the curves.
 const COUNTS: [usize; 9] = [2, 3, 6, 12, 20, 30, 40, 50, 80];
@@ -150,16 +150,16 @@ pub struct Subject<'a, S: TextureSource + ?Sized> {
 pub fn curves(
     subject: &Subject<'_, impl TextureSource + ?Sized>,
     options: &AlignOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<Curves, EvaluateError> {
     let Subject { source, charts, sequences, seams, crossings, views } = subject;
-    let aligned = align(*source, charts, options, report)?;
+    let aligned = align(*source, charts, options, job)?;
     let raw = captured(*source, charts)?;
     let all = aligned.complete.clone();
     let similarity = Similarity::new(charts.width as u32, &charts.active());
     let bench = Bench { source: *source, aligned, raw, similarity, views };
-    let told = |done: usize| report(Progress { what: "appearance curves", done: done as u64, total: 11 });
-    told(0);
+    let told = |done: usize| job.tell("appearance curves", done as u64, 11);
+    told(0)?;
     let full = bench.learn(&all, USUAL)?;
     let ghosting = bench.ghosting(&full, sequences)?;
     let halves = bench.halves(&full, &all);
@@ -176,7 +176,7 @@ pub fn curves(
     let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
     for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
-        told(1 + done);
+        told(1 + done)?;
         let basis = bench.learn(&all, count)?;
         reconstruction.push(bench.reconstruction(count, &basis, &naive, &all)?);
         if count < USUAL {
@@ -184,7 +184,7 @@ pub fn curves(
         }
     }
     drop(naive);
-    told(10);
+    told(10)?;
     Ok(Curves {
         reconstruction,
         generalisation: bench.generalisation(&all)?,
@@ -207,7 +207,7 @@ struct Bench<'a, S: TextureSource + ?Sized> {
 impl<S: TextureSource + ?Sized> Bench<'_, S> {
     fn learn(&self, training: &[usize], count: usize) -> Result<Basis, AppearanceError> {
         let (textures, warps) = split(count);
-        Basis::new(self.source, &self.aligned, training, textures, warps)
+        Basis::new(self.source, &self.aligned, training, (textures, warps), &Job::silent())
     }
 
     fn original(&self, frame: usize) -> Result<Vec<f32>, AppearanceError> {

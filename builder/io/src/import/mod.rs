@@ -55,7 +55,7 @@ use actor::capture::Capture;
 pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
 pub use self::warning::Warning;
-use job::progress::Progress;
+use job::Progress;
 
 /// Frames per second where nothing else is said.
 pub const DEFAULT_FPS: f32 = 30.0;

@@ -18,7 +18,7 @@ use actor::timeline::Timeline;
 use rayon::prelude::*;
 use thiserror::Error;
 
-pub use self::components::{Components, strongly_connected};
+pub use self::components::{Components, Reach, strongly_connected};
 pub use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;

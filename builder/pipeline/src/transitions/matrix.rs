@@ -15,6 +15,30 @@ pub struct TransitionCost {
 }
 
 impl TransitionCost {
+    /// Bytes of [`Self::to_bytes`].
+    pub(super) const BYTES: usize = 10;
+
+    /// As it is kept.
+    pub(super) fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        bytes[..4].copy_from_slice(&self.deformation.to_le_bytes());
+        for (k, number) in [self.duration, self.source_length, self.destination_length].into_iter().enumerate() {
+            bytes[4 + 2 * k..6 + 2 * k].copy_from_slice(&number.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// From [`Self::to_bytes`].
+    pub(super) fn from_bytes(bytes: &[u8]) -> Self {
+        let number = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        Self {
+            deformation: f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+            duration: number(4),
+            source_length: number(6),
+            destination_length: number(8),
+        }
+    }
+
     /// E(i, j) = D + alpha L (TVCG equation 10; thesis equation 3.3).
     #[must_use]
     pub fn cost(&self, alpha: f64) -> f64 {
@@ -32,7 +56,7 @@ pub struct TransitionMatrix {
 
 impl TransitionMatrix {
     /// What stands for no transition.
-    pub(super) const NONE: TransitionCost =
+    pub(crate) const NONE: TransitionCost =
         TransitionCost { deformation: f32::INFINITY, duration: 0, source_length: 0, destination_length: 0 };
 
     /// The matrix of `transition(i, j)` for all frames i and j.
