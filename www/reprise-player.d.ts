@@ -223,7 +223,7 @@ export interface Answer {
   };
   /** Seconds; `null` where a key pose is not reached. */
   keys?: { frame: number; wanted: number; reached: number | null }[];
-  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada and others, 7.1). */
+  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada 2016, section 7.1). */
   wander?: { frames: number; objective: number; objectives: [number, number, number] };
 }
 

@@ -1,4 +1,5 @@
-//! `cargo xtask bench`: every figure of docs/performance.md, beside its mark.
+//! `cargo xtask bench`: the figures of the demo, the page, the full-size capture and the kernels, each beside its mark
+//! (docs/performance.md).
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 //! ```text
 //! cargo xtask demo     build the page, pack the built-in performer, serve it and say where
 //! cargo xtask test     everything that continuous integration runs
-//! cargo xtask bench    every measured figure beside its mark
+//! cargo xtask bench    what is measured, each figure beside its mark
 //! cargo xtask web      build the page alone into dist/
 //! cargo xtask serve    serve dist/ as it is
 //! ```

@@ -1,4 +1,4 @@
-//! Aligning all textures to the reference, and the warps back (thesis 4.4.1, figure 4.3).
+//! Aligning all textures to the reference, and the warps back (thesis section 4.4.1, figure 4.3).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -14,7 +14,7 @@ use super::textures::TextureSource;
 
 use job::Job;
 
-/// Components where nothing is said: "virtually no error" in thesis 4.5.1.
+/// Components where nothing is said: "virtually no error" in thesis section 4.5.1.
 pub const DEFAULT_COMPONENTS: usize = 50;
 /// Frames on which a quality is measured.
 const SAMPLED_FRAMES: usize = 16;

@@ -1,8 +1,9 @@
 //! `builder evaluate`: the papers' evaluations again, on any capture.
 //!
-//! Boukhayma and Boyer, TVCG, figures 7, 9, 11, 12 and table 1; thesis sections 2.3.2, 2.5.5 and 3.3.4. Each section is
-//! a file of its own that takes the [`Subject`] and returns a [`SectionReport`]; the page, CSV and JSON are made from
-//! those. Everything but the times is a function of the capture, the options and the seed.
+//! Boukhayma and Boyer, TVCG, figures 7, 9, 11, 12, 22 and table 1; thesis sections 2.3.2, 2.5.5, 3.3.4, 3.5.2 and 4.5;
+//! Prada and others (2016), section 7.1. Each section is a file or folder of its own that takes the [`Subject`] and
+//! returns a [`SectionReport`]; the page, CSV and JSON are made from those. Everything but the times is a function of
+//! the capture, the options and the seed.
 //!
 //! ```text
 //! capture, truth -> subject -> sections -> document -> page, CSV, JSON

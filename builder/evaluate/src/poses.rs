@@ -293,7 +293,7 @@ mod tests {
         assert!((euler_distance(&turn(0.3), &turn(0.1)) - 0.2 * 2.0_f32.sqrt()).abs() < 1e-5);
         assert!((geodesic_distance(&turn(0.3), &turn(0.1)) - 0.4).abs() < 1e-5);
         assert!(euler_distance(&turn(0.3), &turn(0.3)).max(geodesic_distance(&turn(0.3), &turn(0.3))) < 1e-3);
-        // Across the cut at pi (equation 2.16).
+        // Across the cut at pi (thesis equation 2.16).
         let (a, b) = ([Quat::from_rotation_x(3.1)], [Quat::from_rotation_x(-3.1)]);
         assert!((euler_distance(&a, &b) - (std::f32::consts::TAU - 6.2)).abs() < 1e-4);
     }

@@ -1,4 +1,5 @@
-//! Section 6: walks along paths and through key poses at times (TVCG section 4.3, thesis 3.5 and figure 3.18).
+//! Section 6: walks along paths and through key poses at times (TVCG section 4.3; thesis section 3.5 and figure
+//! 3.18).
 
 use actor::motion::Motion;
 use actor::walk::{Leg, steps_of};
@@ -16,7 +17,7 @@ use pipeline::transitions::LengthChoice;
 
 /// States expanded between two reports of progress.
 const SLICE: u32 = 20_000;
-/// The mean error in frames of the papers' ten key poses, at 50 frames a second.
+/// The mean error in frames of the papers' ten key poses (thesis figure 3.18), at 50 frames a second.
 const PAPERS_FRAMES: f64 = 5.0;
 const PAPERS_FPS: f64 = 50.0;
 /// Seconds of the random walk.

@@ -1,7 +1,7 @@
 //! All three stages once on a capture of the size of the papers' largest, with the peak memory.
 //!
-//! `cargo bench -p reprise-builder --bench capture`. `RAYON_NUM_THREADS=1` for one thread; `REPRISE_FRAMES` for another
-//! number of frames than 2,633. Too long for repeats, so this does not use criterion.
+//! `cargo bench -p reprise-pipeline --bench capture`. `RAYON_NUM_THREADS=1` for one thread; `REPRISE_FRAMES` for
+//! another number of frames than 2,633. Too long for repeats, so this does not use criterion.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "prints its figures; nothing to recover")]
 
 mod synthetic;

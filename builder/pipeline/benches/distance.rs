@@ -1,6 +1,6 @@
 //! Pose distances between all pairs of frames: nanoseconds per pair of triangles.
 //!
-//! `cargo bench -p reprise-builder --bench distance`. `RAYON_NUM_THREADS=1` for one thread.
+//! `cargo bench -p reprise-pipeline --bench distance`. `RAYON_NUM_THREADS=1` for one thread.
 
 #![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]
 

@@ -1,6 +1,6 @@
 //! Optimal transitions between all pairs of frames: cells of dynamic time warping a second.
 //!
-//! `cargo bench -p reprise-builder --bench transitions`. `RAYON_NUM_THREADS=1` for one thread. A cell is a node of the
+//! `cargo bench -p reprise-pipeline --bench transitions`. `RAYON_NUM_THREADS=1` for one thread. A cell is a node of the
 //! grid of a start cell that a path within the slope limit can reach and that lies within both sequences.
 
 #![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]

@@ -1,5 +1,5 @@
-//! `Blend` of thesis algorithm 2, without the poses: where the source and destination of a transition stand, node by
-//! node of its warp.
+//! `Blend` of thesis algorithm 2 (TVCG algorithm 1), without the poses: where the source and destination of a
+//! transition stand, node by node of its warp.
 
 use glam::Vec2;
 

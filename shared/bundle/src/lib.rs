@@ -1,6 +1,6 @@
 //! The bundle: everything that the player needs, in one file that can be drawn before all of it has arrived.
 //!
-//! `docs/bundle-format.md` describes the format. This module is pure: bytes to types and back, no input or output.
+//! `docs/bundle-format.md` describes the format. This crate is pure: bytes to types and back, no input or output.
 //! [`encode`] writes a bundle; [`BundleReader`] reads one as it arrives and serves its poses; [`validate`] says what is
 //! wrong with one. Nothing here trusts a length, an index or a count, before or after decompression.
 

@@ -1,4 +1,4 @@
-//! Poisson interpolation at 5,000 and 10,000 vertices: `cargo bench -p reprise-shared --bench poisson`.
+//! Poisson interpolation at 5,000 and 10,000 vertices: `cargo bench -p reprise-kernels --bench poisson`.
 //!
 //! Marks (docs/performance.md): a solve of three right sides at 10,000 vertices 0.7 ms, a factorisation 10 ms, an
 //! in-between 2 ms.

@@ -1,7 +1,7 @@
 //! The numeric kernels behind every frame that is shown.
 //!
 //! They are a crate of their own because of how the page is compiled: these few functions for speed, everything else
-//! for size. Use them through `shared`, which exports them under the same names.
+//! for size.
 
 pub mod align;
 pub mod cholesky;

@@ -10,8 +10,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Eigen textures and Eigen warps of a capture (thesis ch. 4). Texel order: row-major, only active texels, `active` a
-/// bitmask of width*height.
+/// Eigen textures and Eigen warps of a capture (thesis section 4.4.2, equations 4.4 to 4.11). Texel order: row-major,
+/// only active texels, `active` a bitmask of width*height.
 ///
 /// Everything is indexed by active texel, in row-major order: colours as red, green, blue of one texel after the other,
 /// warps as dx, dy (x to the right, y down, in texels). A frame's textures are rebuilt in two steps: the aligned texture

@@ -6,7 +6,7 @@
 //!
 //! This work is based on: Kroeger, Timofte, Dai, Van Gool, *Fast Optical Flow using Dense Inverse Search*, 2016, with the
 //! variational refinement of Brox, Bruhn, Papenberg, Weickert, *High accuracy optical flow estimation based on a theory
-//! for warping*, 2004. The thesis (4.4.1) uses TV-L1; any dense flow of that quality serves.
+//! for warping*, 2004. The thesis (section 4.4.1) uses TV-L1; any dense flow of that quality serves.
 
 mod patch;
 mod plane;

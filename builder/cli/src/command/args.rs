@@ -196,7 +196,7 @@ pub enum UpAxis {
     Z,
 }
 
-/// How the lengths of a transition's segments are chosen (TVCG equation 8 against thesis 2.5.4).
+/// How the lengths of a transition's segments are chosen (TVCG equation 8 against the text of thesis section 2.5.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TransitionLength {
     /// The least sum of pose distances.

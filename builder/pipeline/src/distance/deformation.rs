@@ -20,7 +20,7 @@ use super::triangles::{BLOCK, TriangleBlock};
 pub(super) struct Pair {
     pub(super) cos: f32,
     pub(super) sin: f32,
-    /// w of the equation: the weight of the stretch.
+    /// w of TVCG equation 2: the weight of the stretch.
     pub(super) stretch_weight: f32,
 }
 

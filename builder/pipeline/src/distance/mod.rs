@@ -28,20 +28,20 @@ pub use self::matrix::DistanceMatrix;
 use self::tiles::Tile;
 use kernels::simd::{Kernel, Level};
 
-/// The default weight of stretch against rotation, w of the equation.
+/// The default weight of stretch against rotation, w of TVCG equation 2.
 pub const DEFAULT_STRETCH_WEIGHT: f32 = 0.01;
 
 /// What a pose distance measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DistanceKind {
     /// Mean over the triangles of the rotation angle plus w times the norm of the logarithm of the stretch, in radians
-    /// (TVCG equation 2).
+    /// (TVCG equation 2; thesis equation 2.14).
     #[default]
     Deformation,
     /// The same with the Frobenius norm of the stretch minus the identity (thesis equation 2.13); for comparison.
     DeformationFrobenius,
-    /// Weighted sum of squared distances between vertices after alignment, in square metres (thesis equation 2.2); for
-    /// comparison.
+    /// Weighted sum of squared distances between vertices after alignment, in square metres (thesis equation 2.2, but
+    /// with heights, too); for comparison.
     Euclidean,
 }
 

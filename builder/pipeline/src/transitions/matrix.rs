@@ -3,9 +3,10 @@
 /// The optimal transition between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionCost {
-    /// Surface deformation cost D(i, j): the sum of pose distances over the nodes of its warp, in radians.
+    /// Surface deformation cost D(i, j): the sum of pose distances over the nodes of its warp, in radians (TVCG
+    /// equation 8; thesis equation 2.57).
     pub deformation: f32,
-    /// Duration L(i, j) in frames: the number of nodes of its warp.
+    /// Duration L(i, j) in frames: the number of nodes of its warp (thesis equation 2.56).
     pub duration: u16,
     /// Frames li of the source segment [i, i + li - 1].
     pub source_length: u16,
@@ -38,7 +39,7 @@ impl TransitionCost {
         }
     }
 
-    /// E(i, j) = D + alpha L (TVCG equation 10).
+    /// E(i, j) = D + alpha L (TVCG equation 10; thesis equation 3.3).
     #[must_use]
     pub fn cost(&self, alpha: f64) -> f64 {
         f64::from(self.deformation) + alpha * f64::from(self.duration)

@@ -23,7 +23,7 @@ pub struct TransitionOptions {
     /// Longest segment in seconds; a part of a frame does not count.
     pub longest_seconds: f32,
     /// The slope limit p >= 1 of thesis equation 2.53: after a diagonal step at most p - 1 straight ones. `None` for
-    /// paths without a limit (equation 2.52).
+    /// paths without a limit (thesis equation 2.52).
     pub slope: Option<u8>,
     /// Which lengths a pair gets.
     pub choice: LengthChoice,

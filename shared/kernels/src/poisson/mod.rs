@@ -1,8 +1,8 @@
 //! Poisson shape interpolation: the surface between two poses whose triangles rotate and stretch evenly.
 //!
-//! This work is based on: Boukhayma, thesis (2017), section 2.4.3, equations 2.46 to 2.49; Xu, Zhang, Wang and Bao,
-//! "Poisson shape interpolation" (2005). Both sides are solved, each on its own pose's cotangent Laplacian, and blended
-//! linearly.
+//! This work is based on: Boukhayma, thesis (2017), section 2.4.3, equations 2.46 to 2.49; Boukhayma and Boyer, TVCG
+//! equations 5 to 7; Xu, Zhang, Wang and Bao, "Poisson shape interpolation" (2005). Both sides are solved, each on its
+//! own pose's cotangent Laplacian, and blended linearly.
 //!
 //! Exact to a stated tolerance: see [`TOLERANCE`]. What makes it fast is that both sides want the same edges
 //! ([`crate::gradients`]); that the system is solved for what is missing from a good guess, the linear blend plus what
