@@ -25,4 +25,4 @@ pub mod timeline;
 pub mod warp;
 
 pub use glam::{Quat, Vec2, Vec3};
-pub use kernels::{align, cholesky, gradients, laplacian, poisson, sort, topology};
+pub use kernels::{align, cholesky, gradients, lanes, laplacian, poisson, scalar, sort, topology};

@@ -5,8 +5,8 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use shared::lanes::lane_sum;
 
-use super::lanes::lane_sum;
 use super::tiles::{self, Tile};
 use crate::simd::{Kernel, Level};
 

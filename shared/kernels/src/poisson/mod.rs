@@ -16,9 +16,9 @@ use glam::{Vec3, Vec4};
 
 use crate::cholesky::{CholeskyError, SymbolicCholesky, Workspace, elimination_order};
 use crate::gradients::{Batch, PairGradients, TriangleBatches};
-use crate::kept::Kept;
 use crate::lanes::{LANES, Lanes, Lanes3};
 use crate::laplacian::{Laplacian, LaplacianPattern};
+use crate::lru::LruCache;
 use crate::topology::Topology;
 use components::Components;
 use conjugate_gradients::{Preconditioner, Stop, System};
@@ -73,8 +73,8 @@ pub struct PoissonInterpolator {
     symbolic: SymbolicCholesky,
     workspace: Workspace,
     components: Components,
-    laplacians: Kept<Laplacian>,
-    factors: Kept<KeptFactor>,
+    laplacians: LruCache<Laplacian>,
+    factors: LruCache<KeptFactor>,
     gradients: PairGradients,
     system: System,
     /// By vertex: the linear blend, what the solution differs from it, and the guess that the system starts from.
@@ -105,8 +105,8 @@ impl PoissonInterpolator {
             symbolic,
             workspace: Workspace::default(),
             components: Components::new(topology),
-            laplacians: Kept::new(KEPT_LAPLACIANS),
-            factors: Kept::new(KEPT_FACTORS),
+            laplacians: LruCache::new(KEPT_LAPLACIANS),
+            factors: LruCache::new(KEPT_FACTORS),
             gradients: PairGradients::default(),
             system: System::default(),
             blend: vec![Vec4::ZERO; n],
