@@ -152,11 +152,14 @@ fn imports(source: &Path) -> BTreeMap<String, BTreeSet<String>> {
 /// Whether a file only passes a path on: `pub use`.
 fn is_handed_on(file: &Path, path: &str) -> bool {
     let text = fs::read_to_string(file).unwrap();
-    let statements = text.split(';').filter(|statement| statement.contains("use "));
+    let statements = text.split(';').filter_map(|statement| statement.rsplit_once("use "));
     statements
-        .filter_map(|statement| statement.rsplit_once("pub ").or_else(|| statement.rsplit_once("pub(crate) ")))
-        .filter_map(|(_, used)| used.trim_start().strip_prefix("use "))
-        .any(|used| expanded(&used.split_whitespace().collect::<Vec<_>>().join(" ")).iter().any(|known| known == path))
+        .filter(|(before, _)| {
+            before.trim_end().rsplit_once("pub").is_some_and(|(_, reach)| !reach.contains(char::is_whitespace))
+        })
+        .any(|(_, used)| {
+            expanded(&used.split_whitespace().collect::<Vec<_>>().join(" ")).iter().any(|known| known == path)
+        })
 }
 
 fn name_of(module: &[String]) -> String {
