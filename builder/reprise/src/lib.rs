@@ -1,3 +1,5 @@
 //! Reprise as a library: from files to an actor.
 
 pub mod pack;
+pub mod preflight;
+mod reach;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use actor::capture::Capture;
 use actor::contacts::Contacts;
-use actor::graph::EssentialGraph;
+use actor::graph::{DEFAULT_ALPHA, EssentialGraph};
 use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
 use kernels::cholesky::elimination_order;
 use serde::Serialize;
@@ -21,8 +21,11 @@ use pipeline::distance::{self, DistanceOptions};
 use pipeline::essential::{self, Findings};
 use pipeline::transitions::{self, TransitionOptions};
 
+use crate::preflight::{before_stages, holes};
+use crate::reach::unreachable;
+
 /// The frame that the player shows first.
-const FIRST_FRAME: u32 = 0;
+pub(crate) const FIRST_FRAME: u32 = 0;
 
 /// Everything that `builder pack` can be told.
 #[derive(Clone, Debug)]
@@ -41,6 +44,21 @@ pub struct PackOptions {
     pub max_error: Option<f32>,
     /// What becomes of textures that change from frame to frame.
     pub appearance: AppearanceChoice,
+}
+
+impl Default for PackOptions {
+    /// What `builder pack` does where it is told nothing.
+    fn default() -> Self {
+        Self {
+            import: ImportOptions::default(),
+            distance: DistanceOptions::default(),
+            transition: TransitionOptions::default(),
+            alpha: DEFAULT_ALPHA,
+            hold_contacts: true,
+            max_error: None,
+            appearance: AppearanceChoice::Eigen(AppearanceOptions::default()),
+        }
+    }
 }
 
 /// What becomes of textures that change from frame to frame.
@@ -67,6 +85,19 @@ pub enum PackError {
     /// A stage contradicts the stage before it.
     #[error("{0}")]
     Ours(String),
+}
+
+impl PackError {
+    /// A name for the kind of error that never changes, for scripts and for `builder validate`.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Import(error) => error.code(),
+            Self::Appearance(_) => "E_APPEARANCE",
+            Self::Option(_) => "E_OPTION",
+            Self::Ours(_) => "E_INTERNAL",
+        }
+    }
 }
 
 /// What packing cost and what came out; what `--json` prints.
@@ -150,7 +181,12 @@ pub struct StageSeconds {
 pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, &|step| report(step)))?;
+    let before = before_stages(&imported, options);
+    if let Some(refusal) = before.refusal {
+        return Err(refusal);
+    }
     let mut warnings = imported.warnings;
+    warnings.extend(before.warnings);
     let built = match (&options.appearance, imported.frame_textures) {
         (AppearanceChoice::Eigen(options), Some(paths)) => {
             let files = TextureFiles::new(paths, imported.frame_masks)?;
@@ -159,15 +195,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
             })?;
             Some(built)
         }
-        (AppearanceChoice::Static, Some(paths)) => {
-            let count = paths.len();
-            warnings.push(Warning::new(
-                "W_TEXTURES_STATIC",
-                format!("{count} frames have textures of their own, of which the first one's is used for all"),
-            ));
-            None
-        }
-        (_, None) => None,
+        (AppearanceChoice::Static, _) | (_, None) => None,
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
@@ -175,6 +203,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    // What the graph says comes last.
+    warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
     Ok((bytes, pack_report))
 }
@@ -188,35 +218,9 @@ fn eigen_appearance(
     report: Report,
 ) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
-    let (charts, findings) = Charts::new(&capture.surface, width, height)?;
-    if findings.shared_texels > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_OVERLAP",
-            format!(
-                "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
-                findings.shared_texels
-            ),
-        ));
-    }
-    if findings.wrapped_triangles > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_REPEAT",
-            format!(
-                "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
-                findings.wrapped_triangles
-            ),
-        ));
-    }
+    let (charts, _) = Charts::new(&capture.surface, width, height)?;
     let (model, summary) = appearance::build(textures, &charts, options, report)?;
-    if !summary.completed_frames.is_empty() {
-        warnings.push(Warning::new(
-            "W_TEXTURE_HOLES",
-            format!(
-                "{} frames have texels that no camera saw: they were left out of the model and completed from it",
-                summary.completed_frames.len()
-            ),
-        ));
-    }
+    warnings.extend(holes(summary.completed_frames.len()));
     warnings.extend(missed_similarity(options, &summary));
     let mut models = vec![model];
     if options.compare {
@@ -266,7 +270,7 @@ pub fn pack_with_looks(
     report: Report,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
-    let (graph, graph_summary) = essential_graph(capture, options, &mut seconds, report)?;
+    let (graph, graph_summary, unreachable) = essential_graph(capture, options, &mut seconds, report)?;
     report(Progress { what: "bundle", done: 0, total: 0 });
     let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, (models, quality), options))?;
     let pack_report = PackReport {
@@ -277,7 +281,7 @@ pub fn pack_with_looks(
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
-        warnings: Vec::new(),
+        warnings: unreachable.into_iter().collect(),
     };
     Ok((bytes, pack_report))
 }
@@ -295,13 +299,13 @@ pub fn summary_of(capture: &Capture) -> CaptureSummary {
     }
 }
 
-/// The essential graph of a capture: distances, transitions, edges, warps.
+/// The essential graph of a capture: distances, transitions, edges, warps; and a sentence about ways that are missing.
 fn essential_graph(
     capture: &Capture,
     options: &PackOptions,
     seconds: &mut StageSeconds,
     report: Report,
-) -> Result<(EssentialGraph, GraphSummary), PackError> {
+) -> Result<(EssentialGraph, GraphSummary, Option<Warning>), PackError> {
     let timeline = &capture.timeline;
     let told = |what| move |share: f64| report(Progress { what, done: (share * 1000.0) as u64, total: 1000 });
     let measured = timed(&mut seconds.distances, || {
@@ -340,7 +344,8 @@ fn essential_graph(
         dead_ends: essential.dead_ends.len(),
         largest_component: components.largest_frames().count(),
     };
-    Ok((graph, summary))
+    let unreachable = unreachable(timeline, &essential.edges, essential.unreachable_pairs);
+    Ok((graph, summary, unreachable))
 }
 
 fn encode(

@@ -217,7 +217,13 @@ impl Scratch {
 }
 
 /// Which candidates of `frame` are cheaper than all paths of two edges.
-fn two_edge_detours(edges: &Edges, candidates: &Candidates, alpha: f64, frame: u32, scratch: &mut Scratch) -> Vec<bool> {
+fn two_edge_detours(
+    edges: &Edges,
+    candidates: &Candidates,
+    alpha: f64,
+    frame: u32,
+    scratch: &mut Scratch,
+) -> Vec<bool> {
     let own = candidates.from(frame);
     let dearest = own.iter().map(|(_, transition)| transition.cost(alpha)).fold(0.0, f64::max);
     scratch.reset();
