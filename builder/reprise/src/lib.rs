@@ -56,6 +56,8 @@
 
 pub mod example;
 pub mod pack;
+pub mod preflight;
+mod reach;
 
 pub use actor::capture::{Capture, CaptureError, Poses};
 pub use actor::graph::{EssentialGraph, Transition};

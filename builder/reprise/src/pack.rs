@@ -19,8 +19,11 @@ use serde::Serialize;
 use texture::AppearanceModel;
 use thiserror::Error;
 
+use crate::preflight::{before_stages, holes};
+use crate::reach::unreachable;
+
 /// The frame that the player shows first.
-const FIRST_FRAME: u32 = 0;
+pub(crate) const FIRST_FRAME: u32 = 0;
 
 /// Everything that `builder pack` can be told.
 #[derive(Clone, Debug, Default)]
@@ -63,6 +66,9 @@ pub enum PackError {
     /// The textures of the frames cannot become an appearance.
     #[error(transparent)]
     Appearance(#[from] AppearanceError),
+    /// The capture cannot be packed, or not with these options: the sentence says what to do.
+    #[error("{0}")]
+    Option(String),
     /// The poses cannot be compared.
     #[error(transparent)]
     Distance(#[from] DistanceError),
@@ -94,6 +100,21 @@ impl PackError {
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
         )
+    }
+}
+
+impl PackError {
+    /// A name for the kind of error that never changes, for scripts and for `builder validate`.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Import(error) => error.code(),
+            Self::Appearance(_) => "E_APPEARANCE",
+            Self::Option(_) | Self::Distance(_) | Self::Encode(_) => "E_OPTION",
+            Self::Graph(GraphError::Build(_)) => "E_INTERNAL",
+            Self::Graph(_) => "E_OPTION",
+            Self::Stopped(_) => "E_STOPPED",
+        }
     }
 }
 
@@ -181,7 +202,12 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
             let _ = job.tell(step.what, step.done, step.total);
         })
     })?;
+    let before = before_stages(&imported, options);
+    if let Some(refusal) = before.refusal {
+        return Err(refusal);
+    }
     let mut warnings = imported.warnings;
+    warnings.extend(before.warnings);
     let built = match (&options.appearance, imported.frame_textures) {
         (AppearanceChoice::Eigen(options), Some(paths)) => {
             let files = TextureFiles::new(paths, imported.frame_masks)?;
@@ -190,15 +216,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
             })?;
             Some(built)
         }
-        (AppearanceChoice::Static, Some(paths)) => {
-            let count = paths.len();
-            warnings.push(Warning::new(
-                "W_TEXTURES_STATIC",
-                format!("{count} frames have textures of their own, of which the first one's is used for all"),
-            ));
-            None
-        }
-        (_, None) => None,
+        (AppearanceChoice::Static, _) | (_, None) => None,
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
@@ -206,6 +224,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    // What the graph says comes last.
+    warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
     Ok((bytes, pack_report))
 }
@@ -219,35 +239,9 @@ fn eigen_appearance(
     job: &Job,
 ) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
-    let (charts, findings) = Charts::new(&capture.surface, width, height)?;
-    if findings.shared_texels > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_OVERLAP",
-            format!(
-                "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
-                findings.shared_texels
-            ),
-        ));
-    }
-    if findings.wrapped_triangles > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_REPEAT",
-            format!(
-                "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
-                findings.wrapped_triangles
-            ),
-        ));
-    }
+    let (charts, _) = Charts::new(&capture.surface, width, height)?;
     let (model, summary) = appearance::build(textures, &charts, options, job)?;
-    if !summary.completed_frames.is_empty() {
-        warnings.push(Warning::new(
-            "W_TEXTURE_HOLES",
-            format!(
-                "{} frames have texels that no camera saw: they were left out of the model and completed from it",
-                summary.completed_frames.len()
-            ),
-        ));
-    }
+    warnings.extend(holes(summary.completed_frames.len()));
     warnings.extend(missed_similarity(options, &summary));
     let mut models = vec![model];
     if options.compare {
@@ -298,6 +292,8 @@ pub fn pack_with_looks(
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
     let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graphed.graph, (models, quality), options))?;
+    let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
+    let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
@@ -306,7 +302,7 @@ pub fn pack_with_looks(
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
-        warnings: Vec::new(),
+        warnings: unreachable.into_iter().collect(),
     };
     Ok((bytes, pack_report))
 }
