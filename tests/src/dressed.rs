@@ -2,17 +2,17 @@
 //!
 //! The models are smooth waves over the actor's own atlas, with edges in the mean, so that every pass has something to do.
 
+use actor::capture::{Capture, Poses};
+use actor::pose_source::PoseSource;
+use actor::surface::Surface;
 use anyhow::{Context, Result};
-use glam::Vec3;
-use shared::appearance::AppearanceModel;
-use shared::appearance::basis::Mode;
-use shared::appearance::dealign::Aligned;
-use shared::bundle::{
+use bundle::{
     AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, ModeDecoder, encode_with_looks,
 };
-use shared::capture::{Capture, Poses};
-use shared::pose_source::PoseSource;
-use shared::surface::Surface;
+use glam::Vec3;
+use texture::AppearanceModel;
+use texture::basis::Mode;
+use texture::dealign::Aligned;
 
 /// Modes of colours and of warps.
 const MODES: [usize; 2] = [8, 4];

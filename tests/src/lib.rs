@@ -3,11 +3,11 @@
 pub mod dressed;
 
 use anyhow::{Context, Result, bail};
+use bundle::BundleReader;
 use glam::Vec3;
-use shared::align::Placement;
-use shared::bundle::BundleReader;
-use shared::search::cheapest_walk;
-use shared::synthesis::Synthesiser;
+use kernels::align::Placement;
+use search::cheapest_walk;
+use synthesis::Synthesiser;
 
 /// Every frame of the cheapest walk between two frames of a bundle, synthesised natively, from where `from` was recorded.
 ///

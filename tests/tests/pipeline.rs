@@ -1,19 +1,19 @@
 //! The whole pipeline: files to a bundle, a bundle to a walk.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use actor::graph::DEFAULT_ALPHA;
+use actor::pose_source::PoseSource;
+use bundle::{BundleReader, Severity, validate};
+use capture_io::import::ImportOptions;
+use std::path::Path;
 
-use builder::distance::DistanceOptions;
-use builder::import::ImportOptions;
-use builder::pack::{AppearanceChoice, PackOptions, PackReport, pack};
-use builder::performer::{PerformerOptions, write_performer};
-use builder::progress::silent;
-use builder::transitions::TransitionOptions;
+use fixtures::unpacked;
 use glam::Vec3;
-use shared::bundle::{BundleReader, Severity, validate};
-use shared::graph::DEFAULT_ALPHA;
-use shared::pose_source::PoseSource;
+use job::progress::silent;
+use performer::{PerformerOptions, write_performer};
+use pipeline::distance::DistanceOptions;
+use pipeline::transitions::TransitionOptions;
+use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 
 fn options(fps: Option<f32>) -> PackOptions {
     PackOptions {
@@ -62,10 +62,10 @@ fn the_performer_becomes_an_actor() {
 }
 
 #[test]
+#[ignore = "reads ../shared/data"]
 fn the_real_capture_becomes_an_actor() {
-    let Some(folders) = real_capture() else { return };
-    let inputs: Vec<String> =
-        ["crane", "jumping"].iter().map(|name| folders.path().join(name).to_str().unwrap().to_string()).collect();
+    let folder = |name| unpacked(name)[0].parent().unwrap().to_str().unwrap().to_owned();
+    let inputs = ["crane", "jumping"].map(folder);
     let (bytes, report) = pack(&inputs, &options(Some(25.0)), &silent).unwrap();
     assert_eq!((report.capture.frames, report.capture.vertices, report.capture.triangles), (325, 10_002, 20_000));
     assert!(validate(&bytes).iter().all(|finding| finding.severity < Severity::Error));
@@ -83,11 +83,11 @@ fn check_walk(bundle: &[u8], frames: &[Vec<Vec3>], from: u32, to: u32) {
     reader.read(to, &mut recorded).unwrap();
     let last = frames.last().unwrap();
     let weights = reader.topology().unwrap().weights().to_vec();
-    let heading = shared::align::align_heading(last, &recorded, &weights);
-    let centre = |pose: &[Vec3]| shared::align::centre_of_mass(pose, &weights);
+    let heading = kernels::align::align_heading(last, &recorded, &weights);
+    let centre = |pose: &[Vec3]| kernels::align::centre_of_mass(pose, &weights);
     let (there, here) = (centre(last), centre(&recorded));
     let ground = |v: Vec3| glam::Vec2::new(v.x, v.z);
-    let placement = shared::align::Placement::turning(heading, ground(here), ground(there));
+    let placement = kernels::align::Placement::turning(heading, ground(here), ground(there));
     for (end, recorded) in last.iter().zip(&recorded) {
         assert!(end.distance(placement.apply(*recorded)) < 1e-4, "the walk does not end in the pose");
     }
@@ -97,21 +97,4 @@ fn check_walk(bundle: &[u8], frames: &[Vec<Vec3>], from: u32, to: u32) {
     let fastest = steps.fold(0.0, f32::max) * fps;
     // A running foot or a kicking one reaches about 15 m/s.
     assert!(fastest < 20.0, "a vertex moves at {fastest} m/s");
-}
-
-/// The captured frames, unpacked; `None` where they are not at hand and need not be.
-fn real_capture() -> Option<tempfile::TempDir> {
-    let data = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/captured"));
-    if !data.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "{} is missing", data.display());
-        eprintln!("skipped: {} is not here", data.display());
-        return None;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["crane", "jumping"] {
-        let archive = data.join(format!("{name}.tar.xz"));
-        let status = Command::new("tar").arg("-xJf").arg(&archive).arg("-C").arg(folder.path()).status();
-        assert!(status.is_ok_and(|status| status.success()), "cannot unpack {}", archive.display());
-    }
-    Some(folder)
 }

@@ -16,13 +16,13 @@ const FULL_SIZE: &str = "2633";
 
 /// Criterion's benchmarks: package and name.
 const BENCHES: [(&str, &str); 7] = [
-    ("reprise-shared", "poisson"),
-    ("reprise-shared", "bundle"),
-    ("reprise-shared", "search"),
-    ("reprise-builder", "distance"),
-    ("reprise-builder", "transitions"),
-    ("reprise-builder", "essential"),
-    ("reprise-builder", "appearance"),
+    ("reprise-kernels", "poisson"),
+    ("reprise-bundle", "bundle"),
+    ("reprise-search", "search"),
+    ("reprise-pipeline", "distance"),
+    ("reprise-pipeline", "transitions"),
+    ("reprise-pipeline", "essential"),
+    ("reprise-appearance", "appearance"),
 ];
 
 /// Measures everything and prints one table at the end.

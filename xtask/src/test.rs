@@ -1,5 +1,8 @@
 //! `cargo xtask test`: format, lints, tests, the WebAssembly build and its weight, and the browser tests.
 
+use std::path::Path;
+use std::process::Command;
+
 use anyhow::Result;
 
 use crate::command::{cargo, run};
@@ -12,12 +15,25 @@ pub fn test() -> Result<()> {
     size::check(&dist)?;
     run("lints, native", cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let mut wasm = cargo();
-    wasm.args(["clippy", "-p", "reprise-web", "-p", "reprise-shared", "--target", "wasm32-unknown-unknown"]);
-    run("lints, WebAssembly", wasm.args(["--", "-D", "warnings"]))?;
+    // With all that it is made of.
+    wasm.args(["clippy", "-p", "reprise-web", "--target", "wasm32-unknown-unknown", "--", "-D", "warnings"]);
+    run("lints, WebAssembly", &mut wasm)?;
     let mut docs = cargo();
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
-    run("tests", cargo().args(["test", "--workspace", "--exclude", "xtask"]))?;
+    run("tests", &mut tests())?;
     demo::pack(&dist.join("demo.reprise"), &|| browser::helper("builder"))?;
     browser::test(&dist)
+}
+
+/// The tests, with those that read real captures where these are at hand: they lie beside the project. Where `CI` is set
+/// they have to be.
+fn tests() -> Command {
+    let mut tests = cargo();
+    tests.args(["test", "--workspace", "--exclude", "xtask"]);
+    let captures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if captures.is_dir() || std::env::var_os("CI").is_some() {
+        tests.args(["--", "--include-ignored"]);
+    }
+    tests
 }

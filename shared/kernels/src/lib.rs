@@ -11,5 +11,7 @@ pub mod kept;
 mod lanes;
 pub mod laplacian;
 pub mod poisson;
+pub mod random;
+pub mod simd;
 pub mod sort;
 pub mod topology;

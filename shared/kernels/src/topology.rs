@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Triangles over welded vertices, and the vertex weights of the planar alignment.
 ///
-/// Distances, Laplacians and Poisson solves run on this; drawing runs on `shared::surface::Surface`, whose corners
+/// Distances, Laplacians and Poisson solves run on this; drawing runs on `actor::surface::Surface`, whose corners
 /// point back here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topology {

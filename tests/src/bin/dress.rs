@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use shared::bundle::BundleReader;
+use bundle::BundleReader;
 use tests::dressed::{dress, texture};
 
 fn main() -> Result<()> {

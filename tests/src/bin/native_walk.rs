@@ -7,9 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use bundle::BundleReader;
+use search::cheapest_walk;
 use serde_json::json;
-use shared::bundle::BundleReader;
-use shared::search::cheapest_walk;
 
 /// Walks written.
 const WALKS: usize = 4;

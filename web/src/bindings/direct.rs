@@ -1,7 +1,7 @@
 //! Directing, as more methods of the class `Player`.
 
 use js_sys::Float32Array;
-use shared::search::Progress;
+use search::Progress;
 use wasm_bindgen::prelude::*;
 
 use super::error::{Kind, error, json};
@@ -100,6 +100,6 @@ impl Player {
     /// There is no such frame, or it has not arrived.
     pub fn stand(&mut self, frame: u32, heading: f32, x: f32, z: f32) -> Result<(), JsValue> {
         let translation = glam::Vec2::new(x, z);
-        Ok(self.inner.stand_in(frame, shared::align::Placement { heading, translation })?)
+        Ok(self.inner.stand_in(frame, kernels::align::Placement { heading, translation })?)
     }
 }

@@ -1,7 +1,7 @@
 //! Errors as the page gets them: `Error` objects with a sentence and a `kind` from a closed set.
 
+use bundle::BundleError;
 use serde_json::Serializer;
-use shared::bundle::BundleError;
 use wasm_bindgen::JsValue;
 
 use super::numbers::BrowserNumbers;

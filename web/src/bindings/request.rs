@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use js_sys::{Array, JSON, Object, Reflect};
-use shared::search::{
+use search::{
     BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
     Shape, Stretch, Target, WanderRequest, WithinSequence,
 };

@@ -1,7 +1,7 @@
 //! The drawn mesh: corners, parts and materials, the same for every pose; the twin of `shaders/actor.wgsl`.
 
+use actor::surface::{Material, Surface};
 use bytemuck::{Pod, Zeroable};
-use shared::surface::{Material, Surface};
 use wgpu::{BufferUsages, ShaderStages};
 
 use super::context::{Gpu, Pass, SAMPLER, TEXTURE, UNIFORM};
@@ -191,11 +191,11 @@ fn group(
     )
 }
 
-fn drawn(corner: &shared::surface::Corner) -> DrawnCorner {
+fn drawn(corner: &actor::surface::Corner) -> DrawnCorner {
     DrawnCorner { vertex: corner.vertex, uv: corner.uv, colour: corner.colour }
 }
 
-fn drawn_part(part: &shared::surface::Part, surface: &Surface) -> Part {
+fn drawn_part(part: &actor::surface::Part, surface: &Surface) -> Part {
     let count = surface.triangles.len() as u32;
     let first = part.first_triangle.min(count);
     let end = part.first_triangle.saturating_add(part.triangle_count).min(count);

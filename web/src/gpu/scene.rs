@@ -1,7 +1,7 @@
 //! Everything that a picture shows, and the passes that draw it, in order.
 
+use actor::surface::Surface;
 use glam::{Vec2, Vec3};
-use shared::surface::Surface;
 
 use super::appearance::Looks;
 use super::context::Gpu;

@@ -1,11 +1,12 @@
 //! The page's own benchmark: how long the player takes for what it does most, on the reader's machine.
 
+use actor::pose_source::PoseSource;
+use actor::walk::{Leg, Walk};
 use glam::Vec3;
+use kernels::align::Placement;
+use search::cheapest_walk;
 use serde::Serialize;
-use shared::align::Placement;
-use shared::pose_source::PoseSource;
-use shared::search::{Leg, Walk, cheapest_walk};
-use shared::synthesis::{FrameKind, Synthesiser};
+use synthesis::{FrameKind, Synthesiser};
 
 use super::produce::median;
 use super::{Player, PlayerError};

@@ -6,15 +6,16 @@
 
 use std::rc::Rc;
 
+use actor::graph::EssentialGraph;
+use actor::motion::{Motion, MotionMeter, measure_group};
+use actor::pose_source::PoseError;
+use actor::walk::{Leg, Walk};
 use glam::Vec3;
-use serde::Serialize;
-use shared::align::Placement;
-use shared::graph::EssentialGraph;
-use shared::pose_source::PoseError;
-use shared::search::{
-    Answer, DEFAULT_EFFORT, Direction, Leg, Motion, MotionMeter, Progress, Request, RequestError, Scene, Spot, Start,
-    Survey, Walk, Ways, limits, measure_group,
+use kernels::align::Placement;
+use search::{
+    Answer, DEFAULT_EFFORT, Direction, Progress, Request, RequestError, Scene, Spot, Start, Survey, Ways, limits,
 };
+use serde::Serialize;
 use thiserror::Error;
 
 use super::loading::{Actor, Source};

@@ -1,8 +1,8 @@
 //! Following the walks that searches find: where one would leave from, setting off, going on, and standing somewhere.
 
+use actor::walk::Walk;
 use glam::{Vec2, Vec3Swizzles};
-use shared::align::{Placement, centre_of_mass};
-use shared::search::Walk;
+use kernels::align::{Placement, centre_of_mass};
 
 use super::plan::{Goal, Plan, PlanReport, Route, Stretch};
 use super::{Player, PlayerError};
@@ -86,8 +86,8 @@ impl Player {
 }
 
 /// The frame that `walk` ends with; `None` where it has no legs.
-fn walk_end(start: u32, walk: &Walk, graph: &shared::graph::EssentialGraph) -> Option<u32> {
-    use shared::search::Leg;
+fn walk_end(start: u32, walk: &Walk, graph: &actor::graph::EssentialGraph) -> Option<u32> {
+    use actor::walk::Leg;
     walk.legs
         .iter()
         .try_fold(start, |_, leg| match *leg {

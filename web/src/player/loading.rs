@@ -2,14 +2,14 @@
 
 use std::rc::Rc;
 
+use actor::capture::{Capture, Poses};
+use actor::graph::EssentialGraph;
+use actor::pose_source::{PoseError, PoseSource};
+use actor::surface::{Image, Surface};
+use actor::timeline::Timeline;
+use bundle::{BundleError, BundleReader};
 use glam::Vec3;
-use shared::bundle::{BundleError, BundleReader};
-use shared::capture::{Capture, Poses};
-use shared::graph::EssentialGraph;
-use shared::pose_source::{PoseError, PoseSource};
-use shared::surface::{Image, Surface};
-use shared::timeline::Timeline;
-use shared::topology::Topology;
+use kernels::topology::Topology;
 
 /// What stays the same for all frames.
 #[derive(Clone, Debug)]

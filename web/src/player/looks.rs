@@ -1,7 +1,7 @@
 //! How the actor looks: modes as they arrive, and the coefficients of a moment.
 
-use shared::appearance::basis::{Layer, Mode};
-use shared::bundle::{Appearance, BundleReader, ModeDecoder, Textures};
+use bundle::{Appearance, BundleReader, ModeDecoder, Textures};
+use texture::basis::{Layer, Mode};
 
 use super::loading::Source;
 use super::produce::At;

@@ -18,13 +18,14 @@ pub mod state;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use shared::align::Placement;
-use shared::bundle::BundleError;
-use shared::capture::Capture;
-use shared::graph::EssentialGraph;
-use shared::pose_source::{PoseError, PoseSource};
-use shared::search::{Leg, Walk, cheapest_walk, components};
-use shared::synthesis::Synthesiser;
+use actor::capture::Capture;
+use actor::graph::EssentialGraph;
+use actor::pose_source::{PoseError, PoseSource};
+use actor::walk::{Leg, Walk};
+use bundle::BundleError;
+use kernels::align::Placement;
+use search::{cheapest_walk, components};
+use synthesis::Synthesiser;
 use thiserror::Error;
 
 use crate::trail::TrailPoint;

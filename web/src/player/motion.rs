@@ -2,11 +2,12 @@
 
 use std::rc::Rc;
 
-use shared::align::Placement;
-use shared::graph::{DEFAULT_ALPHA, EssentialGraph, Transition};
-use shared::pose_source::PoseError;
-use shared::search::{Leg, Walk, cheapest_walk};
-use shared::timeline::Timeline;
+use actor::graph::{DEFAULT_ALPHA, EssentialGraph, Transition};
+use actor::pose_source::PoseError;
+use actor::timeline::Timeline;
+use actor::walk::{Leg, Walk};
+use kernels::align::Placement;
+use search::cheapest_walk;
 
 use super::Player;
 use super::events::Event;

@@ -1,14 +1,16 @@
 //! Makes frames: recorded ones placed in the world, and synthesised ones between them.
 
+use actor::blend::arrival;
+use actor::graph::EssentialGraph;
+use actor::ground::{PoseMemory, PosesOnGround, recorded_step};
+use actor::pose_source::{PoseError, PoseSource};
+use actor::timeline::Timeline;
+use actor::walk::{Leg, Walk};
 use glam::{Vec2, Vec3};
-use shared::align::{Placement, align_heading, centre_of_mass};
-use shared::graph::EssentialGraph;
-use shared::pose_source::{PoseError, PoseSource};
-use shared::search::{Leg, Walk};
-use shared::sort::sort;
-use shared::synthesis::{FrameInfo, FrameKind, PoseMemory, PosesOnGround, Synthesiser, arrival, recorded_step};
-use shared::timeline::Timeline;
-use shared::topology::Topology;
+use kernels::align::{Placement, align_heading, centre_of_mass};
+use kernels::sort::sort;
+use kernels::topology::Topology;
+use synthesis::{FrameInfo, FrameKind, Synthesiser};
 
 use super::loading::{Actor, Loading};
 

@@ -1,9 +1,9 @@
 //! What the player tells: the picture, the state, the facts.
 
+use bundle::Textures;
 use glam::{Vec2, Vec3};
+use kernels::sort::{key, numbers, sort};
 use serde::Serialize;
-use shared::bundle::Textures;
-use shared::sort::{key, numbers, sort};
 
 use super::plan::{Goal, LegReport, report_legs};
 use super::produce::{At, Frame};
@@ -226,7 +226,7 @@ impl Player {
             triangles: actor.topology.triangles().len(),
             transitions: graph.map_or(0, |graph| graph.transitions().len()),
             density: graph.map_or(0.0, |graph| graph.density(timeline)),
-            alpha: graph.map_or(0.0, shared::graph::EssentialGraph::alpha),
+            alpha: graph.map_or(0.0, actor::graph::EssentialGraph::alpha),
             sequences: sequences.collect(),
             images: images.collect(),
             naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
@@ -248,7 +248,7 @@ impl Player {
     pub fn arcs(&self, most: usize) -> Vec<f32> {
         let Some(graph) = &self.loading.graph else { return Vec::new() };
         // Costs are not negative: their bits order them. Transitions are in order already.
-        let cost = |transition: &shared::graph::Transition| transition.deformation.to_bits();
+        let cost = |transition: &actor::graph::Transition| transition.deformation.to_bits();
         let transitions = graph.transitions();
         let mut order: Vec<_> =
             (0..).zip(transitions).map(|(edge, transition)| key([0, 0, cost(transition), edge])).collect();
@@ -272,7 +272,7 @@ fn fractional(picture: &Picture<'_>) -> f64 {
     }
 }
 
-fn transition(picture: &Picture<'_>, graph: &shared::graph::EssentialGraph) -> Option<TransitionReport> {
+fn transition(picture: &Picture<'_>, graph: &actor::graph::EssentialGraph) -> Option<TransitionReport> {
     let of = |at: At| match at {
         At::Synthetic { edge, lambda, source, destination } => Some((edge, lambda, source, destination)),
         At::Recorded(_) => None,

@@ -1,18 +1,19 @@
 //! The player on a small capture in memory.
 
+use actor::blend::transition_placement;
+use actor::capture::{Capture, Poses};
+use actor::contacts::Contacts;
+use actor::graph::{EssentialGraph, Transition};
+use actor::ground::{PoseMemory, PosesOnGround};
+use actor::surface::{Corner, Material, Part, Surface};
+use actor::timeline::{Sequence, Timeline};
+use actor::warp::{Move, Warp};
+use bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, encode_with_appearance};
 use glam::{Quat, Vec3};
-use shared::align::Placement;
-use shared::appearance::AppearanceModel;
-use shared::bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, encode_with_appearance};
-use shared::capture::{Capture, Poses};
-use shared::contacts::Contacts;
-use shared::graph::{EssentialGraph, Transition};
-use shared::search::{Goal, PathRequest, Progress, Request, RequestError, Target};
-use shared::surface::{Corner, Material, Part, Surface};
-use shared::synthesis::{PoseMemory, PosesOnGround, transition_placement};
-use shared::timeline::{Sequence, Timeline};
-use shared::topology::Topology;
-use shared::warp::{Move, Warp};
+use kernels::align::Placement;
+use kernels::topology::Topology;
+use search::{Goal, PathRequest, Progress, Request, RequestError, Target};
+use texture::AppearanceModel;
 
 use super::direct::{DirectError, Origin};
 use super::events::Event;
@@ -368,10 +369,10 @@ fn a_bundle_plays_as_far_as_it_has_arrived() {
 }
 
 /// The cheapest walk between two frames of the capture that `player` plays.
-fn walk_between(sequences: &[(u32, bool)], edges: &[(u32, u32)], from: u32, to: u32) -> shared::search::Walk {
+fn walk_between(sequences: &[(u32, bool)], edges: &[(u32, u32)], from: u32, to: u32) -> actor::walk::Walk {
     let timeline = timeline(sequences);
     let (_, graph) = capture(sequences, edges);
-    shared::search::cheapest_walk(&graph, &timeline, from, to).unwrap()
+    search::cheapest_walk(&graph, &timeline, from, to).unwrap()
 }
 
 #[test]
@@ -382,7 +383,7 @@ fn follows_a_walk_that_a_search_found_and_goes_on_with_the_next_without_a_stop()
     assert_eq!((start, placement), (0, Placement::IDENTITY));
     let out = walk_between(&sequences, &edges, 0, 19);
     assert_eq!(player.follow(3, &out), Err(PlayerError::Unreachable { from: 0, to: 3 }));
-    assert!(player.follow(0, &shared::search::Walk::default()).is_err());
+    assert!(player.follow(0, &actor::walk::Walk::default()).is_err());
     assert_eq!(player.follow(0, &out).unwrap().to, 19);
     player.tick(0.05);
     let back = walk_between(&sequences, &edges, 19, 6);
@@ -433,7 +434,7 @@ fn paths_are_followed_by_the_vertices_asked_for() {
         let turn = Quat::from_rotation_y(0.01);
         let weights = player.actor().unwrap().topology.weights().to_vec();
         let middle = match group {
-            [] => shared::align::centre_of_mass(&CORNERS.map(|p| turn * p), &weights),
+            [] => kernels::align::centre_of_mass(&CORNERS.map(|p| turn * p), &weights),
             _ => group.iter().map(|&vertex| turn * CORNERS[vertex as usize]).sum::<Vec3>() / group.len() as f32,
         } + 0.01 * Vec3::X;
         assert!((x - middle.x).abs() + (z - middle.z).abs() < 1e-3, "{group:?}: {x} {z} {middle}");

@@ -9,7 +9,7 @@ mod view;
 
 pub use open::create_stage;
 
-use shared::bundle::Textures;
+use bundle::Textures;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 

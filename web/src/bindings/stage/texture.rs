@@ -1,6 +1,6 @@
 //! What the actor wears: textures as they were decoded, rebuilt from modes, or captured.
 
-use shared::bundle::Textures;
+use bundle::Textures;
 use wasm_bindgen::prelude::*;
 use web_sys::ImageBitmap;
 

@@ -1,9 +1,9 @@
 //! The passes `appearance_basis`: a layer's mean and modes, and their sum; the twin of `Layer::rebuild`.
 
 use bytemuck::{Pod, Zeroable};
-use shared::appearance::basis::{Block, CHROMA, Layer, Mode};
-use shared::appearance::mask::Mask;
-use shared::appearance::transform::{AREA, OPPONENT, SIDE, cosines};
+use texture::basis::{Block, CHROMA, Layer, Mode};
+use texture::mask::Mask;
+use texture::transform::{AREA, OPPONENT, SIDE, cosines};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
 use super::{numbers, storage, written};

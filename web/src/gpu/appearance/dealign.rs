@@ -2,7 +2,7 @@
 //! the twin of `Aligned::dealign`.
 
 use bytemuck::{Pod, Zeroable};
-use shared::appearance::mask::{LEVELS, Mask};
+use texture::mask::{LEVELS, Mask};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
 use super::{numbers, storage, unfiltered, written};

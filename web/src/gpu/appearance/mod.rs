@@ -10,9 +10,9 @@ mod pace;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use shared::appearance::basis::Mode;
-use shared::appearance::transform::AREA;
-use shared::bundle::Appearance;
+use bundle::Appearance;
+use texture::basis::Mode;
+use texture::transform::AREA;
 use wgpu::TextureFormat;
 
 use self::basis::Basis;
@@ -172,7 +172,7 @@ impl Looks {
 }
 
 /// A mask's level as a texture.
-fn flags(gpu: &Gpu, level: &shared::appearance::mask::Level) -> wgpu::Texture {
+fn flags(gpu: &Gpu, level: &texture::mask::Level) -> wgpu::Texture {
     let size = [level.width as u32, level.height as u32];
     let texture = storage(gpu, size, TextureFormat::R8Uint, wgpu::TextureUsages::COPY_DST);
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0]), rows_per_image: None };

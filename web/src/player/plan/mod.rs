@@ -8,9 +8,10 @@ mod tests;
 pub use report::{LegReport, PlanReport, report_legs};
 pub use route::{Goal, Route, Step};
 
-use shared::graph::EssentialGraph;
-use shared::search::{Leg, Walk, cheapest_walk, reached, reaching, steps_of};
-use shared::timeline::Timeline;
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use actor::walk::{Leg, Walk, steps_of};
+use search::{cheapest_walk, reached, reaching};
 
 /// A stretch of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! Plans as the page reads them.
 
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use actor::walk::{Leg, steps_of};
 use serde::Serialize;
-use shared::graph::EssentialGraph;
-use shared::search::{Leg, steps_of};
-use shared::timeline::Timeline;
 
 use super::{Plan, Stretch};
 

@@ -1,8 +1,8 @@
 //! A plan under way, step by step.
 
-use shared::graph::EssentialGraph;
-use shared::search::Leg;
-use shared::timeline::Timeline;
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use actor::walk::Leg;
 
 use super::{Plan, Stretch};
 

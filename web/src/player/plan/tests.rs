@@ -1,8 +1,8 @@
 //! Plans and routes on small graphs.
 
-use shared::graph::EssentialGraph;
-use shared::search::{cheapest_walk, components, reaching};
-use shared::timeline::Timeline;
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use search::{cheapest_walk, components, reaching};
 
 use super::{Goal, LegReport, Plan, Route, Step, plan};
 use crate::player::tests::{jump, timeline};

@@ -1,0 +1,354 @@
+//! What can be typed after `builder`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use pipeline::transitions::TransitionOptions;
+use search::{BehaviourRequest, PlaceRequest};
+
+use super::asked::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
+
+/// Turns 4D surface captures into actors that anyone can direct on a web page.
+#[derive(Debug, Parser)]
+#[command(name = "builder", version, about, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Number of threads; all cores by default. The output does not depend on it.
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print only errors on stderr.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Read a capture, compute its essential graph, and write a bundle.
+    Pack(PackArguments),
+    /// Write the built-in performer's capture, as files that `pack` reads like any other.
+    Performer(PerformerArguments),
+    /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
+    Direct(DirectArguments),
+    /// Tell what a bundle or an input holds.
+    Inspect(InspectArguments),
+    /// Check a bundle and list what is wrong with it, with stable codes.
+    Validate(ValidateArguments),
+    /// Make the papers' evaluations again on a capture, as a page with tables.
+    Evaluate(EvaluateArguments),
+    /// Tell how good a bundle's actor is, as a page.
+    Report(ReportArguments),
+}
+
+/// Arguments of `builder pack`.
+#[derive(Debug, Args)]
+pub struct PackArguments {
+    /// glTF or GLB files, folders of OBJ or PLY frames, folders with a capture.toml, globs, or patterns such as
+    /// `frame_%05d.obj:0:174`.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// The bundle to write.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Weight of a frame's duration against surface deformation in the essential graph.
+    #[arg(long, default_value_t = actor::graph::DEFAULT_ALPHA, value_name = "COST")]
+    pub alpha: f64,
+    /// Weight w of stretch against rotation in the pose distance.
+    #[arg(long, default_value_t = 0.01, value_name = "WEIGHT")]
+    pub stretch_weight: f32,
+    /// Weigh triangles by their area in the pose distance, instead of all alike.
+    #[arg(long)]
+    pub area_weighted: bool,
+    /// Slope limit p of the temporal warps, 1 to 5, or none: at most p - 1 frames repeat in a row.
+    #[arg(long, default_value = "3", value_name = "P", value_parser = slope)]
+    pub slope: Slope,
+    /// Shortest blended segment, in seconds.
+    #[arg(long, default_value_t = 0.3, value_name = "SECONDS")]
+    pub shortest: f32,
+    /// Longest blended segment, in seconds.
+    #[arg(long, default_value_t = 2.0, value_name = "SECONDS")]
+    pub longest: f32,
+    /// How the lengths of a transition's segments are chosen.
+    #[arg(long, value_enum, default_value_t = TransitionLength::Total)]
+    pub transition_length: TransitionLength,
+    /// Let feet slide in transitions as in the papers, instead of keeping still what stands on both sides.
+    #[arg(long)]
+    pub no_contacts: bool,
+    /// Largest error of a stored vertex position, in metres; by default 0.5 mm for an actor of 1.8 m.
+    #[arg(long, value_name = "METRES")]
+    pub max_error: Option<f32>,
+    /// What becomes of textures that change from frame to frame. Eigen maps look as captured and do not ghost in
+    /// transitions, but take minutes, and storing them in 8 KB a frame costs some detail at 1024 x 1024: see
+    /// docs/appearance.md.
+    #[arg(long, value_enum, default_value_t = AppearanceKind::Eigen)]
+    pub appearance: AppearanceKind,
+    /// Eigen textures and Eigen warps together, 50 by default; two in three are textures.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=150))]
+    pub appearance_components: Option<u16>,
+    /// Structural similarity of textures that is to be left after storing, for example 0.98: the split into textures and
+    /// warps and the steps that reach it in the fewest bytes, however many those are. Takes several times as long. Where 50
+    /// components do not reach it, up to 150 are tried, unless --appearance-components says how many.
+    #[arg(long, value_name = "SSIM")]
+    pub appearance_ssim: Option<f64>,
+    /// Also store as many components of textures that are not aligned, so that the page can compare: about as many bytes
+    /// again, or more with --appearance-ssim.
+    #[arg(long)]
+    pub appearance_compare: bool,
+    /// Print an object with times, sizes and errors on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What becomes of textures that change from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AppearanceKind {
+    /// The first frame's texture is used for all.
+    Static,
+    /// Eigen textures and Eigen warps (thesis chapter 4) where frames have textures of their own.
+    Eigen,
+}
+
+/// Arguments that say how an input is read.
+#[derive(Clone, Debug, Args)]
+pub struct ImportArguments {
+    /// Name of the actor; the input's by default.
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Frames per second: of the recorded frames, and what glTF animations are baked at.
+    #[arg(long, value_name = "RATE")]
+    pub fps: Option<f32>,
+    /// The axis that points up in the input.
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub up: Option<UpAxis>,
+    /// Metres per unit of length of the input, for example 0.01 for centimetres.
+    #[arg(long, value_name = "METRES")]
+    pub unit: Option<f32>,
+    /// Sequences whose end meets their beginning, by name.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub cyclic: Vec<String>,
+    /// A texture for all frames, or a folder, glob or pattern with one per frame.
+    #[arg(long, value_name = "FILE")]
+    pub texture: Option<String>,
+    /// A text file with one weight per vertex for the planar alignment; areas by default.
+    #[arg(long, value_name = "FILE")]
+    pub weights: Option<PathBuf>,
+    /// Vertices closer than this in every frame are one, in metres.
+    #[arg(long, value_name = "METRES")]
+    pub weld: Option<f32>,
+}
+
+/// The axis of the input that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// +Y, as in glTF.
+    Y,
+    /// +Z.
+    Z,
+}
+
+/// How the lengths of a transition's segments are chosen (TVCG equation 8 against thesis 2.5.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TransitionLength {
+    /// The least sum of pose distances.
+    Total,
+    /// The least mean of pose distances.
+    Mean,
+}
+
+/// Arguments of `builder performer`.
+#[derive(Debug, Args)]
+pub struct PerformerArguments {
+    /// The folder to write; it must not exist, or be empty.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Number of frames of all sequences together.
+    #[arg(long, value_name = "N")]
+    pub frames: Option<u32>,
+    /// Number of vertices, roughly.
+    #[arg(long, value_name = "N")]
+    pub vertices: Option<u32>,
+    /// Width and height of the texture in pixels.
+    #[arg(long, value_name = "PIXELS")]
+    pub texture_size: Option<u32>,
+    /// Capture artefacts to add, with their truth.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub artefacts: Vec<Artefact>,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+}
+
+/// What real captures suffer from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Artefact {
+    /// Noise of the reconstructed surface.
+    Noise,
+    /// Texture that slides along the surface, as tracking drifts.
+    Drift,
+    /// Colour that depends on pose and facing.
+    Light,
+    /// Patches that no camera saw.
+    Holes,
+    /// All of them.
+    All,
+}
+
+/// Arguments of `builder direct`. What is asked for is done in the order path, keys, place, behaviour, wander, to.
+#[derive(Debug, Args)]
+pub struct DirectArguments {
+    /// The bundle of the actor.
+    #[arg(value_name = "FILE")]
+    pub bundle: PathBuf,
+    /// What to write: walk.glb, or frames as frames/%05d.obj, frames/%05d.ply, or pictures as frames/%05d.png.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: String,
+    /// A JSON file with a path to follow: {"points": [[x, z], ...], "shape": "spline"}.
+    #[arg(long, value_name = "FILE")]
+    pub path: Option<PathBuf>,
+    /// A TOML file with key poses: [[poses]] with pose = 12 and time = 1.5.
+    #[arg(long, value_name = "FILE")]
+    pub keys: Option<PathBuf>,
+    /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given.
+    #[arg(long, value_name = "X,Z[,HEADING]", value_parser = parse_place, allow_hyphen_values = true)]
+    pub place: Option<PlaceRequest>,
+    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given.
+    #[arg(long, value_name = "NAME[:SECONDS]", value_parser = parse_behaviour)]
+    pub behaviour: Option<BehaviourRequest>,
+    /// Wander about for this long, for example 60s.
+    #[arg(long, value_name = "DURATION", value_parser = parse_seconds)]
+    pub wander: Option<f64>,
+    /// Go to a pose: a sequence's name and a time in seconds within it, or a frame's number; may be given again.
+    #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
+    pub to: Vec<TypedPose>,
+    /// A JSON file with a whole request (docs/directing.md), by itself or with where the actor was, as the page saves it.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "place", "behaviour", "wander", "to"])]
+    pub request: Option<PathBuf>,
+    /// The pose to begin with; whatever suits best where not given.
+    #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
+    pub start: Option<TypedPose>,
+    /// Seed of what is random; the request's where not given.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// States that the search expands for each target at most.
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub effort: u32,
+    /// Write the table of key poses, wanted and reached, as .csv or .json.
+    #[arg(long, value_name = "FILE")]
+    pub times: Option<PathBuf>,
+    /// Write only every so many frames.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub every: u32,
+    /// Width and height of pictures in pixels.
+    #[arg(long, default_value = "720x720", value_name = "SIZE", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Seconds in which the camera of pictures turns once about the actor.
+    #[arg(long, default_value = "8s", value_name = "DURATION", value_parser = parse_seconds)]
+    pub turn: f64,
+    /// Print an object with the walk and what it reaches on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArguments {
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Print an object on stdout instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder validate`.
+#[derive(Debug, Args)]
+pub struct ValidateArguments {
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Print an object on stdout instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A slope limit, or none.
+#[derive(Clone, Copy, Debug)]
+pub struct Slope(pub Option<u8>);
+
+fn slope(text: &str) -> Result<Slope, String> {
+    let most = TransitionOptions::MAX_SLOPE;
+    match text.parse() {
+        _ if text == "none" => Ok(Slope(None)),
+        Ok(slope) if (1..=most).contains(&slope) => Ok(Slope(Some(slope))),
+        _ => Err(format!("a slope limit is a number from 1 to {most}, or none")),
+    }
+}
+
+/// Arguments of `builder report`.
+#[derive(Debug, Args)]
+pub struct ReportArguments {
+    /// The bundle to report on.
+    #[arg(value_name = "BUNDLE")]
+    pub bundle: PathBuf,
+    /// The page to write; beside the bundle by default.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Arguments of `builder evaluate`.
+#[derive(Debug, Args)]
+pub struct EvaluateArguments {
+    /// A capture, as `pack` takes it; the built-in performer's by default.
+    #[arg(value_name = "CAPTURE")]
+    pub inputs: Vec<String>,
+    /// The folder to write the report into; made if it is missing.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// The sections to make; all by default.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub sections: Vec<EvaluateSection>,
+    /// Frames of the built-in performer's capture.
+    #[arg(long, value_name = "N", conflicts_with = "inputs")]
+    pub frames: Option<u32>,
+    /// Vertices of the built-in performer, roughly.
+    #[arg(long, value_name = "N", conflicts_with = "inputs")]
+    pub vertices: Option<u32>,
+    /// Seed of all that is drawn at random, and of the built-in performer.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+}
+
+/// A section of the evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EvaluateSection {
+    /// Pose distance against the skeleton's truth.
+    Poses,
+    /// Transitions: standard, warped, with varying lengths.
+    Transitions,
+    /// Essential graph against motion graph.
+    Graphs,
+    /// Trajectories, foot skate and seams.
+    Blending,
+    /// Linear, Poisson and as-rigid-as-possible in-betweens.
+    Interpolation,
+    /// Walks along paths and through poses at times.
+    Walks,
+    /// Size and speed of each stage.
+    Scaling,
+    /// Eigen appearance maps.
+    Appearance,
+}

@@ -1,0 +1,152 @@
+//! What `builder direct` is asked for, by whichever option, and values as they are typed.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use kernels::align::Placement;
+use search::{
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, KeysRequest, PathRequest, PlaceRequest, Request, Start, Target,
+    WanderRequest, WithinSequence,
+};
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::args::DirectArguments;
+use super::failure::Failure;
+
+/// A request, and where the actor was when it was made, where that is known.
+pub struct Asked {
+    pub request: Request,
+    pub start: Option<Start>,
+}
+
+/// Where the actor was, as the page saves it.
+#[derive(Deserialize)]
+struct SavedStart {
+    frame: u32,
+    placement: [f32; 3],
+}
+
+/// What was asked for.
+pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
+    let mut targets = Vec::new();
+    if let Some(path) = &arguments.request {
+        let mut asked = saved(path)?;
+        asked.request.seed = arguments.seed.unwrap_or(asked.request.seed);
+        return Ok(asked);
+    }
+    if let Some(path) = &arguments.path {
+        let request: PathRequest = serde_json::from_str(&read(path)?).map_err(|error| wrong(path, &error))?;
+        targets.push(Target::Path(request));
+    }
+    if let Some(path) = &arguments.keys {
+        let request: KeysRequest = toml::from_str(&read(path)?).map_err(|error| wrong(path, &error))?;
+        targets.push(Target::Keys(request));
+    }
+    targets.extend(arguments.place.clone().map(Target::Place));
+    targets.extend(arguments.behaviour.clone().map(Target::Behaviour));
+    if let Some(seconds) = arguments.wander {
+        targets.push(Target::Wander(WanderRequest { seconds, ..WanderRequest::default() }));
+    }
+    targets.extend(arguments.to.iter().map(|to| Target::Pose(to.0.clone())));
+    let target = match (targets.len(), targets.pop()) {
+        (1, Some(target)) => target,
+        (_, Some(last)) => Target::Queue(targets.into_iter().chain([last]).collect()),
+        (_, None) => {
+            let options = "--path, --keys, --place, --behaviour, --wander, --to or --request";
+            return Err(Failure::Usage(format!("say what to do: {options}")));
+        }
+    };
+    let request = Request { seed: arguments.seed.unwrap_or(0), ..Request::new(target) };
+    request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
+    Ok(Asked { request, start: None })
+}
+
+/// A request from a file: by itself, or as `request` beside `start`, as links and files of the page hold it, or as `request`
+/// of what `--json` prints.
+fn saved(path: &Path) -> Result<Asked, Failure> {
+    let text = read(path)?;
+    let plain = |text: &str| Request::from_json(text).map_err(|error| wrong(path, &error));
+    let Ok(Value::Object(mut fields)) = serde_json::from_str(&text) else {
+        return Ok(Asked { request: plain(&text)?, start: None });
+    };
+    let Some(request) = fields.remove("request") else {
+        return Ok(Asked { request: plain(&text)?, start: None });
+    };
+    let start = match fields.remove("start").filter(|start| !start.is_null()) {
+        Some(start) => {
+            let saved: SavedStart =
+                serde_json::from_value(start).map_err(|error| wrong(path, &format!("the start: {error}")))?;
+            let [heading, x, z] = saved.placement;
+            if !saved.placement.iter().all(|number| number.is_finite() && number.abs() < 1e5) {
+                return Err(wrong(path, &"the start's placement must be a heading and metres along X and Z"));
+            }
+            Some(Start { frame: saved.frame, placement: Placement { heading, translation: glam::Vec2::new(x, z) } })
+        }
+        None => None,
+    };
+    Ok(Asked { request: plain(&request.to_string())?, start })
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)
+}
+
+fn wrong(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::Input(anyhow!("{}: {error}", path.display()))
+}
+
+/// Reads a place as it is typed: `2,1.5` or `2,1.5,0.8`.
+pub fn parse_place(text: &str) -> Result<PlaceRequest, String> {
+    let wrong = || format!("{text:?} is no place, such as 2,1.5 or 2,1.5,0.8");
+    let numbers: Vec<f32> =
+        text.split(',').map(|part| part.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
+    match *numbers.as_slice() {
+        [x, z] => Ok(PlaceRequest { x, z, heading: None, realism: DEFAULT_REALISM }),
+        [x, z, heading] => Ok(PlaceRequest { x, z, heading: Some(heading), realism: DEFAULT_REALISM }),
+        _ => Err(wrong()),
+    }
+}
+
+/// Reads a behaviour as it is typed: `walk`, or `walk:5s` to hold it.
+pub fn parse_behaviour(text: &str) -> Result<BehaviourRequest, String> {
+    let (name, hold) = match text.rsplit_once(':') {
+        Some((name, seconds)) => (name, parse_seconds(seconds)?),
+        None => (text, 0.0),
+    };
+    Ok(BehaviourRequest { name: name.into(), hold })
+}
+
+/// A pose as it is typed: a frame's number, or `NAME:SECONDS`.
+#[derive(Clone, Debug)]
+pub struct TypedPose(pub FrameRef);
+
+/// Reads a pose as it is typed.
+pub fn parse_pose(text: &str) -> Result<TypedPose, String> {
+    if let Ok(number) = text.parse() {
+        return Ok(TypedPose(FrameRef::Number(number)));
+    }
+    let (name, time) = text.rsplit_once(':').unwrap_or((text, "0"));
+    let time: f64 = time.parse().map_err(|_| format!("{time:?} is no time in seconds"))?;
+    let within = WithinSequence { sequence: name.into(), frame: None, time: Some(time) };
+    Ok(TypedPose(FrameRef::Within(within)))
+}
+
+/// Reads a duration as it is typed: `60`, `60s` or `2min`.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text {
+        text if text.ends_with("min") => (&text[..text.len() - 3], 60.0),
+        text if text.ends_with('s') => (&text[..text.len() - 1], 1.0),
+        text => (text, 1.0),
+    };
+    let seconds: f64 = number.trim().parse().map_err(|_| format!("{text:?} is no duration, such as 60s"))?;
+    if seconds.is_finite() && seconds >= 0.0 { Ok(seconds * unit) } else { Err("a duration is not negative".into()) }
+}
+
+/// Reads a size in pixels as it is typed: `720x720`.
+pub fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || format!("{text:?} is no size, such as 720x720, of 16 to 4096 pixels");
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let side = |side: &str| side.parse().ok().filter(|side| (16..=4096).contains(side)).ok_or_else(wrong);
+    Ok((side(width)?, side(height)?))
+}

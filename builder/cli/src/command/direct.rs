@@ -1,0 +1,187 @@
+//! `builder direct`: a walk is planned, made, and written.
+
+use std::path::Path;
+use std::time::Instant;
+
+use actor::motion::{Motion, measure_group};
+use actor::timeline::Timeline;
+use anyhow::{Context, anyhow};
+use bundle::BundleReader;
+use capture_io::export::{Actor, ExportError, ExportOptions, Output, export, play};
+use job::progress::Progress as Step;
+use kernels::align::Placement;
+use search::{Answer, Direction, Goal, Progress, Request, RequestError, Scene, Start, Survey, Target, Ways};
+use serde::Serialize;
+
+use super::args::DirectArguments;
+use super::asked::{Asked, asked};
+use super::failure::Failure;
+use super::output::print_json;
+use super::terminal::Terminal;
+use super::walked::{Walked, walked, write_times};
+
+/// States expanded between two looks at the progress bar.
+const SLICE: u32 = 500;
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct DirectReport {
+    /// The request, as it can be given again with `--request`.
+    request: Request,
+    /// The walk and what it reaches, as planned.
+    answer: Answer,
+    /// Paths as they were really walked.
+    walked: Vec<Walked>,
+    /// Seconds of the search until the answer that was taken.
+    search_seconds: f64,
+    /// Frames that were written.
+    frames: u32,
+    /// Where.
+    output: String,
+}
+
+/// Plans, makes and writes.
+pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let output = Output::parse(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
+    let Asked { request, start } = asked(arguments)?;
+    let mut reader = read_bundle(&arguments.bundle)?;
+    let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
+        return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
+    };
+    let ways = ways(&mut reader, &timeline, &request)?;
+    let scene = Scene { graph: &graph, timeline: &timeline, ways: &ways };
+    let began = Instant::now();
+    let answer = search(&scene, arguments, start, &request, terminal)?;
+    let search_seconds = began.elapsed().as_secs_f64();
+    if let Some(path) = &arguments.times {
+        write_times(&answer, scene.ways.fps, path)?;
+    }
+    answer.notes().for_each(|note| terminal.log(&format!("note: {note}")));
+
+    let [heading, x, z] = answer.start_placement;
+    let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
+    let actor = Actor::of(&reader).map_err(failure)?;
+    let options =
+        ExportOptions { every: arguments.every, size: arguments.size, turn_seconds: arguments.turn.max(0.1) as f32 };
+    let mut played =
+        play(&mut reader, &graph, &timeline, (answer.start_frame, placement), &answer.walk).map_err(failure)?;
+    let frames =
+        export(&actor, &mut played, &output, &options, &|step: Step| terminal.progress(step)).map_err(failure)?;
+    let walked = walked(&answer, &played.centres, ways.group.is_empty());
+    terminal.log(&summary(&answer, &walked, search_seconds, frames, &arguments.output));
+    if arguments.json {
+        let output = arguments.output.clone();
+        print_json(&DirectReport { request, answer, walked, search_seconds, frames, output })?;
+    }
+    Ok(())
+}
+
+fn failure(error: ExportError) -> Failure {
+    match error {
+        ExportError::Mesh(_) => Failure::Ours(error.into()),
+        _ => Failure::Input(error.into()),
+    }
+}
+
+fn read_bundle(path: &Path) -> Result<BundleReader, Failure> {
+    let bytes =
+        std::fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
+    BundleReader::from_bytes(&bytes).with_context(|| path.display().to_string()).map_err(Failure::Input)
+}
+
+/// The ways of the centre of mass, or of the vertices that the request wants to follow its path.
+fn ways(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Result<Ways, Failure> {
+    let ours = |error: actor::pose_source::PoseError| Failure::Input(error.into());
+    let (Some(topology), Some(graph)) = (reader.topology(), reader.graph().cloned()) else {
+        return Err(Failure::Input(anyhow!("the bundle is not whole")));
+    };
+    let weights = topology.weights().to_vec();
+    let motion = match reader.motion() {
+        Some(motion) => motion.clone(),
+        None => Motion::measure(timeline, &weights, reader).map_err(ours)?,
+    };
+    let targets = match &request.target {
+        Target::Queue(targets) => targets.as_slice(),
+        target => std::slice::from_ref(target),
+    };
+    let group = targets.iter().find_map(|target| match target {
+        Target::Path(path) if !path.vertices.is_empty() => Some(path.vertices.clone()),
+        _ => None,
+    });
+    let group = match group {
+        Some(vertices) => {
+            if let Some(&vertex) = vertices.iter().find(|&&vertex| vertex as usize >= weights.len()) {
+                return Err(Failure::Input(RequestError::UnknownVertex(vertex).into()));
+            }
+            let mut points = Vec::new();
+            measure_group(timeline, reader, weights.len(), &vertices, &mut points, u32::MAX).map_err(ours)?;
+            Some((vertices, points))
+        }
+        None => None,
+    };
+    let mut survey = Survey::new(&graph, timeline, &motion, group).map_err(ours)?;
+    while !survey.advance(&graph, timeline, &motion, usize::MAX).map_err(ours)? {}
+    Ok(survey.finish())
+}
+
+fn search(
+    scene: &Scene,
+    arguments: &DirectArguments,
+    start: Option<Start>,
+    request: &Request,
+    terminal: &Terminal,
+) -> Result<Answer, Failure> {
+    let input = |error: RequestError| Failure::Input(error.into());
+    let start = match &arguments.start {
+        Some(start) => {
+            let frame = start.0.find(scene.timeline).map_err(input)?;
+            Some(Start { frame, placement: Placement::IDENTITY })
+        }
+        None => start,
+    };
+    let mut direction = Direction::new(scene, start, request, arguments.effort).map_err(input)?;
+    let mut done = 0;
+    while direction.advance(scene, SLICE).map_err(input)? == Progress::Running {
+        done += u64::from(SLICE);
+        terminal.progress(Step {
+            what: "search",
+            done: done.min(arguments.effort.into()),
+            total: arguments.effort.into(),
+        });
+    }
+    Ok(direction.best(scene))
+}
+
+fn summary(answer: &Answer, walked: &[Walked], seconds: f64, frames: u32, output: &str) -> String {
+    let mut lines = vec![format!(
+        "a walk of {:.2} s through {} transitions, cost {:.2}, deformation {:.2}; searched for {seconds:.2} s",
+        answer.seconds,
+        answer.walk.transition_count(),
+        answer.walk.cost,
+        answer.walk.deformation
+    )];
+    for path in walked {
+        lines.push(format!(
+            "path: {:.1} cm off on average and {:.1} cm at most (nearest point: {:.1} and {:.1} cm)",
+            100.0 * path.mean,
+            100.0 * path.max,
+            100.0 * path.mean_aside,
+            100.0 * path.max_aside
+        ));
+    }
+    for part in &answer.parts {
+        if let Goal::Keys { rows, mean_error } = &part.goal {
+            let row = |number: Option<u32>| number.map_or("-".into(), |number| number.to_string());
+            lines.push("pose     wanted    reached (frames)".into());
+            lines.extend(rows.iter().map(|r| format!("{:<8} {:<9} {}", r.frame, r.wanted, row(r.reached))));
+            lines.push(format!("mean error: {mean_error:.2} frames"));
+        }
+        if let Goal::Wander { objectives: [even, proxy, now], frames } = &part.goal {
+            lines.push(format!(
+                "wandering over {frames} frames; objective {even:.4} even, {proxy:.4} proxy, {now:.4} used"
+            ));
+        }
+    }
+    lines.push(format!("{output}: {frames} frames"));
+    lines.join("\n")
+}

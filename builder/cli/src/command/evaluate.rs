@@ -1,0 +1,106 @@
+//! `builder evaluate`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use evaluate::{EvaluateError, EvaluateOptions, Section, Subject, evaluate, html};
+use job::progress::Progress;
+use performer::{PerformerError, PerformerOptions, write_performer};
+
+use super::args::{EvaluateArguments, EvaluateSection};
+use super::failure::Failure;
+use super::output::write_whole;
+use super::pack::import_options;
+use super::terminal::Terminal;
+
+/// Evaluates a capture and writes the report into a folder.
+pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let start = std::time::Instant::now();
+    let out = &arguments.output;
+    fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display())).map_err(Failure::Input)?;
+    // Kept until the end: it is removed when it is dropped.
+    let performer = if arguments.inputs.is_empty() { Some(perform(arguments, terminal)?) } else { None };
+    let inputs = match &performer {
+        Some(folder) => vec![folder.path.to_string_lossy().into_owned()],
+        None => arguments.inputs.clone(),
+    };
+    let options = EvaluateOptions { sections: sections(arguments), seed: arguments.seed, ..Default::default() };
+    let report = |step: Progress| terminal.progress(step);
+    let subject = Subject::read(&inputs, &import_options(&arguments.import), options, &report).map_err(failure)?;
+    let document = evaluate(&subject, &report).map_err(failure)?;
+    let json = serde_json::to_string_pretty(&document.json()).map_err(|error| Failure::Ours(error.into()))?;
+    let tables = document.sections.iter().flat_map(|section| &section.tables);
+    let files = tables.map(|table| (format!("{}.csv", table.name), table.csv()));
+    // The page comes last, so that a folder with it is complete.
+    let all = files.chain([("report.json".into(), json + "\n"), ("index.html".into(), html::page(&document, true))]);
+    for (name, text) in all {
+        write_whole(&out.join(name), text.as_bytes()).map_err(Failure::Input)?;
+    }
+    terminal.log(&format!("{} in {:.0} s", out.join("index.html").display(), start.elapsed().as_secs_f64()));
+    Ok(())
+}
+
+fn failure(error: EvaluateError) -> Failure {
+    if error.is_input() { Failure::Input(error.into()) } else { Failure::Ours(error.into()) }
+}
+
+fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
+    if arguments.sections.is_empty() {
+        return Section::ALL.to_vec();
+    }
+    let mut sections: Vec<Section> = arguments
+        .sections
+        .iter()
+        .map(|section| match section {
+            EvaluateSection::Poses => Section::Poses,
+            EvaluateSection::Transitions => Section::Transitions,
+            EvaluateSection::Graphs => Section::Graphs,
+            EvaluateSection::Blending => Section::Blending,
+            EvaluateSection::Interpolation => Section::Interpolation,
+            EvaluateSection::Walks => Section::Walks,
+            EvaluateSection::Scaling => Section::Scaling,
+            EvaluateSection::Appearance => Section::Appearance,
+        })
+        .collect();
+    sections.sort_unstable();
+    sections.dedup();
+    sections
+}
+
+/// A folder that is removed when it is no longer needed.
+struct Temporary {
+    path: PathBuf,
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // What cannot be removed is left to the system's own cleaning of temporary files.
+        let _ = fs::remove_dir_all(&self.path);
+    }
+}
+
+/// Writes the built-in performer's capture into a temporary folder.
+fn perform(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<Temporary, Failure> {
+    let default = PerformerOptions::default();
+    let size = |asked: Option<u32>, default: usize| asked.map_or(default, |number| number as usize);
+    let options = PerformerOptions {
+        frames: size(arguments.frames, default.frames),
+        vertices: size(arguments.vertices, default.vertices),
+        seed: arguments.seed,
+        ..default
+    };
+    let path = std::env::temp_dir().join(format!("reprise-evaluate-{}", std::process::id()));
+    if Path::new(&path).exists() {
+        return Err(Failure::Input(anyhow!("{} is in the way; remove it", path.display())));
+    }
+    let folder = Temporary { path };
+    let progress = |step: performer::Progress| {
+        terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
+    };
+    write_performer(&options, &folder.path, &progress).map_err(|error| match error {
+        PerformerError::Option { .. } => Failure::Usage(error.to_string()),
+        _ => Failure::Input(error.into()),
+    })?;
+    Ok(folder)
+}

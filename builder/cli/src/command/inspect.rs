@@ -1,0 +1,161 @@
+//! `builder inspect`.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use actor::timeline::Timeline;
+use anyhow::{Context, anyhow};
+use bundle::{BundleReader, MAGIC};
+use capture_io::import::import;
+use reprise::pack::summary_of;
+use serde_json::{Value, json};
+
+use super::args::InspectArguments;
+use super::failure::Failure;
+use super::output::{print_json, print_text};
+use super::pack::import_options;
+use super::terminal::Terminal;
+
+/// Tells what a bundle or an input holds.
+pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let found = match arguments.inputs.as_slice() {
+        [path] if is_bundle(Path::new(path)) => inspect_bundle(Path::new(path))?,
+        inputs => {
+            let options = import_options(&arguments.import);
+            let imported = import(inputs, &options, &|step| terminal.progress(step));
+            let imported = imported.map_err(|error| Failure::Input(error.into()))?;
+            let capture = imported.capture;
+            json!({
+                "kind": "input",
+                "name": capture.name,
+                "capture": summary_of(&capture),
+                "sequences": sequences(&capture.timeline),
+                "materials": capture.surface.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
+                "images": capture.surface.images.iter().map(|i| json!({
+                    "media_type": i.format.media_type(), "width": i.width, "height": i.height, "bytes": i.bytes.len(),
+                })).collect::<Vec<_>>(),
+                "warnings": imported.warnings,
+            })
+        }
+    };
+    if arguments.json { print_json(&found) } else { print_text(text(&found).trim_end()) }
+}
+
+/// Whether a file begins as a bundle does.
+pub fn is_bundle(path: &Path) -> bool {
+    let mut start = [0; MAGIC.len()];
+    let is_file = path.is_file();
+    is_file && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok_and(|()| start == MAGIC)
+}
+
+fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
+    let bytes =
+        std::fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
+    let reader =
+        BundleReader::from_bytes(&bytes).with_context(|| path.display().to_string()).map_err(Failure::Input)?;
+    let (Some(meta), Some(timeline), Some(topology)) = (reader.meta(), reader.timeline(), reader.topology()) else {
+        return Err(Failure::Input(anyhow!("{} ends before its content is described", path.display())));
+    };
+    let sections_of = |start: &str| -> u64 {
+        reader.sections().iter().filter(|section| section.name.starts_with(start)).map(|section| section.stored).sum()
+    };
+    let sections: Vec<Value> = reader
+        .sections()
+        .iter()
+        .map(|s| json!({ "name": s.name, "ordinal": s.ordinal, "offset": s.offset, "stored": s.stored, "raw": s.raw }))
+        .collect();
+    Ok(json!({
+        "kind": "bundle",
+        "name": meta.name,
+        "generator": meta.generator,
+        "bytes": bytes.len(),
+        "capture": {
+            "frames": timeline.frame_count(),
+            "sequences": timeline.sequences().len(),
+            "vertices": topology.vertex_count(),
+            "triangles": topology.triangles().len(),
+            "components": topology.component_count(),
+            "fps": timeline.fps(),
+        },
+        "sequences": sequences(timeline),
+        "graph": reader.graph().map(|graph| json!({
+            "transitions": graph.transitions().len(),
+            "density": graph.density(timeline),
+            "alpha": graph.alpha(),
+        })),
+        "max_error": meta.max_error,
+        "appearance": reader.appearance().map(|appearance| json!({
+            "material": appearance.material,
+            "width": appearance.size[0],
+            "height": appearance.size[1],
+            "texture_modes": appearance.layers[0].mode_count(),
+            "warp_modes": appearance.layers[1].mode_count(),
+            "bytes_per_frame": sections_of("appearance") as f64 / f64::from(timeline.frame_count().max(1)),
+        })),
+        "sections": sections,
+    }))
+}
+
+fn sequences(timeline: &Timeline) -> Vec<Value> {
+    let fps = timeline.fps();
+    timeline
+        .sequences()
+        .iter()
+        .map(|s| {
+            json!({
+                "name": s.name, "labels": s.labels, "first_frame": s.first_frame, "frames": s.frame_count,
+                "seconds": f64::from(s.frame_count) / f64::from(fps), "cyclic": s.cyclic,
+            })
+        })
+        .collect()
+}
+
+/// The same as indented text: one key a line.
+fn text(value: &Value) -> String {
+    let mut out = String::new();
+    write(value, 0, &mut out);
+    out
+}
+
+fn write(value: &Value, depth: usize, out: &mut String) {
+    let indent = "  ".repeat(depth);
+    match value {
+        Value::Object(fields) => {
+            for (name, field) in fields {
+                if is_flat(field) {
+                    out.push_str(&format!("{indent}{name}: {}\n", inline(field)));
+                } else {
+                    out.push_str(&format!("{indent}{name}:\n"));
+                    write(field, depth + 1, out);
+                }
+            }
+        }
+        Value::Array(items) => {
+            for item in items {
+                out.push_str(&format!("{indent}- {}\n", inline(item)));
+            }
+        }
+        other => out.push_str(&format!("{indent}{}\n", inline(other))),
+    }
+}
+
+fn is_flat(value: &Value) -> bool {
+    match value {
+        Value::Object(_) => false,
+        Value::Array(items) => items.iter().all(|item| !item.is_object()),
+        _ => true,
+    }
+}
+
+fn inline(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Array(items) => items.iter().map(inline).collect::<Vec<_>>().join(", "),
+        Value::Object(fields) => {
+            let pairs = fields.iter().map(|(name, field)| format!("{name} {}", inline(field)));
+            pairs.collect::<Vec<_>>().join("  ")
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,153 @@
+//! `builder pack`.
+
+use anyhow::anyhow;
+use appearance::AppearanceOptions;
+use capture_io::import::ImportOptions;
+use pipeline::distance::{DistanceKind, DistanceOptions};
+use pipeline::transitions::{LengthChoice, TransitionOptions};
+use reprise::pack::{AppearanceChoice, PackError, PackOptions, PackReport, pack};
+
+use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis};
+use super::failure::Failure;
+use super::output::{print_json, write_whole};
+use super::terminal::Terminal;
+
+/// Reads, computes, writes, and says what came out.
+pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let options = options(arguments)?;
+    let report = |progress| terminal.progress(progress);
+    let (bytes, report) = pack(&arguments.inputs, &options, &report).map_err(|error| match error {
+        PackError::Import(_) | PackError::Appearance(_) | PackError::Option(_) => Failure::Input(error.into()),
+        PackError::Ours(_) => Failure::Ours(error.into()),
+    })?;
+    write_whole(&arguments.output, &bytes).map_err(Failure::Input)?;
+    for warning in &report.warnings {
+        terminal.log(&format!("warning: {warning}"));
+    }
+    terminal.log(&summary(&report));
+    if arguments.json { print_json(&report) } else { Ok(()) }
+}
+
+/// What was typed about the input.
+pub fn import_options(arguments: &ImportArguments) -> ImportOptions {
+    ImportOptions {
+        name: arguments.name.clone(),
+        fps: arguments.fps,
+        up: arguments.up.map(|axis| match axis {
+            UpAxis::Y => capture_io::import::UpAxis::Y,
+            UpAxis::Z => capture_io::import::UpAxis::Z,
+        }),
+        unit: arguments.unit,
+        cyclic: arguments.cyclic.clone(),
+        texture: arguments.texture.clone(),
+        weights: arguments.weights.clone(),
+        weld: arguments.weld,
+    }
+}
+
+fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
+    if !(0.0..=1000.0).contains(&arguments.alpha) {
+        return Err(Failure::Usage("--alpha must be between 0 and 1000".into()));
+    }
+    if !(arguments.stretch_weight >= 0.0 && arguments.stretch_weight.is_finite()) {
+        return Err(Failure::Usage("--stretch-weight must not be negative".into()));
+    }
+    if arguments.max_error.is_some_and(|error| !(error > 0.0 && error.is_finite())) {
+        return Err(Failure::Usage("--max-error must be a length in metres above zero".into()));
+    }
+    if arguments.appearance_ssim.is_some_and(|ssim| !(ssim > 0.0 && ssim < 1.0)) {
+        return Err(Failure::Usage("--appearance-ssim must be between 0 and 1".into()));
+    }
+    if arguments.output.file_name().is_none() {
+        return Err(Failure::Input(anyhow!("{} is no name for a file", arguments.output.display())));
+    }
+    Ok(PackOptions {
+        import: import_options(&arguments.import),
+        distance: DistanceOptions {
+            kind: DistanceKind::Deformation,
+            stretch_weight: arguments.stretch_weight,
+            area_weighted: arguments.area_weighted,
+        },
+        transition: TransitionOptions {
+            shortest_seconds: arguments.shortest,
+            longest_seconds: arguments.longest,
+            slope: arguments.slope.0,
+            choice: match arguments.transition_length {
+                TransitionLength::Total => LengthChoice::Total,
+                TransitionLength::Mean => LengthChoice::Mean,
+            },
+        },
+        alpha: arguments.alpha,
+        hold_contacts: !arguments.no_contacts,
+        max_error: arguments.max_error,
+        appearance: match arguments.appearance {
+            AppearanceKind::Static => AppearanceChoice::Static,
+            AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
+        },
+    })
+}
+
+fn appearance_options(arguments: &PackArguments) -> AppearanceOptions {
+    let (usual, wanted) = (AppearanceOptions::default(), arguments.appearance_components);
+    AppearanceOptions {
+        components: wanted.map_or(usual.components, usize::from),
+        any_components: wanted.is_none(),
+        ssim: arguments.appearance_ssim,
+        compare: arguments.appearance_compare,
+        ..usual
+    }
+}
+
+fn summary(report: &PackReport) -> String {
+    let (capture, graph, seconds, bundle) = (&report.capture, &report.graph, &report.seconds, &report.bundle);
+    let mut lines = vec![
+        format!(
+            "{}: {} frames in {} sequences at {} fps, {} vertices, {} triangles",
+            report.name, capture.frames, capture.sequences, capture.fps, capture.vertices, capture.triangles
+        ),
+        format!(
+            "essential graph: {} transitions, density {:.4}, alpha {:.4} a frame ({:.3} a second), {} of {} frames \
+             in the largest strongly connected component, {} dead ends",
+            graph.transitions,
+            graph.density,
+            graph.alpha,
+            graph.alpha_per_second,
+            graph.largest_component,
+            capture.frames,
+            graph.dead_ends
+        ),
+        format!(
+            "bundle: {:.2} MB, {:.1} KB a frame of positions, error {:.3} mm RMS and {:.3} mm at most",
+            bundle.bytes as f64 / 1e6,
+            bundle.bytes_per_frame / 1e3,
+            bundle.rms_error * 1e3,
+            bundle.max_error * 1e3
+        ),
+        format!(
+            "seconds: import {:.1}, distances {:.1}, transitions {:.1}, graph {:.1}, bundle {:.1}",
+            seconds.import, seconds.distances, seconds.transitions, seconds.graph, seconds.bundle
+        ),
+    ];
+    if let Some(appearance) = &report.appearance {
+        lines.push(format!(
+            "appearance: {} Eigen textures, {} Eigen warps, SSIM {:.4}, PSNR {:.1} dB; stored in {:.0} bytes a frame: SSIM \
+             {:.4}, at least {:.4}, PSNR {:.1} dB; in {:.1} s",
+            appearance.textures,
+            appearance.warps,
+            appearance.ssim,
+            texture::quality::psnr(appearance.mean_square_error),
+            appearance.stored.bytes_per_frame,
+            appearance.stored.ssim,
+            appearance.stored.least_ssim,
+            appearance.stored.psnr,
+            seconds.appearance
+        ));
+    }
+    if graph.unreachable_pairs > 0 {
+        lines.push(format!("warning: {} pairs of frames have no way from one to the other", graph.unreachable_pairs));
+    }
+    if let Some(bytes) = report.peak_memory_bytes {
+        lines.push(format!("peak memory: {:.0} MB", bytes as f64 / 1e6));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,65 @@
+//! `builder validate`.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use bundle::{Finding, Severity, validate};
+use capture_io::import::{ImportError, Warning, import};
+use serde::Serialize;
+
+use super::args::ValidateArguments;
+use super::failure::Failure;
+use super::inspect::is_bundle;
+use super::output::{print_json, print_text};
+use super::pack::import_options;
+use super::terminal::Terminal;
+
+/// A finding as it is printed.
+#[derive(Serialize)]
+struct Line {
+    code: &'static str,
+    severity: &'static str,
+    message: String,
+}
+
+/// Lists what is wrong with a bundle or an input; fails where it, or a part of it, cannot be used.
+pub fn run(arguments: &ValidateArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let lines = match arguments.inputs.as_slice() {
+        [path] if is_bundle(Path::new(path)) || Path::new(path).extension().is_some_and(|end| end == "reprise") => {
+            let bytes = fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
+            validate(&bytes).into_iter().map(of_bundle).collect()
+        }
+        inputs => of_input(import(inputs, &import_options(&arguments.import), &|step| terminal.progress(step))),
+    };
+    let name = arguments.inputs.join(" ");
+    if arguments.json {
+        print_json(&lines)?;
+    } else if lines.is_empty() {
+        print_text(&format!("{name}: nothing is wrong"))?;
+    } else {
+        let text: Vec<String> =
+            lines.iter().map(|line| format!("{} {}: {}", line.severity, line.code, line.message)).collect();
+        print_text(&text.join("\n"))?;
+    }
+    let broken = lines.iter().any(|line| line.severity == "error");
+    if broken { Err(Failure::Input(anyhow!("{name} cannot be used as it is"))) } else { Ok(()) }
+}
+
+fn of_bundle(finding: Finding) -> Line {
+    let severity = match finding.severity {
+        Severity::Note => "note",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    };
+    Line { code: finding.code, severity, message: finding.message }
+}
+
+/// Reading stops at the first error; warnings do not stop it.
+fn of_input(outcome: Result<capture_io::import::Imported, ImportError>) -> Vec<Line> {
+    let warning = |Warning { code, message }| Line { code, severity: "warning", message };
+    match outcome {
+        Ok(imported) => imported.warnings.into_iter().map(warning).collect(),
+        Err(error) => vec![Line { code: error.code(), severity: "error", message: error.to_string() }],
+    }
+}

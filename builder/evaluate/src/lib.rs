@@ -1,0 +1,206 @@
+//! `builder evaluate`: the papers' evaluations again, on any capture.
+//!
+//! Boukhayma and Boyer, TVCG, figures 7, 9, 11, 12 and table 1; thesis sections 2.3.2, 2.5.5 and 3.3.4. Each section is
+//! a file of its own that takes the [`Subject`] and returns a [`SectionReport`]; the page, CSV and JSON are made from
+//! those. Everything but the times is a function of the capture, the options and the seed.
+//!
+//! ```text
+//! capture, truth -> subject -> sections -> document -> page, CSV, JSON
+//! ```
+
+mod acceleration;
+pub mod arap;
+mod blending;
+pub mod clay;
+mod contacts;
+pub mod document;
+mod graphs;
+pub mod html;
+mod interpolation;
+pub mod plot;
+mod poses;
+mod scaling;
+mod seams;
+pub mod short;
+mod stage;
+pub mod statistics;
+mod subject;
+pub mod textures;
+mod trajectories;
+mod transitions;
+pub mod truth;
+mod walks;
+
+use thiserror::Error;
+
+pub use self::document::{Document, SectionReport};
+pub use self::subject::Subject;
+use appearance::AppearanceError;
+use capture_io::export::ExportError;
+use capture_io::import::ImportError;
+use job::progress::Report;
+use pipeline::distance::DistanceError;
+use pipeline::essential::{BuildError, EssentialError};
+use pipeline::transitions::{TransitionError, TransitionOptions};
+
+/// A section of the evaluation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Section {
+    /// 1: pose distance against the skeleton's truth.
+    Poses,
+    /// 2: transitions.
+    Transitions,
+    /// 3: essential graph against motion graph.
+    Graphs,
+    /// 4: blending, foot skate and seams.
+    Blending,
+    /// 5: interpolation.
+    Interpolation,
+    /// 6: walks along paths and through poses at times.
+    Walks,
+    /// 7: size, speed and scaling.
+    Scaling,
+    /// 8: eigen appearance maps.
+    Appearance,
+}
+
+impl Section {
+    /// All sections, in order.
+    pub const ALL: [Self; 8] = [
+        Self::Poses,
+        Self::Transitions,
+        Self::Graphs,
+        Self::Blending,
+        Self::Interpolation,
+        Self::Walks,
+        Self::Scaling,
+        Self::Appearance,
+    ];
+
+    /// Its number.
+    #[must_use]
+    pub fn number(self) -> u8 {
+        self as u8 + 1
+    }
+
+    /// Its title.
+    #[must_use]
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Poses => "Pose distance against the skeleton",
+            Self::Transitions => "Transitions",
+            Self::Graphs => "Essential graph against motion graph",
+            Self::Blending => "Blending",
+            Self::Interpolation => "Interpolation",
+            Self::Walks => "Walks",
+            Self::Scaling => "Size and speed",
+            Self::Appearance => "Appearance",
+        }
+    }
+}
+
+/// What is evaluated, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EvaluateOptions {
+    /// The sections to make, in this order.
+    pub sections: Vec<Section>,
+    /// Seed of everything that is drawn at random.
+    pub seed: u64,
+    /// Permutations of Mantel's test.
+    pub permutations: usize,
+    /// Transitions of each graph whose seams are measured, drawn at random where there are more.
+    pub seam_transitions: usize,
+    /// Transitions as the actor would have them.
+    pub transition: TransitionOptions,
+    /// Weight of a frame's duration.
+    pub alpha: f64,
+}
+
+impl Default for EvaluateOptions {
+    fn default() -> Self {
+        Self {
+            sections: Section::ALL.to_vec(),
+            seed: 1,
+            permutations: 10_000,
+            seam_transitions: 1_000,
+            transition: TransitionOptions::default(),
+            alpha: actor::graph::DEFAULT_ALPHA,
+        }
+    }
+}
+
+/// Why a capture could not be evaluated.
+#[derive(Debug, Error)]
+pub enum EvaluateError {
+    /// The capture cannot be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The ground truth beside the capture cannot be read.
+    #[error(transparent)]
+    Truth(#[from] truth::TruthError),
+    /// No pose distances.
+    #[error(transparent)]
+    Distance(#[from] DistanceError),
+    /// No transitions.
+    #[error(transparent)]
+    Transition(#[from] TransitionError),
+    /// No essential graph.
+    #[error(transparent)]
+    Essential(#[from] EssentialError),
+    /// The graph could not be built: a fault of ours.
+    #[error("the graph cannot be built: {0}")]
+    Build(#[from] BuildError),
+    /// Textures of frames that no appearance can be made of.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
+    /// A picture of the actor could not be drawn.
+    #[error("the actor cannot be drawn: {0}")]
+    Drawing(#[from] ExportError),
+    /// Poses could not be interpolated: a fault of ours.
+    #[error("poses cannot be interpolated: {0}")]
+    Interpolation(#[from] kernels::cholesky::CholeskyError),
+    /// A frame could not be placed: a fault of ours.
+    #[error("a transition cannot be placed: {0}")]
+    Pose(#[from] actor::pose_source::PoseError),
+}
+
+impl EvaluateError {
+    /// Whether the input, not the builder, is at fault.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        !matches!(self, Self::Build(_) | Self::Interpolation(_) | Self::Pose(_))
+    }
+}
+
+/// Evaluates a capture.
+///
+/// # Errors
+/// A capture that has no distances or transitions.
+pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateError> {
+    let sections = subject.options.sections.iter().map(|&section| {
+        let made = match section {
+            Section::Poses => poses::section(subject, report),
+            Section::Transitions => transitions::section(subject, report),
+            Section::Graphs => graphs::section(subject, report),
+            Section::Blending => blending::section(subject, report),
+            Section::Interpolation => interpolation::section(subject, report),
+            Section::Walks => walks::section(subject, report),
+            Section::Scaling => scaling::section(subject, report),
+            Section::Appearance => textures::section(subject, report),
+        };
+        made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
+    });
+    Ok(Document {
+        title: format!("{}: evaluation", subject.capture.name),
+        lead: "The evaluations of \u{201c}Surface Motion Capture Animation Synthesis\u{201d} (Boukhayma and Boyer) \
+               and of Boukhayma\u{2019}s thesis, made again on this capture."
+            .into(),
+        sections: sections.collect::<Result<_, _>>()?,
+        facts: subject.facts(),
+    })
+}
+
+/// A section that could not be made.
+fn missing(why: &str) -> SectionReport {
+    SectionReport { missing: Some(why.to_owned()), ..SectionReport::default() }
+}

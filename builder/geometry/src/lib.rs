@@ -1,0 +1,10 @@
+//! Meshes and what is done with them: making them from distance fields, remeshing, flattening, rasterising.
+//!
+//! Nothing here knows a frame, a sequence or a file.
+
+pub mod flatten;
+pub mod mesh;
+pub mod polygonise;
+pub mod raster;
+pub mod remesh;
+pub mod sdf;

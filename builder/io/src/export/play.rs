@@ -1,0 +1,88 @@
+//! Playing a walk: its frames, one after another, as the player on the page makes them.
+
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use actor::walk::Walk;
+use bundle::BundleReader;
+use glam::Vec3;
+use kernels::align::{Placement, centre_of_mass};
+use synthesis::Synthesiser;
+
+use super::error::ExportError;
+use job::progress::{Progress, Report};
+
+/// A walk that is being played.
+pub struct Played<'a> {
+    graph: &'a EssentialGraph,
+    timeline: &'a Timeline,
+    reader: &'a mut BundleReader,
+    weights: Vec<f32>,
+    synthesiser: Synthesiser,
+    pose: Vec<Vec3>,
+    /// Centre of mass of each frame so far, in metres.
+    pub centres: Vec<Vec3>,
+    /// Frames of the walk.
+    pub frames: u32,
+}
+
+/// Begins to play `walk` from frame `start`, which stands at `placement`.
+///
+/// # Errors
+/// A bundle that is not whole, or a mesh that cannot be interpolated.
+pub fn play<'a>(
+    reader: &'a mut BundleReader,
+    graph: &'a EssentialGraph,
+    timeline: &'a Timeline,
+    (start, placement): (u32, Placement),
+    walk: &Walk,
+) -> Result<Played<'a>, ExportError> {
+    let topology = reader.topology().ok_or(ExportError::NotWhole)?;
+    let weights = topology.weights().to_vec();
+    let mut synthesiser = Synthesiser::new(topology, reader.order())?;
+    synthesiser.begin_walk(start, placement, walk);
+    let pose = vec![Vec3::ZERO; weights.len()];
+    let frames = walk.steps(graph) + 1;
+    Ok(Played { graph, timeline, reader, weights, synthesiser, pose, centres: Vec::new(), frames })
+}
+
+impl Played<'_> {
+    /// The next frame's vertex positions in metres; `None` once the walk has arrived.
+    ///
+    /// # Errors
+    /// A frame that cannot be read or made.
+    pub fn next_pose(&mut self) -> Result<Option<&[Vec3]>, ExportError> {
+        let made = self.synthesiser.next_frame(self.graph, self.timeline, self.reader, &mut self.pose);
+        let made = made.map_err(|cause| ExportError::Frame { step: self.centres.len() as u32, cause })?;
+        if made.is_none() {
+            return Ok(None);
+        }
+        self.centres.push(centre_of_mass(&self.pose, &self.weights));
+        Ok(Some(&self.pose))
+    }
+
+    /// Calls `write` with every `every`-th frame: its number among those written, and its pose. Reports each as one of
+    /// `what`, and returns how many there were.
+    pub(super) fn each(
+        &mut self,
+        every: u32,
+        (what, report): (&'static str, Report),
+        mut write: impl FnMut(u32, &[Vec3]) -> Result<(), ExportError>,
+    ) -> Result<u32, ExportError> {
+        let total = u64::from(self.written(every));
+        let (mut step, mut written) = (0_u32, 0);
+        while let Some(pose) = self.next_pose()? {
+            if step.is_multiple_of(every.max(1)) {
+                report(Progress { what, done: u64::from(written), total });
+                write(written, pose)?;
+                written += 1;
+            }
+            step += 1;
+        }
+        Ok(written)
+    }
+
+    /// Frames that are written when every `every`-th is.
+    pub(super) fn written(&self, every: u32) -> u32 {
+        self.frames.div_ceil(every.max(1))
+    }
+}

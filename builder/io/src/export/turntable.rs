@@ -1,0 +1,60 @@
+//! A walk as pictures, from a camera that follows the actor and turns about it.
+
+use std::f32::consts::TAU;
+use std::io::Cursor;
+
+use glam::Vec3;
+
+use super::error::ExportError;
+use super::output::{FramePattern, write_whole};
+use super::picture::{Picture, Raster};
+use super::play::Played;
+use super::{Actor, ExportOptions, bounds};
+use job::progress::Report;
+
+/// How much of the way to the actor the camera goes in a second, on a logarithmic scale: it does not shake with its steps.
+const FOLLOW: f32 = 3.0;
+/// Share of the picture's height that the actor fills.
+const FILL: f32 = 0.72;
+/// Distance of the image plane over its height: a long lens.
+const FOCAL: f32 = 1.6;
+
+/// Writes all pictures.
+pub(super) fn write(
+    actor: &Actor,
+    played: &mut Played,
+    pattern: &FramePattern,
+    options: &ExportOptions,
+    report: Report,
+) -> Result<u32, ExportError> {
+    pattern.make_folder()?;
+    let raster = Raster::new(&actor.surface)?;
+    let seconds = options.every.max(1) as f32 / actor.fps;
+    let mut follow: Option<(Vec3, f32)> = None;
+    played.each(options.every, ("pictures", report), |frame, pose| {
+        let positions = actor.corners(pose);
+        let (middle, height) = extent(&positions);
+        let (at, tall) = follow.map_or((middle, height), |(at, tall)| {
+            let share = 1.0 - (-FOLLOW * seconds).exp();
+            (at.lerp(middle, share), tall.max(height))
+        });
+        follow = Some((at, tall));
+        let angle = 0.6 + TAU * frame as f32 * seconds / options.turn_seconds;
+        let distance = tall.max(0.01) / FILL * FOCAL;
+        let eye = at + distance * Vec3::new(angle.sin(), 0.18, angle.cos());
+        let picture = Picture { eye, at, size: options.size, focal: FOCAL };
+        let image = raster.draw(&positions, &picture);
+        let file = pattern.file(frame);
+        let mut bytes = Cursor::new(Vec::new());
+        let encoded = image.write_to(&mut bytes, image::ImageFormat::Png);
+        encoded.map_err(|cause| ExportError::Picture { file: file.clone(), cause })?;
+        write_whole(&file, &bytes.into_inner())
+    })
+}
+
+/// Middle of the box that the actor fills, and how tall or wide it is.
+fn extent(positions: &[Vec3]) -> (Vec3, f32) {
+    let (low, high) = bounds(positions);
+    let size = high - low;
+    ((low + high) / 2.0, size.y.max(0.8 * size.x.max(size.z)))
+}

@@ -1,0 +1,126 @@
+//! A mesh as files give it, before welding: file vertices, faces, attributes of face corners.
+
+use actor::surface::{Image, Material};
+use glam::Vec3;
+
+use super::polygon::triangulate;
+
+/// Faces over file vertices, flattened; the same in every frame of a capture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct FaceList {
+    /// Number of corners of each face, at least 3.
+    pub sizes: Vec<u32>,
+    /// File vertices of the corners, face after face.
+    pub vertices: Vec<u32>,
+}
+
+impl FaceList {
+    /// The first face in which two lists differ.
+    pub fn first_difference(&self, other: &Self) -> Option<usize> {
+        if self == other {
+            return None;
+        }
+        let same = self.iter().zip(other.iter()).take_while(|(a, b)| a == b).count();
+        Some(same)
+    }
+
+    /// The faces, as slices of file vertices.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let mut rest = self.vertices.as_slice();
+        self.sizes.iter().map_while(move |&size| {
+            let (face, tail) = rest.split_at_checked(size as usize)?;
+            rest = tail;
+            Some(face)
+        })
+    }
+}
+
+/// What one OBJ or PLY file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Frame {
+    /// Vertex positions in the file's units and axes.
+    pub positions: Vec<Vec3>,
+    /// The faces.
+    pub faces: FaceList,
+    /// Texture coordinates of the face corners, v downwards; empty where the file has none.
+    pub uvs: Vec<[f32; 2]>,
+    /// sRGB colours of the vertices; empty where the file has none.
+    pub colours: Vec<[u8; 4]>,
+    /// Index into `material_names` of each face; empty where the file names no material.
+    pub material_of_face: Vec<u32>,
+    /// Materials in the order of their first use.
+    pub material_names: Vec<String>,
+    /// Material libraries (OBJ).
+    pub libraries: Vec<String>,
+    /// Texture file of each material (PLY).
+    pub material_textures: Vec<String>,
+}
+
+/// What all frames of a capture share: faces over file vertices and how they look.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FileMesh {
+    /// Number of file vertices.
+    pub vertex_count: usize,
+    /// The faces.
+    pub faces: FaceList,
+    /// Texture coordinates of the face corners, v downwards; empty where there are none.
+    pub uvs: Vec<[f32; 2]>,
+    /// sRGB colours of the file vertices; empty where there are none.
+    pub colours: Vec<[u8; 4]>,
+    /// Index into `materials` of each face; empty where all have material 0.
+    pub material_of_face: Vec<u32>,
+    /// At least one.
+    pub materials: Vec<Material>,
+    /// Static textures.
+    pub images: Vec<Image>,
+}
+
+/// A triangle over corners of [`FaceList::vertices`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FileTriangle {
+    /// Indices into [`FaceList::vertices`] and the attributes beside it.
+    pub corners: [usize; 3],
+    /// Its material.
+    pub material: u32,
+}
+
+impl FileMesh {
+    /// The faces as triangles, sorted by material and otherwise in the file's order; `pose` has the file's vertices.
+    pub fn triangles(&self, pose: &[Vec3]) -> Vec<FileTriangle> {
+        let mut triangles = Vec::with_capacity(self.faces.vertices.len());
+        let mut first = 0;
+        let mut points = Vec::new();
+        for (face, vertices) in self.faces.iter().enumerate() {
+            let material = self.material_of_face.get(face).copied().unwrap_or(0);
+            points.clear();
+            points.extend(vertices.iter().map(|&v| pose.get(v as usize).copied().unwrap_or_default()));
+            let split = triangulate(&points);
+            triangles.extend(split.iter().map(|t| FileTriangle { corners: t.map(|k| first + k), material }));
+            first += vertices.len();
+        }
+        triangles.sort_by_key(|t| t.material);
+        triangles
+    }
+}
+
+/// A white material without a texture.
+pub(super) fn plain_material(name: &str) -> Material {
+    Material { name: name.to_owned(), base_colour: [1.0; 4], image: None, double_sided: true }
+}
+
+/// The colour component `linear` (0 to 1) in sRGB.
+pub(super) fn srgb_from_linear(linear: f32) -> f32 {
+    let c = linear.clamp(0.0, 1.0);
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The colour component `srgb` (0 to 1) in linear light.
+pub(super) fn linear_from_srgb(srgb: f32) -> f32 {
+    let c = srgb.clamp(0.0, 1.0);
+    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A component between 0 and 1 as a byte.
+pub(super) fn byte(component: f32) -> u8 {
+    (component.clamp(0.0, 1.0) * 255.0).round() as u8
+}

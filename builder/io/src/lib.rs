@@ -1,0 +1,4 @@
+//! Captures from files ([`import`]) and frames to files ([`export`]).
+
+pub mod export;
+pub mod import;

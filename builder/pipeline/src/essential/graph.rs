@@ -1,0 +1,110 @@
+//! From the edges that are kept to the graph that the player walks: their warps, and where they lead.
+
+use actor::blend::transition_placement;
+use actor::capture::Capture;
+use actor::contacts::Contacts;
+use actor::graph::{EssentialGraph, GraphError, Transition};
+use actor::ground::Ground;
+use actor::pose_source::PoseError;
+use glam::{Vec2, Vec3Swizzles};
+use kernels::align::centre_of_mass;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::distance::{DistanceMatrix, HeadingMatrix};
+use crate::transitions::{TransitionError, TransitionMatrix, TransitionOptions, WarpFinder};
+
+/// Why kept edges are no graph; any of these is a fault of the stages before.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// A warp could not be found again.
+    #[error("the warp from frame {from} to frame {to} cannot be found again: {cause}")]
+    Warp {
+        /// The frame that the transition leaves from.
+        from: u32,
+        /// The frame that it arrives at.
+        to: u32,
+        /// Why.
+        cause: TransitionError,
+    },
+    /// The options of the transitions make no sense.
+    #[error(transparent)]
+    Options(#[from] TransitionError),
+    /// An edge has no transition.
+    #[error("there is no transition from frame {from} to frame {to}")]
+    NoTransition {
+        /// The frame that the edge leaves from.
+        from: u32,
+        /// The frame that it arrives at.
+        to: u32,
+    },
+    /// A frame could not be read.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// The transitions do not fit the timeline.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+}
+
+/// What the stages before have found out about a capture.
+pub struct Findings<'a> {
+    /// Pose distances of all pairs.
+    pub distances: &'a DistanceMatrix,
+    /// Planar alignment of all pairs.
+    pub headings: &'a HeadingMatrix,
+    /// Optimal transitions of all pairs.
+    pub transitions: &'a TransitionMatrix,
+    /// How transitions were chosen.
+    pub options: &'a TransitionOptions,
+}
+
+/// The essential graph of `capture` from the synthetic `edges` (from, to) that are kept, which are sorted.
+///
+/// `contacts` are what its transitions keep still; none of them, and they follow the papers alone.
+///
+/// The warp of each edge is found again here, since only costs and lengths are kept for all pairs.
+///
+/// # Errors
+/// Findings that do not fit together.
+pub fn build_graph(
+    capture: &Capture,
+    findings: &Findings,
+    edges: &[(u32, u32)],
+    alpha: f64,
+    contacts: Contacts,
+) -> Result<EssentialGraph, BuildError> {
+    let timeline = &capture.timeline;
+    let weights = capture.topology.weights();
+    let centres: Vec<Vec2> = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
+    let warps = WarpFinder::new(findings.distances, timeline, findings.options)?;
+    let transitions = edges
+        .par_iter()
+        .map(|&(from, to)| {
+            let found = findings.transitions.get(from as usize, to as usize);
+            let cost = found.ok_or(BuildError::NoTransition { from, to })?;
+            let warp = warps
+                .find(from, to, cost.source_length.into(), cost.destination_length.into())
+                .map_err(|cause| BuildError::Warp { from, to, cause })?;
+            let mut ground = Recorded { headings: findings.headings, centres: &centres };
+            let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &contacts)?;
+            Ok(Transition { from, to, deformation: cost.deformation, warp, placement })
+        })
+        .collect::<Result<Vec<_>, BuildError>>()?;
+    Ok(EssentialGraph::new(alpha, transitions, timeline)?.with_contacts(contacts))
+}
+
+/// Where recorded frames stand, from the tables of the builder.
+struct Recorded<'a> {
+    headings: &'a HeadingMatrix,
+    centres: &'a [Vec2],
+}
+
+impl Ground for Recorded<'_> {
+    fn heading(&mut self, fixed: u32, moving: u32) -> Result<f32, PoseError> {
+        Ok(self.headings.get(fixed as usize, moving as usize))
+    }
+
+    fn centre(&mut self, frame: u32) -> Result<Vec2, PoseError> {
+        self.centres.get(frame as usize).copied().ok_or(PoseError::OutOfRange(frame))
+    }
+}

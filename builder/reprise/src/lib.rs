@@ -1,0 +1,3 @@
+//! Reprise as a library: from files to an actor.
+
+pub mod pack;

@@ -1,0 +1,66 @@
+//! What stands on the ground: the parts of the surface that rest on it for a while (soles, toes, hands), in every frame.
+//!
+//! Not in the papers, whose blends follow the centre of mass alone: where the feet of both sides stand elsewhere below it,
+//! they slide while the weight moves from one to the other. [`crate::blend::Blend`] keeps still what stands in both.
+
+use glam::Vec2;
+
+use crate::timeline::Timeline;
+
+/// Points are whole multiples of this many metres.
+pub const POINT_STEP: f32 = 1.0 / 32768.0;
+/// Weights are whole multiples of this.
+pub const WEIGHT_STEP: f32 = 1.0 / 255.0;
+/// Parts that are told apart at most.
+pub const MOST_PARTS: usize = 8;
+
+/// One part of the surface in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Where it is along (X, Z), in metres as the frame was recorded; a multiple of [`POINT_STEP`], zero where it does not
+    /// stand.
+    pub point: Vec2,
+    /// How firmly it stands, from 0 (not at all) to 1; a multiple of [`WEIGHT_STEP`].
+    pub weight: f32,
+}
+
+impl Contact {
+    /// As it is stored.
+    #[must_use]
+    pub fn rounded(point: Vec2, weight: f32) -> Self {
+        let weight = (weight.clamp(0.0, 1.0) / WEIGHT_STEP).round() * WEIGHT_STEP;
+        if weight > 0.0 { Self { point: (point / POINT_STEP).round() * POINT_STEP, weight } } else { Self::default() }
+    }
+}
+
+/// The contacts of all frames of a capture, of the same parts of the surface in the same order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    parts: usize,
+    /// Frame after frame.
+    contacts: Vec<Contact>,
+}
+
+impl Contacts {
+    /// Contacts of `parts` parts in every frame of `timeline`, frame after frame. `None` where their number is not that,
+    /// or a number is not finite or out of its range.
+    #[must_use]
+    pub fn new(parts: usize, contacts: Vec<Contact>, timeline: &Timeline) -> Option<Self> {
+        let holds = |contact: &Contact| contact.point.is_finite() && (0.0..=1.0).contains(&contact.weight);
+        let fits = parts <= MOST_PARTS && contacts.len() == parts.checked_mul(timeline.frame_count() as usize)?;
+        (fits && contacts.iter().all(holds)).then_some(Self { parts, contacts })
+    }
+
+    /// Number of parts.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// The contacts of `frame`; none where nothing is known of it.
+    #[must_use]
+    pub fn of(&self, frame: u32) -> &[Contact] {
+        let start = (frame as usize).saturating_mul(self.parts);
+        self.contacts.get(start..start.saturating_add(self.parts)).unwrap_or_default()
+    }
+}

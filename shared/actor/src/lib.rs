@@ -1,0 +1,23 @@
+//! What an actor is: the data that every side works with.
+//!
+//! A capture becomes an actor once its sequences ([`timeline`]), what is drawn ([`surface`]), its poses ([`capture`],
+//! [`pose_source`]), what stands on the ground ([`contacts`]), how it moves over the ground ([`motion`], [`ground`]) and its
+//! transitions ([`warp`], [`graph`]) are known. A [`walk`] is a way through the graph; [`blend`] says where on the ground both
+//! sides of a transition are. Searches, synthesis and the file format all build on this and on nothing of each other.
+//!
+//! This crate does no input or output and knows no GPU, no thread and no page.
+//!
+//! Conventions: right-handed coordinates, +Y up, metres, seconds, radians; the ground is the XZ plane; vectors are
+//! columns. Frames are counted over the whole capture (all sequences of one subject, one after another), from 0.
+
+pub mod blend;
+pub mod capture;
+pub mod contacts;
+pub mod graph;
+pub mod ground;
+pub mod motion;
+pub mod pose_source;
+pub mod surface;
+pub mod timeline;
+pub mod walk;
+pub mod warp;

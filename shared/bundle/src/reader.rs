@@ -1,0 +1,433 @@
+//! Reading a bundle while it arrives.
+
+use glam::Vec3;
+
+use super::encode::is_permutation;
+use super::error::BundleError;
+use super::geometry::decode::{ChunkBytes, FrameDecoder};
+use super::geometry::model::Model;
+use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, Kind, SectionEntry};
+use super::limits::MAX_CORNERS;
+use super::meta::Meta;
+use super::sections::{self, SectionInfo};
+use super::{Appearance, Textures, appearance, contacts, graph, integers, layout, motion, surface};
+use actor::contacts::Contacts;
+use actor::graph::EssentialGraph;
+use actor::motion::Motion;
+use actor::pose_source::{PoseError, PoseSource};
+use actor::surface::{Image, Surface};
+use actor::timeline::Timeline;
+use kernels::topology::Topology;
+
+/// A bundle, or as much of it as has arrived.
+///
+/// Bytes are pushed as they come; each part can be asked for as soon as it is complete and has been checked. Positions
+/// stay compressed: [`PoseSource::read`] decodes a frame when it is wanted.
+#[derive(Debug, Default)]
+pub struct BundleReader {
+    /// Bytes of the header, or of the section that is arriving.
+    arriving: Vec<u8>,
+    /// Sections that are complete.
+    complete: usize,
+    received: u64,
+    /// Bytes of a section that this version does not know and that are still to come.
+    to_skip: u64,
+    failure: Option<BundleError>,
+    header: Option<Header>,
+    meta: Option<Meta>,
+    timeline: Option<Timeline>,
+    topology: Option<Topology>,
+    surface: Option<Surface>,
+    image_arrived: Vec<bool>,
+    model: Option<Model>,
+    chunks: Vec<Option<ChunkBytes>>,
+    decoder: Option<FrameDecoder>,
+    first_pose: Option<Vec<Vec3>>,
+    graph: Option<EssentialGraph>,
+    order: Option<Vec<u32>>,
+    file_vertices: Option<Vec<u32>>,
+    motion: Option<Motion>,
+    contacts: Contacts,
+    looks: [Looks; 2],
+}
+
+/// Models of textures that have arrived.
+#[derive(Debug, Default)]
+struct Looks {
+    appearance: Option<Appearance>,
+    modes: Vec<Option<Vec<u8>>>,
+}
+
+impl BundleReader {
+    /// Nothing has arrived yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A whole bundle.
+    ///
+    /// # Errors
+    /// Anything that is wrong with it.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BundleError> {
+        let mut reader = Self::new();
+        reader.push(bytes)?;
+        reader.finish()?;
+        Ok(reader)
+    }
+
+    /// Takes the next bytes, any number of them.
+    ///
+    /// # Errors
+    /// The first thing that is wrong, and the same again from then on.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        self.received += bytes.len() as u64;
+        let result = self.take(bytes);
+        if let Err(failure) = &result {
+            self.failure = Some(failure.clone());
+            self.arriving = Vec::new();
+        }
+        result
+    }
+
+    /// Says that no more bytes will come.
+    ///
+    /// # Errors
+    /// What was wrong before, or that the bundle is cut off.
+    pub fn finish(&self) -> Result<(), BundleError> {
+        match &self.failure {
+            Some(failure) => Err(failure.clone()),
+            None if self.is_complete() => Ok(()),
+            None => Err(BundleError::Truncated { received: self.received, total: self.bytes_total().unwrap_or(0) }),
+        }
+    }
+
+    /// Whether everything has arrived.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.header.as_ref().is_some_and(|header| self.complete == header.sections.len())
+    }
+
+    /// Bytes that have arrived.
+    #[must_use]
+    pub fn bytes_received(&self) -> u64 {
+        self.received
+    }
+
+    /// Bytes of the whole bundle, once its header has arrived.
+    #[must_use]
+    pub fn bytes_total(&self) -> Option<u64> {
+        self.header.as_ref().map(|header| header.total)
+    }
+
+    /// The header.
+    #[must_use]
+    pub fn header(&self) -> Option<&Header> {
+        self.header.as_ref()
+    }
+
+    /// The sections, arrived or not, in the order of the file.
+    #[must_use]
+    pub fn sections(&self) -> Vec<SectionInfo> {
+        self.header.iter().flat_map(|header| header.sections.iter().map(SectionInfo::from)).collect()
+    }
+
+    /// Names and counts.
+    #[must_use]
+    pub fn meta(&self) -> Option<&Meta> {
+        self.meta.as_ref()
+    }
+
+    /// The sequences.
+    #[must_use]
+    pub fn timeline(&self) -> Option<&Timeline> {
+        self.timeline.as_ref()
+    }
+
+    /// The welded connectivity.
+    #[must_use]
+    pub fn topology(&self) -> Option<&Topology> {
+        self.topology.as_ref()
+    }
+
+    /// What is drawn. Its images have no bytes until they arrive: see [`Self::image`].
+    #[must_use]
+    pub fn surface(&self) -> Option<&Surface> {
+        self.surface.as_ref()
+    }
+
+    /// An image, once its bytes have arrived.
+    #[must_use]
+    pub fn image(&self, index: usize) -> Option<&Image> {
+        let arrived = self.image_arrived.get(index).copied().unwrap_or(false);
+        self.surface.as_ref()?.images.get(index).filter(|_| arrived)
+    }
+
+    /// Vertex positions in metres of the frame that is drawn first.
+    #[must_use]
+    pub fn first_pose(&self) -> Option<&[Vec3]> {
+        self.first_pose.as_deref()
+    }
+
+    /// The essential graph.
+    #[must_use]
+    pub fn graph(&self) -> Option<&EssentialGraph> {
+        self.graph.as_ref()
+    }
+
+    /// The fill-reducing elimination order of the vertices; `None` also where the bundle has none.
+    #[must_use]
+    pub fn order(&self) -> Option<&[u32]> {
+        self.order.as_deref()
+    }
+
+    /// The welded vertex of each vertex of the input files; `None` also where the bundle does not say.
+    #[must_use]
+    pub fn file_vertices(&self) -> Option<&[u32]> {
+        self.file_vertices.as_deref()
+    }
+
+    /// Where the actor is and which way it faces in every frame; `None` also where the bundle does not say. Then
+    /// [`actor::motion::MotionMeter`] measures it.
+    #[must_use]
+    pub fn motion(&self) -> Option<&Motion> {
+        self.motion.as_ref()
+    }
+
+    /// What the textures of all frames share; `None` also where the bundle has none.
+    #[must_use]
+    pub fn appearance(&self) -> Option<&Appearance> {
+        self.appearance_of(Textures::Aligned)
+    }
+
+    /// The same for the textures as they were captured, where the bundle has these models to compare with.
+    #[must_use]
+    pub fn appearance_of(&self, textures: Textures) -> Option<&Appearance> {
+        self.looks[textures as usize].appearance.as_ref()
+    }
+
+    /// Bytes of section `ordinal` of the modes, for a [`super::ModeDecoder`], once they have arrived.
+    #[must_use]
+    pub fn mode_bytes(&self, ordinal: u32) -> Option<&[u8]> {
+        self.mode_bytes_of(Textures::Aligned, ordinal)
+    }
+
+    /// As [`Self::mode_bytes`], of either models.
+    #[must_use]
+    pub fn mode_bytes_of(&self, textures: Textures, ordinal: u32) -> Option<&[u8]> {
+        self.looks[textures as usize].modes.get(ordinal as usize)?.as_deref()
+    }
+
+    /// Whether the positions of `frame` have arrived.
+    #[must_use]
+    pub fn frame_loaded(&self, frame: u32) -> bool {
+        self.locate(frame).is_some_and(|(chunk, _)| self.chunks[chunk].is_some())
+    }
+
+    fn take(&mut self, mut bytes: &[u8]) -> Result<(), BundleError> {
+        loop {
+            let skipped = self.to_skip.min(bytes.len() as u64);
+            self.to_skip -= skipped;
+            bytes = &bytes[skipped as usize..];
+            if self.to_skip > 0 {
+                return Ok(());
+            }
+            let wanted = self.wanted();
+            if self.is_complete() {
+                let rest =
+                    if bytes.is_empty() { Ok(()) } else { Err(BundleError::header("is followed by too many bytes")) };
+                return rest;
+            }
+            let taken = wanted.saturating_sub(self.arriving.len()).min(bytes.len());
+            let (now, later) = bytes.split_at(taken);
+            self.arriving.extend_from_slice(now);
+            bytes = later;
+            let Some(header) = &self.header else {
+                self.try_header()?;
+                if self.header.is_none() && bytes.is_empty() {
+                    return Ok(());
+                }
+                continue;
+            };
+            if self.arriving.len() < wanted {
+                return Ok(());
+            }
+            let entry = header.sections[self.complete];
+            let stored = std::mem::take(&mut self.arriving);
+            if let Some(kind) = entry.kind {
+                let raw = sections::open(&entry, stored)?;
+                self.accept(kind, &entry, raw)?;
+            }
+            self.next_section();
+        }
+    }
+
+    /// Bytes that `arriving` must hold before it can be read.
+    fn wanted(&self) -> usize {
+        match &self.header {
+            Some(header) => header.sections.get(self.complete).map_or(0, |entry| match entry.kind {
+                Some(_) => entry.stored as usize,
+                None => 0,
+            }),
+            None => match self.arriving.get(16..20).and_then(|bytes| bytes.first_chunk::<4>()) {
+                // The count has been checked before more than the fixed part is asked for.
+                Some(count) if self.arriving.len() >= FIXED_BYTES => {
+                    FIXED_BYTES + ENTRY_BYTES * u32::from_le_bytes(*count) as usize
+                }
+                _ => FIXED_BYTES,
+            },
+        }
+    }
+
+    fn try_header(&mut self) -> Result<(), BundleError> {
+        if let Some(header) = Header::parse(&self.arriving)? {
+            layout::check_order(&header)?;
+            self.arriving = Vec::new();
+            self.header = Some(header);
+            self.begin_section();
+        }
+        Ok(())
+    }
+
+    fn next_section(&mut self) {
+        self.complete += 1;
+        self.begin_section();
+    }
+
+    /// Sections of unknown kinds are passed over without being kept.
+    fn begin_section(&mut self) {
+        let entry = self.header.as_ref().and_then(|header| header.sections.get(self.complete));
+        if let Some(entry) = entry.filter(|entry| entry.kind.is_none()) {
+            self.to_skip = entry.stored;
+        }
+    }
+
+    fn accept(&mut self, kind: Kind, entry: &SectionEntry, raw: Vec<u8>) -> Result<(), BundleError> {
+        let wrong = |reason: &str| BundleError::Inconsistent {
+            kind: Some(kind),
+            ordinal: entry.ordinal,
+            reason: reason.into(),
+        };
+        if kind == Kind::Meta {
+            return self.accept_meta(&raw);
+        }
+        // The order of sections was checked with the header: what a section needs is there.
+        let (Some(meta), Some(timeline)) = (&self.meta, &self.timeline) else { return Err(wrong("came too early")) };
+        if kind == Kind::Surface {
+            let (topology, surface) = surface::decode(&raw, meta)?;
+            self.image_arrived = vec![false; surface.images.len()];
+            (self.topology, self.surface) = (Some(topology), Some(surface));
+            return Ok(());
+        }
+        if kind == Kind::Graph {
+            let graph = graph::decode(&raw, meta.transition_count, timeline)?;
+            self.graph = Some(graph.with_contacts(std::mem::take(&mut self.contacts)));
+            return Ok(());
+        }
+        if kind == Kind::Contacts {
+            let contacts = contacts::decode(&raw, timeline).map_err(wrong)?;
+            match self.graph.take() {
+                Some(graph) => self.graph = Some(graph.with_contacts(contacts)),
+                None => self.contacts = contacts,
+            }
+            return Ok(());
+        }
+        if kind == Kind::Motion {
+            self.motion = Some(motion::decode(&raw, timeline).map_err(wrong)?);
+            return Ok(());
+        }
+        let Some(topology) = &self.topology else { return Err(wrong("came too early")) };
+        let (ordinal, looks) = (entry.ordinal as usize, Textures::of(kind));
+        match kind {
+            Kind::Model => {
+                let model = Model::decode(&raw, topology, meta.group > 1).map_err(wrong)?;
+                self.decoder = Some(FrameDecoder::new(meta.group, meta.step));
+                self.model = Some(model);
+            }
+            Kind::Geometry => {
+                let frame_count = meta.chunks.get(ordinal).map_or(0, |chunk| chunk.frame_count);
+                let chunk = ChunkBytes::new(raw, frame_count).map_err(wrong)?;
+                *self.chunks.get_mut(ordinal).ok_or_else(|| wrong("is not declared"))? = Some(chunk);
+                self.accept_first_pose(ordinal).map_err(|_| wrong("does not hold its frames"))?;
+            }
+            Kind::Image => {
+                let image = self.surface.as_mut().and_then(|surface| surface.images.get_mut(ordinal));
+                image.ok_or_else(|| wrong("is not declared"))?.bytes = raw;
+                self.image_arrived[ordinal] = true;
+            }
+            Kind::Order => {
+                let order = integers::decode(&raw, meta.vertex_count, meta.vertex_count).map_err(wrong)?;
+                if !is_permutation(&order, topology.vertex_count()) {
+                    return Err(wrong("does not name every vertex once"));
+                }
+                self.order = Some(order);
+            }
+            Kind::FileVertices => {
+                self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
+            }
+            Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => {
+                let (coding, modes) = appearance::Coding::of(kind);
+                let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
+                let appearance =
+                    appearance::decode::head(&raw, coding, timeline.frame_count(), materials).map_err(wrong)?;
+                let count = self.header.as_ref().map_or(0, |header| layout::count(header, modes));
+                if count != appearance.section_count() as usize {
+                    return Err(wrong("declares another number of modes than there are"));
+                }
+                self.looks[looks as usize] = Looks { appearance: Some(appearance), modes: vec![None; count] };
+            }
+            Kind::EarlierMode | Kind::EarlierNaiveMode | Kind::AppearanceMode | Kind::NaiveMode => {
+                let mode = self.looks[looks as usize].modes.get_mut(ordinal);
+                *mode.ok_or_else(|| wrong("is not declared"))? = Some(raw);
+            }
+            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => {}
+        }
+        Ok(())
+    }
+
+    fn accept_meta(&mut self, raw: &[u8]) -> Result<(), BundleError> {
+        let (meta, timeline) = Meta::decode(raw)?;
+        if let Some(header) = &self.header {
+            layout::check_counts(header, &meta)?;
+        }
+        self.chunks = meta.chunks.iter().map(|_| None).collect();
+        (self.meta, self.timeline) = (Some(meta), Some(timeline));
+        Ok(())
+    }
+
+    fn accept_first_pose(&mut self, arrived: usize) -> Result<(), PoseError> {
+        let (Some(meta), Some(topology)) = (&self.meta, &self.topology) else { return Ok(()) };
+        let first = meta.first_frame;
+        if self.locate(first).is_some_and(|(chunk, _)| chunk == arrived) {
+            let mut pose = vec![Vec3::ZERO; topology.vertex_count()];
+            self.read(first, &mut pose)?;
+            self.first_pose = Some(pose);
+        }
+        Ok(())
+    }
+
+    /// The chunk that holds `frame`, and which of its frames that is.
+    fn locate(&self, frame: u32) -> Option<(usize, u32)> {
+        let chunks = &self.meta.as_ref()?.chunks;
+        let after = chunks.partition_point(|chunk| chunk.first_frame <= frame);
+        let chunk = chunks.get(after.checked_sub(1)?)?;
+        let local = frame - chunk.first_frame;
+        (local < chunk.frame_count).then_some((after - 1, local))
+    }
+}
+
+impl PoseSource for BundleReader {
+    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
+        if self.meta.is_none() {
+            return Err(PoseError::NotLoaded(frame));
+        }
+        let (index, local) = self.locate(frame).ok_or(PoseError::OutOfRange(frame))?;
+        let (Some(model), Some(decoder), Some(chunk)) = (&self.model, &mut self.decoder, &self.chunks[index]) else {
+            return Err(PoseError::NotLoaded(frame));
+        };
+        decoder.read(model, index, chunk, local, pose).map_err(|_| PoseError::Damaged(frame))
+    }
+}

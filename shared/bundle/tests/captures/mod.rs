@@ -1,0 +1,153 @@
+//! Captures that the bundle's tests and its benchmark share: made in code, and the real one.
+#![allow(dead_code, reason = "each test uses some of them")]
+
+use actor::capture::{Capture, Poses};
+use actor::contacts::{Contact, Contacts};
+use actor::graph::{EssentialGraph, Transition};
+use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
+use actor::timeline::{Sequence, Timeline};
+use actor::warp::{Move, Warp};
+use glam::{Quat, Vec2, Vec3};
+use kernels::align::Placement;
+use kernels::topology::{Topology, barycentric_areas};
+
+/// A cloth of `width` x `height` vertices that waves, walks and turns, with a second, free-floating piece beside it.
+pub fn cloth(width: u32, height: u32, frames_of_sequence: &[u32]) -> Capture {
+    let mut triangles = Vec::new();
+    for (columns, first) in [(width, 0), (3, width * height)] {
+        let rows = if first == 0 { height } else { 3 };
+        for y in 0..rows - 1 {
+            for x in 0..columns - 1 {
+                let a = first + y * columns + x;
+                triangles.extend([[a, a + columns, a + 1], [a + 1, a + columns, a + columns + 1]]);
+            }
+        }
+    }
+    let vertex_count = width * height + 9;
+    let frame_count: u32 = frames_of_sequence.iter().sum();
+    let mut poses = Poses::new(vertex_count as usize);
+    for frame in 0..frame_count {
+        poses.push(&cloth_pose(width, height, frame as f32));
+    }
+    let weights = barycentric_areas(&triangles, poses.frame(0));
+    let topology = Topology::new(vertex_count, triangles.clone(), weights).unwrap();
+    let surface = cloth_surface(&triangles, poses.frame(0));
+    let vertex_of_file_vertex = (0..vertex_count).rev().collect();
+    let timeline = timeline(frames_of_sequence);
+    Capture { name: "cloth".into(), topology, surface, timeline, poses, vertex_of_file_vertex }
+}
+
+fn cloth_pose(width: u32, height: u32, time: f32) -> Vec<Vec3> {
+    let turn = Quat::from_rotation_y(0.05 * time);
+    let walk = Vec3::new(0.03 * time, 0.0, 0.1 * (0.2 * time).sin());
+    let mut pose = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
+            let wave = 0.1 * v * (6.0 * u + 0.3 * time).sin();
+            pose.push(turn * Vec3::new(u - 0.5, 1.8 * (1.0 - v), wave) + walk);
+        }
+    }
+    let hop = Vec3::new(0.8, 0.5 + 0.3 * (0.4 * time).sin().abs(), 0.2);
+    pose.extend((0..9).map(|i| turn * (hop + 0.05 * Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)) + walk));
+    pose
+}
+
+/// Two parts with two materials, one image, colours, and a seam: the first vertex has two corners.
+fn cloth_surface(triangles: &[[u32; 3]], pose: &[Vec3]) -> Surface {
+    let corner = |vertex: usize| Corner {
+        vertex: vertex as u32,
+        uv: [pose[vertex].x + 0.5, 1.0 - pose[vertex].y / 1.8],
+        colour: [255, (vertex * 7 % 256) as u8, 128, 255],
+    };
+    let mut corners: Vec<Corner> = (0..pose.len()).map(corner).collect();
+    let mut drawn = triangles.to_vec();
+    let seam = Corner { uv: [0.25, 0.75], ..corners[drawn[1][0] as usize] };
+    drawn[1][0] = corners.len() as u32;
+    corners.push(seam);
+    let half = drawn.len() as u32 / 2;
+    let rest = drawn.len() as u32 - half;
+    let material = |name: &str, image| Material {
+        name: name.into(),
+        base_colour: [1.0, 0.5, 0.25, 1.0],
+        image,
+        double_sided: true,
+    };
+    Surface {
+        corners,
+        triangles: drawn,
+        parts: vec![
+            Part { material: 0, first_triangle: 0, triangle_count: half },
+            Part { material: 1, first_triangle: half, triangle_count: rest },
+        ],
+        materials: vec![material("cloth", Some(0)), material("patch", None)],
+        images: vec![Image { format: ImageFormat::Png, width: 2, height: 2, bytes: b"not really a picture".to_vec() }],
+    }
+}
+
+pub fn timeline(frames_of_sequence: &[u32]) -> Timeline {
+    let mut first_frame = 0;
+    let sequences = frames_of_sequence.iter().enumerate().map(|(index, &frame_count)| {
+        let sequence = Sequence {
+            name: format!("sequence {index}"),
+            labels: vec!["walk".into(); index % 2],
+            first_frame,
+            frame_count,
+            cyclic: index % 3 == 2,
+        };
+        first_frame += frame_count;
+        sequence
+    });
+    Timeline::new(25.0, sequences.collect()).unwrap()
+}
+
+/// Some transitions between any frames that have room for them.
+pub fn graph(timeline: &Timeline) -> EssentialGraph {
+    let n = timeline.frame_count();
+    let mut transitions = Vec::new();
+    for from in 0..n {
+        for to in (0..n).filter(|to| (from * 7 + to * 3) % 5 == 0) {
+            let moves = [Move::Both, Move::Source, Move::Both, Move::Destination, Move::Both];
+            let length = ((from + to) % 6) as usize;
+            let transition = Transition {
+                from,
+                to,
+                deformation: 0.1 + (from as f32 * 0.37).sin().abs() + to as f32 * 0.01,
+                warp: Warp::new(moves[..length].to_vec()),
+                placement: Placement {
+                    heading: (from as f32 * 0.3 - to as f32 * 0.2).sin(),
+                    translation: Vec2::new(from as f32 * 0.03, -(to as f32) * 0.01),
+                },
+            };
+            let (li, lj) = transition.warp.lengths();
+            let room = timeline.offset(from, li as i64 - 1).is_some() && timeline.offset(to, 1 - lj as i64).is_some();
+            if room {
+                transitions.push(transition);
+            }
+        }
+    }
+    EssentialGraph::new(0.01, transitions, timeline).unwrap().with_contacts(contacts(timeline))
+}
+
+/// Two parts that stand now and then and move on while they do not.
+pub fn contacts(timeline: &Timeline) -> Contacts {
+    let contact = |index: u32| {
+        let (frame, part) = ((index / 2) as f32, (index % 2) as f32);
+        Contact::rounded(Vec2::new(part - frame / 8.0, frame / 64.0), ((index % 5) as f32 - 1.0) / 3.0)
+    };
+    Contacts::new(2, (0..2 * timeline.frame_count()).map(contact).collect(), timeline).unwrap()
+}
+
+/// The real capture of MIT (Vlasic et al. 2008): crane and jumping, 325 frames of 10,002 vertices.
+pub fn crane_and_jumping() -> Capture {
+    let fixtures::Captured { topology, poses, timeline } = fixtures::crane_and_jumping(1);
+    let vertex_count = topology.vertex_count() as u32;
+    let triangles = topology.triangles().to_vec();
+    let corners = (0..vertex_count).map(|vertex| Corner { vertex, uv: [0.0; 2], colour: [255; 4] }).collect();
+    let part = Part { material: 0, first_triangle: 0, triangle_count: triangles.len() as u32 };
+    let material =
+        Material { name: "grey".into(), base_colour: [0.7, 0.7, 0.7, 1.0], image: None, double_sided: false };
+    let surface = Surface { corners, triangles, parts: vec![part], materials: vec![material], images: Vec::new() };
+    let vertex_of_file_vertex = (0..vertex_count).collect();
+    Capture { name: "crane and jumping".into(), topology, surface, timeline, poses, vertex_of_file_vertex }
+}

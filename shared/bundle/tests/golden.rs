@@ -1,0 +1,217 @@
+//! Old bundles stay readable, and the writer's bytes change only on purpose.
+//!
+//! `golden/v1.0.reprise` was written by version 1.0, and so on; the ones with `appearance` have that too. Never replace one: a
+//! change of the format adds a file.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
+mod captures;
+
+use actor::capture::{Capture, Poses};
+use actor::contacts::Contacts;
+use actor::motion::Motion;
+use actor::pose_source::PoseSource;
+use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
+use bundle::{
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_appearance, validate,
+};
+use captures::{contacts, graph, timeline};
+use glam::Vec3;
+use kernels::topology::Topology;
+use texture::AppearanceModel;
+
+const GOLDEN: &[u8] = include_bytes!("golden/v1.1.reprise");
+/// What earlier versions wrote.
+const GOLDEN_1_0: &[u8] = include_bytes!("golden/v1.0.reprise");
+const GOLDEN_WITH_CONTACTS: &[u8] = include_bytes!("golden/v1.2.reprise");
+const GOLDEN_WITH_EARLIER_APPEARANCE: &[u8] = include_bytes!("golden/v1.1-appearance.reprise");
+const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.3-appearance.reprise");
+
+/// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
+fn pyramid() -> Capture {
+    let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    let mut poses = Poses::new(5);
+    for frame in 0..14_i16 {
+        let corner = |x: i16, y: i16, z: i16| {
+            let lean = (frame % 5 - 2) * y;
+            Vec3::new(f32::from(x + 3 * frame + lean), f32::from(y), f32::from(z - frame * frame)) / 128.0
+        };
+        poses.push(&[corner(0, 0, 0), corner(50, 0, 0), corner(50, 0, 50), corner(0, 0, 50), corner(25, 90, 25)]);
+    }
+    let corner = |vertex: u32| Corner { vertex, uv: [(vertex % 2) as f32, (vertex / 4) as f32], colour: [255; 4] };
+    let image = Image { format: ImageFormat::WebP, width: 1, height: 1, bytes: vec![82, 73, 70, 70] };
+    let material =
+        Material { name: "stone".into(), base_colour: [0.5, 0.25, 0.125, 1.0], image: Some(0), double_sided: false };
+    let surface = Surface {
+        corners: (0..5).map(corner).collect(),
+        triangles: triangles.clone(),
+        parts: vec![Part { material: 0, first_triangle: 0, triangle_count: 4 }],
+        materials: vec![material],
+        images: vec![image],
+    };
+    let topology = Topology::new(5, triangles, vec![1.0, 1.0, 1.0, 1.0, 4.0]).unwrap();
+    let vertex_of_file_vertex = vec![4, 3, 2, 1, 0, 0];
+    Capture { name: "pyramid".into(), topology, surface, timeline: timeline(&[9, 5]), poses, vertex_of_file_vertex }
+}
+
+/// Two charts side by side, and modes of whole numbers.
+fn looks() -> AppearanceModel {
+    let active: Vec<bool> = (0..40 * 18).map(|at| at % 40 != 19).collect();
+    let count = active.iter().filter(|&&active| active).count();
+    let values = |channels: usize, factor: usize| -> Vec<f32> {
+        (0..count * channels).map(|at| ((at / 7 * factor) % 16) as f32 / 16.0).collect()
+    };
+    let modes = |channels: usize, count: usize| -> Vec<Vec<f32>> {
+        (0..count).map(|mode| values(channels, 3 + 2 * mode).iter().map(|value| value - 0.5).collect()).collect()
+    };
+    let coefficients = |count: usize| (0..14 * count).map(|at| ((at * 5) % 8) as f32 / 64.0 - 0.0625).collect();
+    AppearanceModel {
+        width: 40,
+        height: 18,
+        active,
+        mean_texture: values(3, 5),
+        textures: modes(3, 3),
+        mean_warp: values(2, 11),
+        warps: modes(2, 2),
+        texture_coefficients: coefficients(3),
+        warp_coefficients: coefficients(2),
+    }
+}
+
+fn check_writer(appearance: Option<&AppearanceInput>, contacts: Contacts, golden: &[u8]) {
+    let capture = pyramid();
+    let standing = contacts.parts() > 0;
+    let graph = graph_without_transcendentals(&capture).with_contacts(contacts);
+    let order = [4, 2, 0, 1, 3];
+    let generator = "reprise 0.1.0".into();
+    let poisson_order = Some(&order[..]);
+    let input =
+        BundleInput { capture: &capture, graph: &graph, first_frame: 10, max_error: 0.001, poisson_order, generator };
+    let (bytes, _) = encode_with_appearance(&input, appearance).unwrap();
+    if bytes != golden {
+        let path = format!("{}/written-{}-{standing}.reprise", env!("CARGO_TARGET_TMPDIR"), appearance.is_some());
+        std::fs::write(&path, &bytes).unwrap();
+        panic!(
+            "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside the old file"
+        );
+    }
+}
+
+#[test]
+fn the_writer_has_not_changed() {
+    check_writer(None, Contacts::default(), GOLDEN);
+}
+
+#[test]
+fn the_writer_of_contacts_has_not_changed() {
+    check_writer(None, contacts(&pyramid().timeline), GOLDEN_WITH_CONTACTS);
+}
+
+#[test]
+fn version_1_2_can_be_read() {
+    check_golden(GOLDEN_WITH_CONTACTS, contacts(&pyramid().timeline));
+}
+
+#[test]
+fn the_writer_of_appearance_has_not_changed() {
+    let model = looks();
+    let appearance = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
+    check_writer(Some(&appearance), Contacts::default(), GOLDEN_WITH_APPEARANCE);
+}
+
+#[test]
+fn version_1_1_can_be_read() {
+    assert_eq!(
+        looks_checksum(GOLDEN_WITH_EARLIER_APPEARANCE),
+        EARLIER_MODES_CHECKSUM,
+        "decoded modes are not the same"
+    );
+}
+
+#[test]
+fn version_1_3_can_be_read() {
+    assert_eq!(looks_checksum(GOLDEN_WITH_APPEARANCE), MODES_CHECKSUM, "decoded modes are not the same");
+}
+
+/// Of all decoded modes, coefficients and scales, bit for bit.
+fn looks_checksum(golden: &[u8]) -> u32 {
+    let reader = BundleReader::from_bytes(golden).unwrap();
+    assert_eq!(validate(golden), []);
+    let appearance = reader.appearance().unwrap();
+    assert_eq!((appearance.size, appearance.material), ([40, 18], 0));
+    let active: Vec<bool> = appearance.mask.full().flags.iter().map(|flags| flags & 1 == 1).collect();
+    assert_eq!(active, looks().active);
+    let (mut hasher, mut decoder) = (crc32fast::Hasher::new(), ModeDecoder::default());
+    for ordinal in 0..appearance.section_count() {
+        let (layer, _) = appearance.place(ordinal).unwrap();
+        let bytes = reader.mode_bytes(ordinal).unwrap();
+        let mode = decoder.advance(bytes, appearance, layer, usize::MAX).unwrap().unwrap();
+        hasher.update(bytemuck::cast_slice(&mode.offsets));
+        hasher.update(bytemuck::cast_slice(&mode.entries));
+    }
+    for layer in &appearance.layers {
+        hasher.update(bytemuck::cast_slice(&layer.coefficients));
+    }
+    // Versions before 1.3 have the same steps everywhere.
+    for layer in appearance.layers.iter().filter(|layer| layer.scales.iter().any(|&scale| scale != 1.0)) {
+        hasher.update(bytemuck::cast_slice(&layer.scales));
+    }
+    hasher.finalize()
+}
+
+/// CRC-32 of all decoded modes, coefficients and scales.
+const EARLIER_MODES_CHECKSUM: u32 = 1_235_211_428;
+const MODES_CHECKSUM: u32 = 3_815_803_761;
+
+/// The common graph with costs and placements that are whole numbers over powers of two.
+fn graph_without_transcendentals(capture: &Capture) -> actor::graph::EssentialGraph {
+    let mut transitions = graph(&capture.timeline).transitions().to_vec();
+    for transition in &mut transitions {
+        let (from, to) = (transition.from as f32, transition.to as f32);
+        transition.deformation = (from + 2.0 * to + 1.0) / 16.0;
+        transition.placement.heading = (from - to) / 8.0;
+        transition.placement.translation = glam::Vec2::new(from, -to) / 4.0;
+    }
+    actor::graph::EssentialGraph::new(0.015625, transitions, &capture.timeline).unwrap()
+}
+
+#[test]
+fn all_versions_can_be_read() {
+    for golden in [GOLDEN_1_0, GOLDEN] {
+        check_golden(golden, Contacts::default());
+    }
+    assert_eq!(BundleReader::from_bytes(GOLDEN_1_0).unwrap().motion(), None);
+    let capture = pyramid();
+    let stored = BundleReader::from_bytes(GOLDEN).unwrap().motion().unwrap().clone();
+    let measured = Motion::measure(&capture.timeline, capture.topology.weights(), &mut capture.poses.clone()).unwrap();
+    for (a, b) in stored.centres.iter().zip(&measured.centres) {
+        assert!(a.distance(*b) < 1e-4);
+    }
+    assert!(stored.fits(&capture.timeline));
+}
+
+fn check_golden(golden: &[u8], contacts: Contacts) {
+    let capture = pyramid();
+    let mut reader = BundleReader::from_bytes(golden).unwrap();
+    assert_eq!(validate(golden), []);
+    assert_eq!(reader.meta().unwrap().generator, "reprise 0.1.0");
+    assert_eq!(reader.timeline(), Some(&capture.timeline));
+    assert_eq!(reader.surface(), Some(&capture.surface));
+    assert_eq!(reader.topology().unwrap().triangles(), capture.topology.triangles());
+    assert_eq!(reader.graph(), Some(&graph_without_transcendentals(&capture).with_contacts(contacts)));
+    assert_eq!(reader.order(), Some(&[4, 2, 0, 1, 3][..]));
+    assert_eq!(reader.file_vertices(), Some(&[4, 3, 2, 1, 0, 0][..]));
+    let mut pose = [Vec3::ZERO; 5];
+    let mut hasher = crc32fast::Hasher::new();
+    for frame in 0..14 {
+        reader.read(frame, &mut pose).unwrap();
+        for (read, written) in pose.iter().zip(capture.poses.frame(frame)) {
+            assert!(read.distance(*written) <= 0.001);
+        }
+        hasher.update(bytemuck::cast_slice(&pose));
+    }
+    assert_eq!(hasher.finalize(), POSITIONS_CHECKSUM, "decoded positions are not the same bit for bit");
+}
+
+/// CRC-32 of all decoded positions.
+const POSITIONS_CHECKSUM: u32 = 1_799_306_145;

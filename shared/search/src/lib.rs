@@ -1,0 +1,60 @@
+//! Search: walks through the essential graph that do what is asked.
+//!
+//! ```text
+//! graph, timeline -> cheapest_walk            (a pose)
+//! graph, timeline, Motion -> Ways -> Search   (paths, key poses, places, behaviours, wandering, queues of them)
+//! ```
+//!
+//! [`Direction`] is the whole of it behind one call: a [`Request`], checked, is worked on in slices and can be asked for its
+//! best [`Answer`] at any time. The searches below it can be used by themselves. `docs/directing.md` describes requests
+//! and answers as JSON.
+//!
+//! This work is based on: Boukhayma and Boyer, TVCG section 4.3; Boukhayma, thesis (2017), section 3.5; Prada and others
+//! (2016), section 7. Where they search depth-first, the tool searches by layers that grow ([`Anytime`]); [`depth_first`] is
+//! the oracle.
+
+mod answer;
+mod anytime;
+mod behaviour;
+mod components;
+mod curve;
+mod depth_first;
+mod detour;
+mod direct;
+mod key_plan;
+mod keys;
+mod meter;
+mod notes;
+mod path;
+mod place;
+mod queue;
+mod random;
+mod request;
+mod shortest;
+mod spot;
+mod task;
+mod wander;
+mod ways;
+mod work;
+
+pub use answer::{Answer, Goal, KeyRow, Part};
+pub use anytime::{Anytime, Progress};
+pub use behaviour::{Hold, LoopSearch, holding_loop, walk_to_any, walk_to_behaviour};
+pub use components::{Components, components, components_of, reached, reaching};
+pub use curve::{Curve, Shape};
+pub use depth_first::{Exhausted, depth_first};
+pub use direct::{DEFAULT_EFFORT, Direction, Scene, Start};
+pub use keys::{KeyLeg, LegEnd};
+pub use meter::edges_looked_at;
+pub use path::{Demand, PathReport, PathTask};
+pub use place::{PlaceReport, PlaceTask};
+pub use random::{Chain, Optimiser};
+pub use request::{
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
+    RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+};
+pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};
+pub use spot::Spot;
+pub use task::{Found, LEAST_STEP_COST, Outlook, State, Task};
+pub use wander::Wander;
+pub use ways::{SAMPLE_STRIDE, Sample, Survey, Way, Ways};

@@ -1,0 +1,195 @@
+//! The ways through the essential graph over the ground: for every edge where it leads, how long it takes and how the
+//! actor travels along it. Made once for a graph; all searches read it.
+
+mod survey;
+
+pub use survey::Survey;
+
+use glam::{Vec2, Vec3};
+
+use super::spot::Spot;
+use actor::graph::EssentialGraph;
+use actor::motion::Motion;
+use actor::pose_source::PoseError;
+use actor::timeline::Timeline;
+
+/// Frames between two samples of a transition: the path's error is taken at every fourth frame of it.
+pub const SAMPLE_STRIDE: u32 = 4;
+
+/// A place on the way along an edge, as seen from the frame that it leaves, standing as it was recorded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Where the followed point is, in metres.
+    pub point: Vec3,
+    /// Metres travelled on the ground since the sample before.
+    pub on_ground: f32,
+    /// Metres travelled in space since the sample before.
+    pub in_space: f32,
+    /// Steps since the sample before, at most [`SAMPLE_STRIDE`].
+    pub steps: u32,
+    /// The recorded frame that this part looks like most: whose behaviour it shows.
+    pub looks_like: u32,
+}
+
+/// An edge of the graph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// The frame that it leads to.
+    pub to: u32,
+    /// Steps that it takes.
+    pub steps: u32,
+    /// Its cost E = D + alpha L.
+    pub cost: f64,
+    /// D; 0 for a recorded step.
+    pub deformation: f64,
+    /// L: nodes of a transition; 1 for a recorded step.
+    pub nodes: u32,
+    /// Where `to` stands once the frame left stands as it was recorded.
+    pub spot: Spot,
+    /// The transition; `None` for a recorded step.
+    pub transition: Option<u32>,
+    /// How much it resembles a cheaper one from the same frame: 0 where none arrives within 16 frames of it, 1 within 8, 2
+    /// within 4, 3 within 2. The first passes of a search take the lower ranks only.
+    pub rank: u32,
+}
+
+/// All edges of a graph with their motion over the ground.
+#[derive(Clone, Debug)]
+pub struct Ways {
+    /// Frames per second.
+    pub fps: f64,
+    /// Cost of a recorded step.
+    pub alpha: f64,
+    /// The followed point of each frame as it was recorded: the centre of mass, or a group of vertices.
+    pub points: Vec<Vec3>,
+    /// The vertices whose mean is followed; empty where it is the centre of mass.
+    pub group: Vec<u32>,
+    /// Which way the body faces in each frame as it was recorded.
+    pub facings: Vec<f32>,
+    /// The same as unit vectors along (X, Z).
+    faces: Vec<Vec2>,
+    /// Whether each frame is in the main component.
+    pub main: Vec<bool>,
+    /// Whether each frame leads into the main component; ways to other frames are left out.
+    pub live: Vec<bool>,
+    /// The largest distance in metres that the followed point moves in a step, in space.
+    pub best_speed: f64,
+    /// The largest turn in radians that the body makes in a step.
+    pub best_turn: f64,
+    /// Metres travelled on the ground and in space from the sequence's first frame to each.
+    travelled: Vec<[f32; 2]>,
+    sequence_of_frame: Vec<u32>,
+    behaviours: Vec<Behaviour>,
+    ways: Vec<Way>,
+    first_way: Vec<u32>,
+    samples: Vec<Sample>,
+    first_sample: Vec<u32>,
+}
+
+/// A behaviour by name and the sequences that show it.
+#[derive(Clone, Debug, PartialEq)]
+struct Behaviour {
+    name: String,
+    shown_by: Vec<bool>,
+}
+
+impl Ways {
+    /// The ways of the centre of mass.
+    ///
+    /// # Errors
+    /// Motion that does not fit the timeline, or a graph over other frames.
+    pub fn new(graph: &EssentialGraph, timeline: &Timeline, motion: &Motion) -> Result<Self, PoseError> {
+        let mut survey = Survey::new(graph, timeline, motion, None)?;
+        while !survey.advance(graph, timeline, motion, usize::MAX)? {}
+        Ok(survey.finish())
+    }
+
+    /// Number of frames.
+    #[must_use]
+    pub fn frame_count(&self) -> u32 {
+        self.points.len() as u32
+    }
+
+    /// Indices of the ways that leave `frame`, for [`Self::way`]; none for a frame that does not exist.
+    #[must_use]
+    pub fn from(&self, frame: u32) -> std::ops::Range<u32> {
+        match self.first_way.get(frame as usize..).and_then(|rest| rest.get(..2)) {
+            Some(&[start, end]) => start..end,
+            _ => 0..0,
+        }
+    }
+
+    /// The way with this index, which must exist.
+    #[must_use]
+    pub fn way(&self, index: u32) -> &Way {
+        &self.ways[index as usize]
+    }
+
+    /// The samples along a way, which must exist; the last one is at its end.
+    #[must_use]
+    pub fn samples(&self, index: u32) -> &[Sample] {
+        let index = index as usize;
+        &self.samples[self.first_sample[index] as usize..self.first_sample[index + 1] as usize]
+    }
+
+    /// Names of the behaviours: the labels, then the sequences whose name is no label.
+    pub fn behaviours(&self) -> impl Iterator<Item = &str> {
+        self.behaviours.iter().map(|behaviour| behaviour.name.as_str())
+    }
+
+    /// The number of the behaviour with this name: a label, or a sequence's name.
+    #[must_use]
+    pub fn behaviour(&self, name: &str) -> Option<usize> {
+        self.behaviours.iter().position(|behaviour| behaviour.name == name)
+    }
+
+    /// Whether `frame` shows a behaviour.
+    #[must_use]
+    pub fn shows(&self, behaviour: usize, frame: u32) -> bool {
+        let (Some(behaviour), Some(&sequence)) =
+            (self.behaviours.get(behaviour), self.sequence_of_frame.get(frame as usize))
+        else {
+            return false;
+        };
+        behaviour.shown_by[sequence as usize]
+    }
+
+    /// Where the followed point of `frame`, standing at `spot`, will be in `steps` if the recording goes on, and how far it
+    /// will have travelled: on the ground and in space. `None` where the recording ends before. The frame must exist.
+    #[must_use]
+    pub fn ahead(&self, frame: u32, spot: Spot, steps: u32) -> Option<(Vec3, [f32; 2])> {
+        let ahead = frame as usize + steps as usize;
+        if *self.sequence_of_frame.get(ahead)? != self.sequence_of_frame[frame as usize] {
+            return None;
+        }
+        let (before, after) = (self.travelled[frame as usize], self.travelled[ahead]);
+        Some((spot.apply(self.points[ahead]), [after[0] - before[0], after[1] - before[1]]))
+    }
+
+    /// Which way the body faces in `frame`, standing at `spot`: a unit vector along (X, Z). The frame must exist.
+    #[must_use]
+    pub fn face_at(&self, frame: u32, spot: Spot) -> Vec2 {
+        spot.rotate(self.faces[frame as usize])
+    }
+
+    /// The frame of the main component that is nearest to `frame` in its sequence: where the actor can get to. The first
+    /// frames of a sequence have no room for a transition that arrives.
+    #[must_use]
+    pub fn substitute(&self, frame: u32) -> Option<u32> {
+        let sequence = *self.sequence_of_frame.get(frame as usize)?;
+        let same = |other: &u32| self.sequence_of_frame[*other as usize] == sequence && self.main[*other as usize];
+        (0..self.frame_count()).filter(same).min_by_key(|other| other.abs_diff(frame))
+    }
+
+    /// Index of the sequence of `frame`, which must exist.
+    #[must_use]
+    pub fn sequence(&self, frame: u32) -> usize {
+        self.sequence_of_frame[frame as usize] as usize
+    }
+
+    /// Where the followed point of `frame` is, standing at `spot`; the frame must exist.
+    #[must_use]
+    pub fn point_at(&self, frame: u32, spot: Spot) -> Vec3 {
+        spot.apply(self.points[frame as usize])
+    }
+}

@@ -1,0 +1,461 @@
+//! Searches against their oracles on small graphs, bounds that must not lie, walks that must be in the graph.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
+mod common;
+
+use actor::walk::steps_of;
+use common::{random_scene, small_scene};
+use fixtures::Random;
+use glam::{Vec2, Vec3};
+use kernels::align::Placement;
+use proptest::prelude::*;
+use search::{
+    Anytime, Chain, Curve, Demand, Direction, Found, Goal, KeyLeg, LegEnd, Measure, Optimiser, PathRequest, PathTask,
+    PlaceRequest, PlaceTask, Progress, Request, Shape, Spot, Start, State, Target, Task, WanderRequest, Ways,
+    cheapest_walk, components, depth_first, edges_looked_at, holding_loop, to_targets, walk_down,
+};
+
+/// Runs a search to its end.
+fn finish(task: &impl Task, ways: &Ways) -> (Anytime, Progress) {
+    let mut search = Anytime::new(task, ways);
+    for _ in 0..100_000 {
+        if search.advance(task, ways, 1000) != Progress::Running {
+            break;
+        }
+    }
+    let progress = search.progress();
+    (search, progress)
+}
+
+fn path_task(ways: &Ways, random: &mut Random, length: f32) -> PathTask {
+    let bend = random.range(-0.5, 0.5);
+    let points = [Vec3::ZERO, Vec3::new(bend, 0.0, length / 2.0), Vec3::new(0.0, 0.0, length)];
+    let shape = if random.below(2) == 0 { Shape::Polyline } else { Shape::Spline };
+    let curve = Curve::new(&points, shape, true, None);
+    let demands = match random.below(2) {
+        0 => Vec::new(),
+        _ => vec![Demand { from: 0.2 * curve.length(), to: 0.6 * curve.length(), behaviour: random.below(2) }],
+    };
+    let start = PathTask::start_on(ways, &curve, 0).unwrap();
+    PathTask::new(ways, curve, demands, vec![start], 0.03)
+}
+
+#[test]
+fn the_tool_finds_what_the_exhaustive_oracle_finds() {
+    let mut proven = 0;
+    for seed in 0..12 {
+        let mut random = Random::new(seed);
+        let scene = small_scene(seed);
+        let task = path_task(&scene.ways, &mut random, 0.5);
+        let oracle = depth_first(&task, &scene.ways, 3_000_000);
+        let (search, progress) = finish(&task, &scene.ways);
+        let (found, best) = (search.best().unwrap(), oracle.found.unwrap());
+        check_found(&task, &scene, found);
+        check_found(&task, &scene, &best);
+        if oracle.complete && progress == Progress::Proven {
+            assert!((found.cost - best.cost).abs() < 1e-9, "seed {seed}: {} against {}", found.cost, best.cost);
+            proven += 1;
+        }
+        assert!(found.cost <= best.cost * 1.05 || !oracle.complete, "seed {seed}");
+    }
+    assert!(proven >= 6, "only {proven} of 12 searches were finished by both");
+}
+
+#[test]
+fn places_are_found_as_the_oracle_finds_them() {
+    let mut proven = 0;
+    for seed in 0..8 {
+        let mut random = Random::new(100 + seed);
+        let scene = small_scene(seed);
+        let place = Vec2::new(random.range(-0.3, 0.3), random.range(0.1, 0.6));
+        let heading = (random.below(2) == 0).then(|| random.range(-1.0, 1.0));
+        let mut task = PlaceTask::new(&scene.ways, State::start(0, Spot::IDENTITY), place, heading, 0.03);
+        task.most_steps = 18;
+        let oracle = depth_first(&task, &scene.ways, 3_000_000);
+        let (search, progress) = finish(&task, &scene.ways);
+        if oracle.complete && progress == Progress::Proven {
+            let (found, best) = (search.best().unwrap(), oracle.found.unwrap());
+            assert!((found.cost - best.cost).abs() < 1e-9, "seed {seed}: {} against {}", found.cost, best.cost);
+            proven += 1;
+        }
+    }
+    assert!(proven >= 4, "only {proven} of 8 searches were finished by both");
+}
+
+/// A walk that was found is in the graph, costs what the task says, and ends where it says.
+fn check_found(task: &impl Task, scene: &random_scene::Made, found: &Found) {
+    let walk = found.walk(&scene.ways);
+    assert_eq!(walk.check(&scene.graph, &scene.timeline, found.start.frame), Ok(found.end.frame));
+    let end = *found.states(task, &scene.ways).last().unwrap();
+    assert_eq!(end, found.end);
+    assert_eq!(walk.steps(&scene.graph), end.steps);
+    let ending = task.ending(&scene.ways, &end).unwrap();
+    assert!((end.cost + ending - found.cost).abs() < 1e-9);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// The bound never exceeds what any walk from there on really adds.
+    #[test]
+    fn bounds_are_admissible(seed in 0_u64..1000, length in 0.3_f32..3.0) {
+        let mut random = Random::new(seed);
+        let scene = small_scene(seed % 16);
+        let path = path_task(&scene.ways, &mut random, length);
+        check_bounds(&path, &scene.ways, &mut random);
+        let place = Vec2::new(random.range(-2.0, 2.0), random.range(-2.0, 2.0));
+        let heading = (random.below(2) == 0).then(|| random.range(-3.0, 3.0));
+        let place = PlaceTask::new(&scene.ways, State::start(0, Spot::IDENTITY), place, heading, 0.03);
+        check_bounds(&place, &scene.ways, &mut random);
+    }
+
+    #[test]
+    fn requests_survive_any_text(text in "\\PC*") {
+        let _ = Request::from_json(&text);
+    }
+
+    /// Whatever numbers a request holds, it is refused or ends with a walk through the graph.
+    #[test]
+    fn hostile_numbers_end(points in prop::collection::vec((any::<f32>(), any::<f32>()), 0..6), seed in any::<u64>(), small in any::<bool>()) {
+        let scene = small_scene(seed % 16);
+        let scale = |v: f32| if small && v.is_finite() { v % 3.0 } else { v };
+        let points = points.iter().map(|&(x, z)| vec![scale(x), scale(z)]).collect();
+        let request = Request::new(Target::Path(PathRequest { points, free_start: seed % 2 == 0, ..PathRequest::default() }));
+        if let Ok(mut direction) = Direction::new(&scene.borrowed(), None, &request, 300) {
+            while direction.advance(&scene.borrowed(), 100).unwrap() == Progress::Running {}
+            let answer = direction.best(&scene.borrowed());
+            prop_assert_eq!(answer.walk.check(&scene.graph, &scene.timeline, answer.start_frame), Ok(answer.end_frame));
+        }
+    }
+}
+
+fn check_bounds(task: &impl Task, ways: &Ways, random: &mut Random) {
+    for start in task.starts(ways) {
+        let mut states = vec![start];
+        while let Some(last) = states.last().copied().filter(|last| !task.halts(ways, last) && states.len() < 300) {
+            let from = ways.from(last.frame);
+            if from.is_empty() {
+                break;
+            }
+            let way = from.start + random.below(from.len()) as u32;
+            states.push(task.follow(ways, &last, way).unwrap());
+        }
+        let costs: Vec<f64> =
+            states.iter().map(|state| task.ending(ways, state).map_or(f64::INFINITY, |e| state.cost + e)).collect();
+        let mut least = f64::INFINITY;
+        for (state, cost) in states.iter().zip(costs).rev() {
+            least = least.min(cost);
+            let bound = state.cost + task.remaining(ways, state);
+            assert!(bound <= least * (1.0 + 1e-6) + 1e-6, "{bound} promised, {least} possible");
+        }
+    }
+}
+
+#[test]
+fn tables_agree_with_walks() {
+    for seed in 0..10 {
+        let scene = random_scene::make(seed, &[14, 9, 11], 30);
+        let to = (seed * 7 % 34) as u32;
+        let table = to_targets(&scene.graph, &scene.timeline, &[to], Measure::Cost);
+        let steps = to_targets(&scene.graph, &scene.timeline, &[to], Measure::Steps);
+        for from in 0..34 {
+            let walk = cheapest_walk(&scene.graph, &scene.timeline, from, to);
+            assert_eq!(walk.is_some(), table[from as usize].is_finite());
+            let down = walk_down(&scene.graph, &scene.timeline, &table, from);
+            assert_eq!(walk.is_some(), down.is_some());
+            if let (Some(walk), Some(down)) = (walk, down) {
+                assert!((walk.cost - table[from as usize]).abs() < 1e-9);
+                assert!((walk.cost - down.cost).abs() < 1e-9);
+                assert_eq!(down.check(&scene.graph, &scene.timeline, from), Ok(to));
+                assert!(f64::from(walk.steps(&scene.graph)) >= steps[from as usize]);
+            }
+        }
+    }
+}
+
+/// Least price of any walk from `from` to `to`, by brute force over (frame, steps).
+fn brute_price(scene: &random_scene::Made, from: u32, to: u32, wanted: u32, most: u32) -> f64 {
+    let n = scene.timeline.frame_count() as usize;
+    let mut cost = vec![vec![f64::INFINITY; n]; most as usize + 1];
+    cost[0][from as usize] = 0.0;
+    for step in 0..=most {
+        for frame in 0..n as u32 {
+            let here = cost[step as usize][frame as usize];
+            let recorded = scene.timeline.next(frame).map(|next| (next, 1, scene.graph.alpha()));
+            let synthetic = scene.graph.transitions().iter().filter(|t| t.from == frame);
+            let synthetic = synthetic.map(|t| (t.to, steps_of(t), t.cost(scene.graph.alpha())));
+            for (next, steps, more) in recorded.into_iter().chain(synthetic) {
+                if step + steps <= most {
+                    let cell = &mut cost[(step + steps) as usize][next as usize];
+                    *cell = cell.min(here + more);
+                }
+            }
+        }
+    }
+    let price = |step: u32| cost[step as usize][to as usize] + 0.5 * f64::from(step.abs_diff(wanted));
+    (0..=most).map(price).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn key_legs_are_the_best_of_all() {
+    for seed in 0..20 {
+        let scene = random_scene::make(seed, &[14, 9, 11], 30);
+        let mut random = Random::new(seed);
+        let (from, to, wanted) = (random.below(34) as u32, random.below(34) as u32, random.below(40) as u32);
+        let mut leg = KeyLeg::new(&scene.graph, &scene.timeline, from, to, wanted);
+        while !leg.advance(&scene.graph, &scene.timeline, 17) {}
+        let brute = brute_price(&scene, from, to, wanted, wanted + 25);
+        match leg.finish(&scene.graph, &scene.timeline) {
+            LegEnd::Walk(walk, steps) => {
+                assert_eq!(walk.check(&scene.graph, &scene.timeline, from), Ok(to));
+                assert_eq!(walk.steps(&scene.graph), steps);
+                let price = walk.cost + 0.5 * f64::from(steps.abs_diff(wanted));
+                if brute.is_finite() {
+                    assert!((price - brute).abs() < 1e-3, "seed {seed}: {price} against {brute}");
+                }
+            }
+            LegEnd::NoWay => assert!(cheapest_walk(&scene.graph, &scene.timeline, from, to).is_none()),
+        }
+    }
+}
+
+#[test]
+fn slices_do_not_change_the_answer() {
+    let scene = random_scene::make(3, &[40, 30, 20], 120);
+    let target = |json: &str| Request::from_json(json).unwrap();
+    let json = r#"{"version":1,"seed":5,"target":{"queue":[
+        {"path":{"points":[[0,0],[0,1],[1,1.5]],"shape":"spline"}},
+        {"behaviour":{"name":"a","hold":2.0}},
+        {"keys":{"poses":[{"pose":3,"time":1.0},{"pose":{"sequence":"s1","frame":4},"time":2.5}]}},
+        {"place":{"x":1.0,"z":-0.5,"heading":0.5}},
+        {"wander":{"seconds":5.0,"weights":{"b":2.0}}},
+        {"pose":{"sequence":"s2","time":0.2}}]}}"#;
+    let start = Some(Start { frame: 2, placement: Placement::IDENTITY });
+    let mut answers = Vec::new();
+    for slice in [1, 37, 5000] {
+        let mut direction = Direction::new(&scene.borrowed(), start, &target(json), 2000).unwrap();
+        while direction.advance(&scene.borrowed(), slice).unwrap() == Progress::Running {
+            let answer = direction.best(&scene.borrowed());
+            assert_eq!(answer.walk.check(&scene.graph, &scene.timeline, 2), Ok(answer.end_frame));
+        }
+        answers.push(direction.best(&scene.borrowed()));
+    }
+    assert_eq!(answers[0].parts.len(), 6);
+    assert_eq!(answers[0].walk.check(&scene.graph, &scene.timeline, 2), Ok(answers[0].end_frame));
+    for other in &answers[1..] {
+        assert_eq!(other.walk, answers[0].walk);
+    }
+    let steps: u32 = answers[0].parts.iter().map(|part| part.steps).sum();
+    assert_eq!(steps, answers[0].steps);
+}
+
+#[test]
+fn wandering_is_close_to_uniform_and_never_stuck() {
+    let scene = random_scene::make(9, &[60, 50, 40], 90);
+    let request =
+        Request { seed: 4, ..Request::new(Target::Wander(WanderRequest { seconds: 400.0, ..Default::default() })) };
+    let mut direction = Direction::new(&scene.borrowed(), None, &request, 100_000).unwrap();
+    while direction.advance(&scene.borrowed(), 1000).unwrap() == Progress::Running {}
+    let answer = direction.best(&scene.borrowed());
+    assert!(answer.steps >= 400 * 25);
+    assert_eq!(answer.walk.check(&scene.graph, &scene.timeline, answer.start_frame), Ok(answer.end_frame));
+    let Goal::Wander { objectives: [even, _, now], frames } = answer.parts[0].goal else { panic!("no wander") };
+    assert!(now < even && frames > 1, "{now} against {even}");
+    let again = direction.best(&scene.borrowed());
+    assert_eq!(again.walk, answer.walk);
+}
+
+#[test]
+fn the_optimiser_makes_distributions_even() {
+    let mut random = Random::new(1);
+    let states = 40_u32;
+    let mut edges: Vec<(u32, u32)> = (0..states).map(|state| (state, (state + 1) % states)).collect();
+    edges.extend((0..60).map(|_| (random.below(40) as u32, random.below(40) as u32)));
+    edges.sort_unstable();
+    edges.dedup();
+    let chain = Chain::even(states, &edges).unwrap();
+    let uniform = vec![1.0 / f64::from(states); states as usize];
+    let off = |distribution: &[f64]| distribution.iter().zip(&uniform).map(|(a, b)| (a - b).abs()).sum::<f64>();
+    let before = off(&chain.stationary(&uniform));
+    let mut optimiser = Optimiser::new(chain, &uniform);
+    while !optimiser.advance(10) {}
+    let stationary = optimiser.stationary();
+    // It is stationary, by definition and by simulation, and nearer to the uniform one.
+    let moved = optimiser.chain().step(stationary);
+    assert!(moved.iter().zip(stationary).all(|(a, b)| (a - b).abs() < 1e-7));
+    assert!(off(stationary) < before, "{} against {before}", off(stationary));
+    let [even, proxy, now] = optimiser.objectives();
+    assert!(now <= proxy && now < even, "{now} {proxy} {even}");
+    for state in 0..states as usize {
+        let sum: f64 = optimiser.chain().edges(state).map(|edge| edge.2).sum();
+        assert!((sum - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn loops_close_inside_their_behaviour() {
+    for seed in 0..8 {
+        let scene = random_scene::make(seed, &[40, 30, 20], 150);
+        for behaviour in 0..2 {
+            let Some(hold) = holding_loop(&scene.graph, &scene.timeline, &scene.ways, behaviour) else { continue };
+            assert_eq!(hold.walk.check(&scene.graph, &scene.timeline, hold.frame), Ok(hold.frame));
+            for entry in hold.entries(&scene.timeline) {
+                assert!(scene.ways.shows(behaviour, entry));
+                let turned = hold.entered_at(&scene.timeline, entry);
+                assert_eq!(turned.walk.check(&scene.graph, &scene.timeline, entry), Ok(entry));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_actor_never_gets_stuck() {
+    for seed in 0..10 {
+        let scene = random_scene::make(seed, &[14, 9, 11], 30);
+        let found = components(&scene.graph, &scene.timeline);
+        for frame in 0..34_u32 {
+            let reaches = |to: u32| frame == to || cheapest_walk(&scene.graph, &scene.timeline, frame, to).is_some();
+            if let Some(inside) =
+                found.main.iter().position(|&main| main).filter(|_| found.main.iter().filter(|&&m| m).count() > 1)
+            {
+                assert_eq!(found.live[frame as usize], reaches(inside as u32));
+            }
+            for way in scene.ways.from(frame) {
+                assert!(found.live[scene.ways.way(way).to as usize]);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_a_sentence() {
+    let scene = random_scene::make(1, &[14, 9], 20);
+    let refuse = |json: &str, word: &str| {
+        let error = Request::from_json(json)
+            .and_then(|request| Direction::new(&scene.borrowed(), None, &request, 100).map(|_| ()))
+            .unwrap_err();
+        assert!(error.to_string().contains(word), "{error} does not say {word}");
+    };
+    refuse("", "not a request");
+    refuse("[1,2", "not a request");
+    refuse(r#"{"version":2,"target":{"fly":true}}"#, "version 2");
+    refuse(r#"{"version":1,"target":{"pose":99}}"#, "no frame 99");
+    refuse(r#"{"version":1,"target":{"pose":{"sequence":"none"}}}"#, "none");
+    refuse(r#"{"version":1,"target":{"behaviour":{"name":"fly"}}}"#, "there are: a, b");
+    refuse(r#"{"version":1,"target":{"path":{"points":[]}}}"#, "nothing in it");
+    refuse(r#"{"version":1,"target":{"path":{"points":[[1,1],[1,1]]}}}"#, "no length");
+    refuse(r#"{"version":1,"target":{"path":{"points":[[1,1],[1,1,2]]}}}"#, "coordinates");
+    refuse(r#"{"version":1,"target":{"path":{"points":[[1,1],[1e9,1]]}}}"#, "number from");
+    refuse(r#"{"version":1,"target":{"path":{"points":[[1,1],[2,1]],"vertices":[3]}}}"#, "measured");
+    refuse(r#"{"version":1,"target":{"path":{"points":[[1,1],[2,1]],"speed":3}}}"#, "speed");
+    refuse(r#"{"version":1,"target":{"keys":{"poses":[]}}}"#, "nothing in it");
+    refuse(r#"{"version":1,"target":{"keys":{"poses":[{"pose":1,"time":-1}]}}}"#, "number from");
+    refuse(r#"{"version":1,"target":{"wander":{"seconds":1e300}}}"#, "number from");
+    refuse(r#"{"version":1,"target":{"queue":[{"queue":[]}]}}"#, "queue");
+    refuse(&format!(r#"{{"version":1,"target":{{"queue":[{}]}}}}"#, vec![r#"{"pose":1}"#; 300].join(",")), "at most");
+    refuse(&" ".repeat(2 << 20), "bytes");
+    let deep = format!("{}{}", r#"{"version":1,"target":"#, "[".repeat(100_000));
+    refuse(&deep, "not a request");
+    let place = Request::new(Target::Place(PlaceRequest { x: f32::NAN, ..PlaceRequest::default() }));
+    assert!(Direction::new(&scene.borrowed(), None, &place, 100).is_err());
+}
+
+#[test]
+fn requests_are_the_same_after_a_round_trip() {
+    let text = r#"{"version":1,"seed":3,"target":{"path":{"points":[[0.0,1.0],[2.5,3.0]],"shape":"spline","stretches":[{"from":0.0,"to":0.5,"behaviour":"a"}],"free_start":true,"realism":0.5}}}"#;
+    let request = Request::from_json(text).unwrap();
+    assert_eq!(request.to_json(), text);
+    assert_eq!(Request::from_json(&request.to_json()), Ok(request));
+}
+
+#[test]
+fn what_cannot_be_met_is_met_as_closely_as_can_be() {
+    let scene = random_scene::make(2, &[40, 30], 60);
+    // A path of 300 m within a hundred states, a pose that is too far away in time, a place far off.
+    for json in [
+        r#"{"version":1,"target":{"path":{"points":[[0,0],[300,0]]}}}"#,
+        r#"{"version":1,"target":{"keys":{"poses":[{"pose":0,"time":0},{"pose":39,"time":0.1}]}}}"#,
+        r#"{"version":1,"target":{"place":{"x":900,"z":900}}}"#,
+    ] {
+        let request = Request::from_json(json).unwrap();
+        let mut direction = Direction::new(&scene.borrowed(), None, &request, 100).unwrap();
+        while direction.advance(&scene.borrowed(), 50).unwrap() == Progress::Running {}
+        let answer = direction.best(&scene.borrowed());
+        assert!(answer.notes().count() > 0, "{json}");
+        assert_eq!(answer.walk.check(&scene.graph, &scene.timeline, answer.start_frame), Ok(answer.end_frame));
+    }
+}
+
+#[test]
+fn curves_are_followed_by_arc_length() {
+    let circle: Vec<Vec3> = (0..=8)
+        .map(|k| {
+            let angle = std::f32::consts::TAU * k as f32 / 8.0;
+            Vec3::new(angle.cos(), 0.7, angle.sin())
+        })
+        .collect();
+    let spline = Curve::new(&circle, Shape::Spline, true, None);
+    assert!((spline.length() - std::f64::consts::TAU).abs() < 0.05, "{}", spline.length());
+    for (index, point) in circle.iter().enumerate() {
+        let at = spline.at(spline.length_at_knot(index as f64));
+        assert!(at.distance(Vec3::new(point.x, 0.0, point.z)) < 0.01, "{at} {point}");
+    }
+    let line = Curve::new(&circle[..2], Shape::Polyline, false, Some(Vec3::new(3.0, 0.7, 0.0)));
+    assert!((line.length() - 2.0 - f64::from(circle[0].distance(circle[1]))).abs() < 1e-5);
+    assert!((line.length_at_knot(0.0) - 2.0).abs() < 1e-5);
+    assert!((line.length_at_knot(1.0) - line.length()).abs() < 1e-5);
+}
+
+/// No call looks at more edges than a graph has a few times over, whatever was asked for: the page goes on drawing meanwhile.
+#[test]
+fn no_slice_is_long() {
+    let scene = random_scene::make(7, &[120, 110, 100], 6000);
+    let all = scene.graph.transitions().len() as u64 + u64::from(scene.timeline.frame_count());
+    let targets = [
+        r#"{"path":{"points":[[0,0],[0,1],[1,1.5]]}}"#,
+        r#"{"behaviour":{"name":"b","hold":5.0}}"#,
+        r#"{"keys":{"poses":[{"pose":30,"time":1.0},{"pose":250,"time":4.5}]}}"#,
+        r#"{"place":{"x":1.0,"z":-0.5,"heading":0.5}}"#,
+        r#"{"wander":{"seconds":20.0}}"#,
+        r#"{"pose":200}"#,
+    ];
+    for target in targets {
+        let request = Request::from_json(&format!(r#"{{"version":1,"target":{target}}}"#)).unwrap();
+        let start = Some(Start { frame: 40, placement: Placement::IDENTITY });
+        let mut before = edges_looked_at();
+        let mut took = || {
+            let now = edges_looked_at();
+            now - std::mem::replace(&mut before, now)
+        };
+        let mut direction = Direction::new(&scene.borrowed(), start, &request, 3000).unwrap();
+        assert!(took() <= 2 * all, "{target} begins with much");
+        let mut slices = 0;
+        while direction.advance(&scene.borrowed(), 20).unwrap() == Progress::Running {
+            slices += 1;
+            let edges = took();
+            assert!(edges <= 2 * all, "slice {slices} of {target} looked at {edges} of {all} edges");
+            if slices % 50 == 1 {
+                let _ = direction.best(&scene.borrowed());
+                let edges = took();
+                assert!(edges <= 4 * all, "the answer to {target} looked at {edges} of {all} edges");
+            }
+            assert!(slices < 100_000, "{target} does not end");
+        }
+    }
+}
+
+/// The first frames of a sequence leave no room for a transition that arrives: their neighbours are shown instead.
+#[test]
+fn unreachable_key_poses_are_replaced_by_their_neighbours() {
+    let scene = random_scene::make(5, &[40, 40, 40], 300);
+    let json = r#"{"version":1,"target":{"keys":{"poses":[{"pose":40,"time":1.0}]}}}"#;
+    let start = Some(Start { frame: 10, placement: Placement::IDENTITY });
+    let mut direction = Direction::new(&scene.borrowed(), start, &Request::from_json(json).unwrap(), 3000).unwrap();
+    while direction.advance(&scene.borrowed(), 100).unwrap() == Progress::Running {}
+    let answer = direction.best(&scene.borrowed());
+    let Goal::Keys { rows, .. } = &answer.parts[0].goal else { panic!("no table") };
+    assert!(cheapest_walk(&scene.graph, &scene.timeline, 10, 40).is_none(), "the test is about nothing");
+    assert!(rows[0].reached.is_some() && rows[0].frame == 40 && (41..50).contains(&rows[0].shown), "{rows:?}");
+    assert_eq!(answer.end_frame, rows[0].shown);
+    assert_eq!(answer.notes().count(), 1);
+}
