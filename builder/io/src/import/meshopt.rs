@@ -110,3 +110,95 @@ fn check(layout: Layout) -> Result<(), MeshoptError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Streams made by the library that the extension comes from, with what its decoder makes of them; `README.md` beside
+    /// the file says how.
+    fn samples() -> Vec<(Layout, Vec<u8>, Vec<u8>)> {
+        let all = include_bytes!("../../tests/data/meshopt/streams.bin");
+        let mut rest = all.as_slice();
+        let mut samples = Vec::new();
+        while !rest.is_empty() {
+            let (head, tail) = rest.split_at(12);
+            let word = |at: usize| u32::from_le_bytes(head[at..at + 4].try_into().unwrap()) as usize;
+            let (stride, count, length) = (usize::from(u16::from_le_bytes([head[2], head[3]])), word(4), word(8));
+            let mode = [Mode::Attributes, Mode::Triangles, Mode::Indices][usize::from(head[0])];
+            let filters =
+                [Filter::None, Filter::Octahedral, Filter::Quaternion, Filter::Exponential, Filter::Colour];
+            let layout = Layout { count, stride, mode, filter: filters[usize::from(head[1])] };
+            let (stream, tail) = tail.split_at(length);
+            let (bytes, tail) = tail.split_at(count * stride);
+            samples.push((layout, stream.to_vec(), bytes.to_vec()));
+            rest = tail;
+        }
+        samples
+    }
+
+    /// Numbers that the text lets differ by one in their last place.
+    fn close(layout: Layout, a: &[u8], b: &[u8]) -> bool {
+        let differ_by_one = |a: i32, b: i32, whole: i32| [0, 1, whole - 1].contains(&(a - b).rem_euclid(whole));
+        match (layout.filter, layout.stride) {
+            (Filter::None | Filter::Exponential, _) => a == b,
+            (_, 4) => a.iter().zip(b).all(|(&a, &b)| differ_by_one(a.into(), b.into(), 256)),
+            _ => a.chunks(2).zip(b.chunks(2)).all(|(a, b)| {
+                differ_by_one(u16::from_le_bytes([a[0], a[1]]).into(), u16::from_le_bytes([b[0], b[1]]).into(), 65536)
+            }),
+        }
+    }
+
+    #[test]
+    fn decodes_as_the_first_decoder_does() {
+        let samples = samples();
+        assert_eq!(samples.len(), 25);
+        for (k, (layout, stream, bytes)) in samples.iter().enumerate() {
+            let found = decode(stream, *layout).unwrap_or_else(|e| panic!("stream {k}, {layout:?}: {e}"));
+            assert!(close(*layout, &found, bytes), "stream {k}, {layout:?}");
+        }
+    }
+
+    #[test]
+    fn damage_is_refused_or_decodes_to_as_many_bytes() {
+        for (layout, stream, _) in samples() {
+            for length in 0..stream.len() {
+                // Where the last bytes are padding, what is left may still be whole; as a rule it is not.
+                if let Ok(bytes) = decode(&stream[..length], layout) {
+                    assert_eq!(bytes.len(), layout.count * layout.stride);
+                }
+            }
+            let mut damaged = stream.clone();
+            for at in 0..stream.len() {
+                for flip in [1, 0x80, 0xff] {
+                    damaged[at] ^= flip;
+                    if let Ok(bytes) = decode(&damaged, layout) {
+                        assert_eq!(bytes.len(), layout.count * layout.stride);
+                    }
+                    damaged[at] = stream[at];
+                }
+            }
+            // Counts that no stream of this size could hold cost no memory.
+            for count in [usize::MAX / 3, 3 << 40, layout.count.next_multiple_of(3) * 3 + 300] {
+                assert!(decode(&stream, Layout { count: count / 3 * 3, ..layout }).is_err(), "{layout:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn layouts_follow_the_rules() {
+        let layout = |stride, mode, filter| Layout { count: 3, stride, mode, filter };
+        for wrong in [
+            layout(6, Mode::Attributes, Filter::None),
+            layout(260, Mode::Attributes, Filter::None),
+            layout(0, Mode::Attributes, Filter::None),
+            layout(3, Mode::Triangles, Filter::None),
+            layout(4, Mode::Indices, Filter::Exponential),
+            layout(12, Mode::Attributes, Filter::Octahedral),
+            layout(4, Mode::Attributes, Filter::Quaternion),
+            Layout { count: 4, ..layout(4, Mode::Triangles, Filter::None) },
+        ] {
+            assert!(matches!(decode(&[], wrong), Err(MeshoptError::Layout(_))), "{wrong:?}");
+        }
+    }
+}

@@ -27,14 +27,17 @@
 //! checked, and a fault is an [`ImportError`] with a stable [`ImportError::code`].
 
 mod assemble;
+mod draco;
 mod error;
 mod frames;
 mod gltf;
 mod images;
 mod inputs;
+mod ktx2;
 mod manifest;
 mod masks;
 mod mesh;
+mod meshopt;
 mod mtl;
 mod numbered;
 mod obj;

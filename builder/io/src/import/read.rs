@@ -65,6 +65,7 @@ pub(super) fn read(
             Source::Files(paths) => read_files(paths, &reference, axes, out, &report, warnings)?,
             Source::Clip { file, clip } => {
                 check_clip_mesh(file, &reference)?;
+                warnings.extend(file.rate_warning(*clip, plan.fps));
                 bake(file, *clip, plan.fps, axes, out, &report)?;
                 Vec::new()
             }
@@ -178,12 +179,26 @@ fn bake(
             .enumerate()
             .map(|(k, out)| {
                 let frame = batch * BATCH + k;
-                let pose = file.pose(clip, f64::from(fps), frame);
-                place(&pose, file.path(), frame, axes, out)
+                let pose = file.pose(clip, f64::from(fps), frame)?;
+                place(&pose, file.path(), frame, axes, out)?;
+                check_area(file, frame, out)
             })
             .collect();
         results.into_iter().collect::<Result<(), _>>()?;
         report(batch * BATCH + out.len() / vertices);
     }
     Ok(())
+}
+
+/// Refuses a frame in which nothing is left of the surface, as where its scale is 0.
+fn check_area(file: &GltfFile, frame: usize, pose: &[Vec3]) -> Result<(), ImportError> {
+    let corner = |&v: &u32| pose.get(v as usize).copied().unwrap_or_default().as_dvec3();
+    let has_area = |face: &[u32]| {
+        let points: Vec<_> = face.iter().map(corner).collect();
+        points.windows(2).any(|w| (w[0] - points[0]).cross(w[1] - points[0]).length_squared() > 0.0)
+    };
+    if file.mesh().faces.iter().any(has_area) {
+        return Ok(());
+    }
+    Err(ImportError::Collapsed { path: file.path().to_owned(), frame })
 }

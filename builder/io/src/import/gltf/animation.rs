@@ -283,4 +283,24 @@ impl Clip {
         }
         nodes
     }
+
+    /// How many poses a second a clip jumps through that has nothing between its keyframes; `None` where all runs
+    /// smoothly, or the jumps have no rate.
+    pub fn key_rate(&self) -> Option<f64> {
+        let jumps = |channel: &&Channel| {
+            matches!(channel.interpolation, Interpolation::Step | Interpolation::Nearest)
+                && (1..channel.times.len()).any(|key| channel.value(key) != channel.value(0))
+        };
+        let mut times: Vec<f64> =
+            self.channels.iter().filter(jumps).flat_map(|channel| channel.times.iter().copied().map(f64::from)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|later, earlier| *later - *earlier < 1e-3);
+        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        steps.sort_by(f64::total_cmp);
+        let middle = *steps.get(steps.len() / 2)?;
+        let even = times.len() > 2 && steps.iter().all(|step| (step / middle - (step / middle).round()).abs() < 0.02);
+        // The mean of the whole is more exact than one step of numbers of 32 bits.
+        let count: f64 = steps.iter().map(|step| (step / middle).round()).sum();
+        even.then(|| count / (times[times.len() - 1] - times[0]))
+    }
 }

@@ -94,7 +94,7 @@ fn colour(
         warnings.push(Warning::new(code, format!("{}: {user} {what}", document.path().display())));
     };
     if material.alpha_mode != Checked::Valid(AlphaMode::Opaque) {
-        warn("W_GLTF_ALPHA", "is transparent in places: it is drawn opaque");
+        warn("W_GLTF_ALPHA", "asks for transparency (alphaMode): it is drawn opaque");
     }
     let surface = &material.pbr_metallic_roughness;
     let mut base = Colour { factor: surface.base_color_factor.0, texture: surface.base_color_texture.clone() };
@@ -109,7 +109,7 @@ fn colour(
     let strength = extensions.and_then(|e| e.get("KHR_materials_emissive_strength")?.get("emissiveStrength")?.as_f64());
     let glow = material.emissive_factor.0.map(|c| c * strength.unwrap_or(1.0) as f32);
     let brightest = glow.iter().copied().fold(0.0, f32::max);
-    if !(brightest > 0.0) {
+    if brightest <= 0.0 {
         return Ok(base);
     }
     let black = base.factor[..3].iter().all(|&c| c == 0.0);

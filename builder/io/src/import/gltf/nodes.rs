@@ -3,7 +3,7 @@
 use glam::{Mat4, Quat, Vec3, Vec4};
 use gltf::json::{Index, Node};
 
-use super::animation::unit;
+use super::channel::unit;
 use super::document::Document;
 use crate::import::error::ImportError;
 

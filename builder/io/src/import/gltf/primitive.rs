@@ -39,11 +39,6 @@ impl<'a> PrimitiveData<'a> {
         Ok(Self { document, primitive, draco, user })
     }
 
-    /// Whether the primitive has the attribute `semantic`.
-    pub fn has(&self, semantic: &Semantic) -> bool {
-        self.accessor(semantic).is_some()
-    }
-
     /// `N` numbers a vertex; `None` where the primitive has no such attribute.
     pub fn floats<const N: usize>(&self, semantic: &Semantic) -> Result<Option<Vec<[f32; N]>>, ImportError> {
         let Some(index) = self.accessor(semantic) else { return Ok(None) };

@@ -9,6 +9,7 @@ use super::primitive::PrimitiveData;
 use crate::import::error::ImportError;
 
 /// The vertices of a primitive.
+#[derive(Default)]
 pub(super) struct Shape {
     positions: Vec<Vec3>,
     /// Offsets of each morph target, one per vertex; empty where a target moves nothing.

@@ -13,14 +13,6 @@ use crate::import::images::{ImageStore, from_bytes};
 use crate::import::ktx2::decode_ktx2;
 use crate::import::warning::Warning;
 
-/// Extensions that name another image than the plain one, in the order in which they are asked.
-const SOURCES: [(&str, bool); 2] = [
-    // A WebP image is the one that the file is about; what is beside it is for readers without the extension.
-    ("EXT_texture_webp", true),
-    // A KTX2 image has to be unpacked, so a plain one is preferred.
-    ("KHR_texture_basisu", false),
-];
-
 /// The images of a file, each once.
 #[derive(Default)]
 pub(super) struct Textures {
@@ -85,9 +77,9 @@ fn source(texture: &Texture) -> Option<usize> {
     };
     // The crate's word for no image.
     let plain = Some(texture.source.value()).filter(|&source| source != u32::MAX as usize);
-    let before = SOURCES.iter().filter(|(_, first)| *first).find_map(|(name, _)| of_extension(name));
-    let after = || SOURCES.iter().filter(|(_, first)| !*first).find_map(|(name, _)| of_extension(name));
-    before.or(plain).or_else(after)
+    // A WebP image is what the file is about, a plain one beside it is for readers without the extension. A KTX2 image
+    // has lost something in its packing already: a plain one is preferred.
+    of_extension("EXT_texture_webp").or(plain).or_else(|| of_extension("KHR_texture_basisu"))
 }
 
 /// How a texture goes on beyond its borders, along u and v.
