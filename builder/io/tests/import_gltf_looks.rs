@@ -92,7 +92,9 @@ fn extensions_that_are_not_read_are_named() {
         assert!(code == "E_GLTF_EXTENSION" && message.contains(name), "{message}");
     }
     // What is read may be required; glass is drawn, and said.
-    for name in ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_texture_basisu", "KHR_mesh_quantization"] {
+    for name in
+        ["KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_texture_basisu", "KHR_mesh_quantization"]
+    {
         let mut file = dressed(plain.clone());
         file.json["extensionsUsed"] = json!([name]);
         file.json["extensionsRequired"] = json!([name]);

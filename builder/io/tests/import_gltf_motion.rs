@@ -27,8 +27,10 @@ fn shifted(by: Vec3) -> Vec<Vec3> {
 
 #[test]
 fn channels_that_move_no_node_are_left_out() {
-    let moves = || Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
-    let pointer = |pointer: &str| json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
+    let moves =
+        || Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let pointer =
+        |pointer: &str| json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
     let colour = "/materials/0/pbrMetallicRoughness/baseColorFactor";
     for (target, said) in [
         (json!({"path": "translation"}), "no node"),
@@ -70,7 +72,16 @@ fn nodes_with_a_matrix_move() {
     let (turn, size) = (Quat::from_rotation_y(0.5), Vec3::new(1.0, 2.0, 3.0));
     let matrix = Mat4::from_scale_rotation_translation(size, turn, Vec3::new(0.2, 0.0, 0.0));
     file.json["nodes"][0] = json!({"mesh": 0, "matrix": matrix.to_cols_array()});
-    clip(&mut file, "Walk", vec![Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0])]);
+    clip(
+        &mut file,
+        "Walk",
+        vec![Moves(
+            json!({"node": 0, "path": "translation"}),
+            "LINEAR",
+            &[0.0, 1.0],
+            vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        )],
+    );
     let imported = read_glb(&file, 10.0);
     assert!(imported.warnings.is_empty(), "{:?}", imported.warnings);
     let expected = |k: u32| body().0.iter().map(|&p| turn * (size * p) + 0.1 * k as f32 * Vec3::Y).collect::<Vec<_>>();
@@ -87,7 +98,9 @@ fn nodes_with_a_matrix_move() {
 #[test]
 fn frame_k_shows_keyframe_k() {
     // The beginning of the first keyframe, and times that add up a rounded step.
-    for (first, fps) in [(0, 24.0), (1, 24.0), (5, 25.0), (1001, 24.0), (101, 30.0), (9, 60.0), (36_000, 30.0), (77, 29.97)] {
+    for (first, fps) in
+        [(0, 24.0), (1, 24.0), (5, 25.0), (1001, 24.0), (101, 30.0), (9, 60.0), (36_000, 30.0), (77, 29.97)]
+    {
         let at = times(first, 97, fps);
         let mut summed = vec![0.0];
         (1..97).for_each(|k| summed.push(summed[k - 1] + (1.0 / fps) as f32));
@@ -107,7 +120,11 @@ fn frame_k_shows_keyframe_k() {
 fn a_rate_that_misses_poses_is_said() {
     let mut file = standing();
     let values: Vec<f32> = (0..25).flat_map(|k| [0.0, 0.0, 0.01 * k as f32]).collect();
-    clip(&mut file, "Walk", vec![Moves(json!({"node": 0, "path": "translation"}), "STEP", &times(0, 25, 24.0), values)]);
+    clip(
+        &mut file,
+        "Walk",
+        vec![Moves(json!({"node": 0, "path": "translation"}), "STEP", &times(0, 25, 24.0), values)],
+    );
     for fps in [30.0, 12.0, 25.0] {
         assert!(warning(&read_glb(&file, fps), "W_GLTF_FPS").contains("--fps 24 "), "{fps}");
     }
@@ -121,7 +138,9 @@ fn a_rate_that_misses_poses_is_said() {
 
 #[test]
 fn clips_keep_their_end() {
-    for (length, frames) in [(0.7083, 23), (0.7, 22), (0.6999, 22), (0.701, 22), (0.71, 23), (0.001, 1), (0.03, 2), (0.0, 1)] {
+    for (length, frames) in
+        [(0.7083, 23), (0.7, 22), (0.6999, 22), (0.701, 22), (0.71, 23), (0.001, 1), (0.03, 2), (0.0, 1)]
+    {
         let mut file = standing();
         let at = if length > 0.0 { vec![0.0, length] } else { vec![0.0] };
         let values = [vec![0.0; 3], vec![0.0, 0.0, 1.0]].concat()[6 - 3 * at.len()..].to_vec();
@@ -140,7 +159,9 @@ fn clips_that_move_nothing_drawn_are_left_out() {
     let mut file = standing();
     let camera = file.scene_node(json!({"camera": 0}));
     file.json["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}]);
-    let moves = |node: usize| Moves(json!({"node": node, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let moves = |node: usize| {
+        Moves(json!({"node": node, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
+    };
     clip(&mut file, "CameraAction", vec![moves(camera)]);
     clip(&mut file, "Take 001", vec![]);
     file.push("animations", json!({"name": "Take 002"}));
@@ -166,9 +187,14 @@ fn clips_that_may_belong_together_are_said() {
     let mut file = standing();
     let offsets = file.floats("VEC3", &body().0.iter().flat_map(|p| [0.0, p.y, 0.0]).collect::<Vec<_>>());
     file.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": offsets}]);
-    let walk = Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let walk =
+        Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     clip(&mut file, "Armature|Walk", vec![walk]);
-    clip(&mut file, "Key|Walk", vec![Moves(json!({"node": 0, "path": "weights"}), "LINEAR", &[0.0, 1.0], vec![0.0, 1.0])]);
+    clip(
+        &mut file,
+        "Key|Walk",
+        vec![Moves(json!({"node": 0, "path": "weights"}), "LINEAR", &[0.0, 1.0], vec![0.0, 1.0])],
+    );
     let imported = read_glb(&file, 10.0);
     let said = warning(&imported, "W_GLTF_CLIPS_APART");
     assert!(said.contains("\"Armature|Walk\" and \"Key|Walk\""), "{said}");
@@ -184,12 +210,14 @@ fn skinned(scale: Vec3, bind: Mat4) -> Gltf {
     let mut file = standing();
     let count = body().0.len();
     let view = file.view(&vec![0; 4 * count]);
-    let joints = file.push("accessors", json!({"bufferView": view, "componentType": 5121, "count": count, "type": "VEC4"}));
+    let joints =
+        file.push("accessors", json!({"bufferView": view, "componentType": 5121, "count": count, "type": "VEC4"}));
     let weights = file.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(count));
     let binds = file.floats("MAT4", &bind.to_cols_array());
     file.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = json!(joints);
     file.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
-    file.json["nodes"] = json!([{"mesh": 0, "skin": 0}, {"name": "joint"}, {"children": [0, 1], "scale": scale.to_array()}]);
+    file.json["nodes"] =
+        json!([{"mesh": 0, "skin": 0}, {"name": "joint"}, {"children": [0, 1], "scale": scale.to_array()}]);
     file.json["scenes"][0]["nodes"] = json!([2]);
     file.json["skins"] = json!([{"joints": [1], "inverseBindMatrices": binds}]);
     file
@@ -220,7 +248,9 @@ fn mirrored_meshes_keep_their_outside() {
     let mut file = standing();
     file.json["nodes"][0]["scale"] = json!(mirror.to_array());
     assert!((outside(&file).0 - expected).abs() < 1e-5);
-    let scales = |last: Vec3| Moves(json!({"node": 0, "path": "scale"}), "STEP", &[0.0, 0.9], [mirror.to_array(), last.to_array()].concat());
+    let scales = |last: Vec3| {
+        Moves(json!({"node": 0, "path": "scale"}), "STEP", &[0.0, 0.9], [mirror.to_array(), last.to_array()].concat())
+    };
     file.json["nodes"][0]["scale"] = json!([1.0, 1.0, 1.0]);
     clip(&mut file, "Walk", vec![scales(mirror)]);
     let (found, imported) = outside(&file);
@@ -286,12 +316,8 @@ fn flip_book(pages: usize, turning: Turning) -> Gltf {
 
 #[test]
 fn meshes_in_turn_are_one_that_moves() {
-    let ways = [
-        Turning::Scale("STEP", 0.0),
-        Turning::Scale("LINEAR", 0.0),
-        Turning::Scale("LINEAR", 1e-3),
-        Turning::Visible,
-    ];
+    let ways =
+        [Turning::Scale("STEP", 0.0), Turning::Scale("LINEAR", 0.0), Turning::Scale("LINEAR", 1e-3), Turning::Visible];
     for turning in ways {
         let file = flip_book(12, turning);
         let imported = read_glb(&file, 24.0);
@@ -307,7 +333,12 @@ fn meshes_in_turn_are_one_that_moves() {
         for k in 0..sequences(&imported)[0].1 {
             let whole = (0..12).any(|page| {
                 let (pose, expected) = (imported.capture.poses.frame(k), moved(page as f32));
-                imported.capture.vertex_of_file_vertex.iter().zip(&expected).all(|(&v, e)| pose[v as usize].distance(*e) < 1e-5)
+                imported
+                    .capture
+                    .vertex_of_file_vertex
+                    .iter()
+                    .zip(&expected)
+                    .all(|(&v, e)| pose[v as usize].distance(*e) < 1e-5)
             });
             assert!(whole, "{turning:?} frame {k}");
         }
@@ -354,7 +385,10 @@ fn meshes_in_turn_that_do_not_go_together_are_refused() {
     let other = mesh(&mut file, &positions, &triangles);
     file.json["nodes"][2]["mesh"] = json!(other);
     let (code, message) = refuse_glb(&file);
-    assert!(code == "E_MESH_CHANGES" && message.contains("5 meshes are shown in turn, and their triangles differ"), "{message}");
+    assert!(
+        code == "E_MESH_CHANGES" && message.contains("5 meshes are shown in turn, and their triangles differ"),
+        "{message}"
+    );
     // All have others.
     for page in 0..5 {
         triangles.truncate(30 - page);
@@ -363,7 +397,11 @@ fn meshes_in_turn_that_do_not_go_together_are_refused() {
     }
     let (code, message) = refuse_glb(&file);
     assert_eq!(code, "E_MESH_CHANGES");
-    assert!(message.contains("node 0 has 30 triangles over 26 vertices, node 1 has 29") && message.contains("one mesh that moves"), "{message}");
+    assert!(
+        message.contains("node 0 has 30 triangles over 26 vertices, node 1 has 29")
+            && message.contains("one mesh that moves"),
+        "{message}"
+    );
     // One page is never shown, so a frame shows none.
     let mut file = flip_book(5, Turning::Scale("STEP", 0.0));
     file.json["animations"][0]["channels"].as_array_mut().unwrap().remove(3);
@@ -378,7 +416,8 @@ fn meshes_that_are_hidden_at_times_are_said() {
         let sword: Vec<Vec3> = body().0.iter().map(|&p| 0.3 * p + Vec3::X).collect();
         let index = mesh(&mut file, &sword, &body().1);
         let node = file.scene_node(json!({"mesh": index, "name": "sword"}));
-        let walk = Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        let walk =
+            Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         let pointer = format!("/nodes/{node}/extensions/KHR_node_visibility/visible");
         let hides = if visible {
             let target = json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
@@ -418,7 +457,11 @@ fn scenes_with_the_same_triangles_are_frames() {
     assert!(warning(&imported, "W_GLTF_SCENES").contains("frames of one sequence"));
     (0..7).for_each(|k| assert_pose(&imported, k, &moved(k as f32)));
     // With other triangles in one of them, or with animations, only the file's own scene is read.
-    clip(&mut file, "Walk", vec![Moves(json!({"node": 3, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0; 6])]);
+    clip(
+        &mut file,
+        "Walk",
+        vec![Moves(json!({"node": 3, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0; 6])],
+    );
     let imported = read_glb(&file, 24.0);
     assert!(warning(&imported, "W_GLTF_SCENES").contains("only its own one"));
     assert_eq!(sequences(&imported), [("Walk", 25)]);

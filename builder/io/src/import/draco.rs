@@ -1,7 +1,8 @@
 //! Draco meshes: standalone `.drc` files, and what `KHR_draco_mesh_compression` embeds in glTF.
 
 use draco_core::{
-    DataType, DecodeLimits, DecoderBuffer, ErrorKind, GeometryAttributeType, Mesh, MeshDecoder, PointAttribute, PointIndex,
+    DataType, DecodeLimits, DecoderBuffer, ErrorKind, GeometryAttributeType, Mesh, MeshDecoder, PointAttribute,
+    PointIndex,
 };
 use thiserror::Error;
 

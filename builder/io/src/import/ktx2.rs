@@ -2,7 +2,7 @@
 //! glTF. They are turned into plain pixels, for bundles hold images that every browser shows.
 //!
 //! The decoder trusts places and sizes in the header, so [`check`] holds them against the file first. What may be left
-//! (it was tried with 300,000 damaged files, of which one made it add two numbers to more than 64 bits) ends as an error,
+//! (it was tried with 300,000 damaged files, of which two made it add or subtract beyond a number's range) ends as an error,
 //! not as the end of the program: its panics are caught.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,8 +18,8 @@ const HEADER: usize = 80;
 const LEVEL: usize = 24;
 /// No image is wider or higher; browsers show no larger ones.
 const MAX_SIDE: u32 = 16_384;
-/// No image has more pixels: a gigabyte of them.
-const MAX_PIXELS: u64 = 1 << 28;
+/// No image has more pixels: 256 MB of them.
+const MAX_PIXELS: u64 = 1 << 26;
 /// Nor does a file hold more layers.
 const MAX_LAYERS: u32 = 4096;
 
@@ -34,6 +34,8 @@ pub(super) struct Ktx2<'a> {
     pub layers: u32,
     /// Number of sizes.
     pub levels: u32,
+    /// Whether the first row of pixels is the lowest (`KTXorientation`).
+    upside_down: bool,
 }
 
 /// Why bytes are no KTX2 texture that can be read.
@@ -52,10 +54,12 @@ pub(super) enum Ktx2Error {
     #[error("the KTX2 file holds colours of high dynamic range, which are not read")]
     HighRange,
     /// Not a plain picture or a list of them.
-    #[error("the KTX2 file holds {0}, where pictures are read")]
+    #[error("the KTX2 file holds {0}, where a picture is wanted")]
     Shape(&'static str),
     /// More than is read.
-    #[error("the KTX2 file holds {0} x {1} pixels in {2} layers: at most {MAX_SIDE} a side, and {MAX_LAYERS} layers")]
+    #[error(
+        "the KTX2 file holds {0} x {1} pixels in {2} layers: at most {MAX_SIDE} a side, {MAX_PIXELS} in all, and {MAX_LAYERS} layers are read"
+    )]
     TooLarge(u32, u32, u32),
     /// Damaged, or of a kind that the decoder does not know.
     #[error("the KTX2 file is damaged, or of a kind that is not read")]
@@ -70,12 +74,15 @@ pub(super) enum Ktx2Error {
     },
 }
 
-/// The first layer of a KTX2 file in full size; straight alpha, colours as they are stored.
+/// The picture of a KTX2 file in full size; straight alpha, colours as they are stored, the highest row first.
 ///
 /// # Errors
-/// See [`Ktx2Error`].
+/// See [`Ktx2Error`]; also where the file holds several pictures, which [`Ktx2::images`] reads.
 pub(super) fn decode_ktx2(bytes: &[u8]) -> Result<RgbaImage, Ktx2Error> {
     let ktx2 = Ktx2::open(bytes)?;
+    if ktx2.layers > 1 {
+        return Err(Ktx2Error::Shape("several pictures"));
+    }
     ktx2.images(0)?.next().unwrap_or(Err(Ktx2Error::NoImage { layer: 0, level: 0 }))
 }
 
@@ -92,7 +99,8 @@ impl<'a> Ktx2<'a> {
             SourceFormat::AstcLdr(_) | SourceFormat::XuastcLdr(_) => return Err(Ktx2Error::Damaged),
             _ => return Err(Ktx2Error::HighRange),
         }
-        Ok(Self { transcoder, width, height, layers, levels })
+        let upside_down = orientation(bytes).is_some_and(|value| value.get(1) == Some(&b'u'));
+        Ok(Self { transcoder, width, height, layers, levels, upside_down })
     }
 
     /// All layers at `level`, one after the other.
@@ -133,7 +141,13 @@ impl Iterator for Images<'_, '_> {
             }
         });
         let (width, height) = ((file.width >> level).max(1), (file.height >> level).max(1));
-        Some(pixels.and_then(|pixels| RgbaImage::from_raw(width, height, pixels).ok_or(Ktx2Error::Damaged)))
+        let image = pixels.and_then(|pixels| RgbaImage::from_raw(width, height, pixels).ok_or(Ktx2Error::Damaged));
+        Some(image.map(|mut image| {
+            if file.upside_down {
+                image::imageops::flip_vertical_in_place(&mut image);
+            }
+            image
+        }))
     }
 }
 
@@ -176,6 +190,10 @@ fn check(bytes: &[u8]) -> Result<[u32; 4], Ktx2Error> {
     if !(within(dfd, dfd_length) && within(kvd, kvd_length) && within(global, global_length)) {
         return Err(Ktx2Error::Short);
     }
+    // The decoder walks over pairs of names and values as if they were padded, as they have to be.
+    if !(kvd.is_multiple_of(4) && kvd_length.is_multiple_of(4)) {
+        return Err(Ktx2Error::Damaged);
+    }
     for (level, entry) in list.chunks_exact(LEVEL).enumerate() {
         let [offset, length, inflated] = [0, 8, 16].map(|at| long(entry, at));
         if !within(offset, length) {
@@ -188,6 +206,22 @@ fn check(bytes: &[u8]) -> Result<[u32; 4], Ktx2Error> {
         }
     }
     Ok([width, height, layers.max(1), levels])
+}
+
+/// What the file says of its rows and columns: `rd` where they run to the right and down.
+fn orientation(bytes: &[u8]) -> Option<&[u8]> {
+    let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?) as usize);
+    let (start, length) = (word(56)?, word(60)?);
+    let mut rest = bytes.get(start..start.checked_add(length)?)?;
+    while let Some((size, tail)) = rest.split_at_checked(4) {
+        let size = u32::from_le_bytes(size.try_into().ok()?) as usize;
+        let (entry, tail) = tail.split_at_checked(size)?;
+        if let Some(value) = entry.strip_prefix(b"KTXorientation\0") {
+            return Some(value);
+        }
+        rest = tail.get(size.next_multiple_of(4) - size..)?;
+    }
+    None
 }
 
 /// The 64-bit number at `at`, which must lie within `bytes`.
@@ -231,7 +265,8 @@ mod tests {
                 }
             }
             assert!(expected.is_empty() && file.images(levels).is_err());
-            assert_eq!(decode_ktx2(&bytes).unwrap().dimensions(), (32, 24));
+            let single = decode_ktx2(&bytes);
+            assert!(if layers > 1 { single.is_err() } else { single.unwrap().dimensions() == (32, 24) });
         }
     }
 
@@ -261,6 +296,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn rows_that_run_upwards_are_turned_over() {
+        let (bytes, pixels) = sample("uastc");
+        let entry = b"KTXorientation\0ru\0";
+        let mut with = bytes.clone();
+        let start = with.len();
+        with.extend((entry.len() as u32).to_le_bytes());
+        with.extend(entry);
+        with.resize(with.len().next_multiple_of(4), 0);
+        let length = with.len() - start;
+        with[56..60].copy_from_slice(&(start as u32).to_le_bytes());
+        with[60..64].copy_from_slice(&(length as u32).to_le_bytes());
+        let turned: Vec<u8> = pixels.chunks(4 * 32).rev().flatten().copied().collect();
+        assert_eq!(decode_ktx2(&with).unwrap().into_raw(), turned);
+        assert_eq!(decode_ktx2(&bytes).unwrap().into_raw(), pixels);
     }
 
     #[test]

@@ -126,8 +126,7 @@ mod tests {
             let word = |at: usize| u32::from_le_bytes(head[at..at + 4].try_into().unwrap()) as usize;
             let (stride, count, length) = (usize::from(u16::from_le_bytes([head[2], head[3]])), word(4), word(8));
             let mode = [Mode::Attributes, Mode::Triangles, Mode::Indices][usize::from(head[0])];
-            let filters =
-                [Filter::None, Filter::Octahedral, Filter::Quaternion, Filter::Exponential, Filter::Colour];
+            let filters = [Filter::None, Filter::Octahedral, Filter::Quaternion, Filter::Exponential, Filter::Colour];
             let layout = Layout { count, stride, mode, filter: filters[usize::from(head[1])] };
             let (stream, tail) = tail.split_at(length);
             let (bytes, tail) = tail.split_at(count * stride);

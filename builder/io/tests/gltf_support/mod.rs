@@ -45,7 +45,11 @@ pub fn body() -> (Vec<Vec3>, Vec<[u32; 3]>) {
 pub fn moved(t: f32) -> Vec<Vec3> {
     let bent = |p: &Vec3| {
         let angle = 0.35 * (TAU * t / 24.0).sin() * p.y;
-        Vec3::new(angle.cos() * p.x - 0.3 * angle.sin() * p.y, p.y, p.z + 0.03 * t + 0.05 * p.y * (TAU * t / 24.0).cos())
+        Vec3::new(
+            angle.cos() * p.x - 0.3 * angle.sin() * p.y,
+            p.y,
+            p.z + 0.03 * t + 0.05 * p.y * (TAU * t / 24.0).cos(),
+        )
     };
     body().0.iter().map(bent).collect()
 }

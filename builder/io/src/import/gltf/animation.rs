@@ -117,7 +117,10 @@ pub(super) fn join(clips: Vec<Clip>, document: &Document, stem: &str, warnings: 
     if clips.len() > 1 && apart && clips.iter().all(|clip| !clip.named) {
         warnings.push(Warning::new(
             "W_GLTF_CLIPS_JOINED",
-            format!("{path}: {} unnamed animations move a node each: they are read as one clip, \"{stem}\"", clips.len()),
+            format!(
+                "{path}: {} unnamed animations move a node each: they are read as one clip, \"{stem}\"",
+                clips.len()
+            ),
         ));
         let channels = clips.into_iter().flat_map(|clip| clip.channels).collect();
         return vec![Clip::new(stem.to_owned(), channels, false)];
@@ -225,7 +228,9 @@ fn read_channel(
         return Err(document.wrong(format!("{user}: {} times but {} numbers", times.len(), values.len())));
     }
     if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-        return Err(document.wrong(format!("{user}: the value of keyframe {} is not finite", at * times.len() / values.len())));
+        return Err(
+            document.wrong(format!("{user}: the value of keyframe {} is not finite", at * times.len() / values.len()))
+        );
     }
     let interpolation = if property == Property::Visible { Interpolation::Step } else { interpolation };
     Ok(Channel { node, property, interpolation, times, values, width, cubic })
@@ -291,8 +296,12 @@ impl Clip {
             matches!(channel.interpolation, Interpolation::Step | Interpolation::Nearest)
                 && (1..channel.times.len()).any(|key| channel.value(key) != channel.value(0))
         };
-        let mut times: Vec<f64> =
-            self.channels.iter().filter(jumps).flat_map(|channel| channel.times.iter().copied().map(f64::from)).collect();
+        let mut times: Vec<f64> = self
+            .channels
+            .iter()
+            .filter(jumps)
+            .flat_map(|channel| channel.times.iter().copied().map(f64::from))
+            .collect();
         times.sort_by(f64::total_cmp);
         times.dedup_by(|later, earlier| *later - *earlier < 1e-3);
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -116,9 +116,13 @@ mod tests {
     fn steps_hold_and_lines_run() {
         let of = |interpolation| channel(interpolation, Property::Weights, vec![1.0, 2.0, 3.0], 1);
         let [step, line, nearest] = [Interpolation::Step, Interpolation::Linear, Interpolation::Nearest].map(of);
-        for (time, stepped, linear, near) in
-            [(0.0, 1.0, 1.0, 1.0), (1.6, 1.0, 1.6, 2.0), (2.0, 2.0, 2.0, 2.0), (3.5, 2.0, 2.75, 3.0), (9.0, 3.0, 3.0, 3.0)]
-        {
+        for (time, stepped, linear, near) in [
+            (0.0, 1.0, 1.0, 1.0),
+            (1.6, 1.0, 1.6, 2.0),
+            (2.0, 2.0, 2.0, 2.0),
+            (3.5, 2.0, 2.75, 3.0),
+            (9.0, 3.0, 3.0, 3.0),
+        ] {
             assert_eq!(step.sample(time, 0.0), [stepped]);
             assert_eq!(line.sample(time, 0.0), [linear]);
             assert_eq!(nearest.sample(time, 0.0), [near]);

@@ -114,7 +114,9 @@ mod tests {
 
     #[test]
     fn base64_comes_padded_or_not_and_wrapped() {
-        for data in ["application/octet-stream;base64,AQL/+w==", "a/b;base64,AQL/+w", ";base64,AQ\r\n L/\n+w", ";base64,AQL_-w"] {
+        for data in
+            ["application/octet-stream;base64,AQL/+w==", "a/b;base64,AQL/+w", ";base64,AQ\r\n L/\n+w", ";base64,AQL_-w"]
+        {
             assert_eq!(data_uri(data).unwrap(), [1, 2, 255, 251], "{data}");
         }
         assert!(data_uri("text/plain,abc").is_err() && data_uri("a;base64,###").is_err() && data_uri("a").is_err());

@@ -13,8 +13,10 @@ use crate::import::error::ImportError;
 use crate::import::mesh::{byte, srgb_from_linear};
 use crate::import::warning::Warning;
 
-/// No file draws more vertices.
+/// Vertices and triangles of a small file. A large one may draw more, but each vertex of a mesh of its own takes six bytes
+/// at least, and each triangle three: what goes beyond is one mesh drawn over and over.
 const MAX_VERTICES: usize = 1 << 24;
+const MAX_TRIANGLES: usize = 1 << 25;
 
 /// The triangles of a primitive.
 pub(super) struct Piece {
@@ -44,6 +46,7 @@ pub(super) struct Reader<'a> {
     skins: &'a [Joints],
     pub materials: Materials,
     vertex_count: usize,
+    triangle_count: usize,
     /// For each material, triangles that cross the border of a texture that does not repeat.
     crossing: BTreeMap<u32, usize>,
 }
@@ -60,7 +63,8 @@ impl Piece {
 
 impl<'a> Reader<'a> {
     pub fn new(document: &'a Document, skins: &'a [Joints]) -> Self {
-        Self { document, skins, materials: Materials::default(), vertex_count: 0, crossing: BTreeMap::new() }
+        let crossing = BTreeMap::new();
+        Self { document, skins, materials: Materials::default(), vertex_count: 0, triangle_count: 0, crossing }
     }
 
     /// What node `index` draws; `None` where it draws nothing.
@@ -98,12 +102,8 @@ impl<'a> Reader<'a> {
         let joints = skin.and_then(|skin| self.skins.get(skin));
         let targets = primitive.targets.as_deref().unwrap_or_default();
         let shape = Shape::read(self.document, &data, targets, joints)?;
-        self.vertex_count += shape.len();
-        if self.vertex_count > MAX_VERTICES {
-            let reason = format!("more than {MAX_VERTICES} vertices");
-            return Err(ImportError::TooLarge { path: self.document.path().to_owned(), reason });
-        }
         let triangles = data.triangles(shape.len())?;
+        self.count(shape.len(), triangles.len())?;
         let material = self.materials.load(self.document, primitive.material, user, warnings)?;
         let uvs = self.texture_coordinates(&data, material, &triangles, shape.len(), warnings)?;
         let colours = data.colours(&Semantic::Colors(0))?.unwrap_or_default();
@@ -114,6 +114,19 @@ impl<'a> Reader<'a> {
         let srgb = |linear| byte(srgb_from_linear(linear));
         let colours = colours.into_iter().map(|[r, g, b, a]| [srgb(r), srgb(g), srgb(b), byte(a)]).collect();
         Ok(Piece { shape, triangles, uvs, colours, material })
+    }
+
+    /// Counts what is drawn, and refuses too much of it.
+    fn count(&mut self, vertices: usize, triangles: usize) -> Result<(), ImportError> {
+        self.vertex_count += vertices;
+        self.triangle_count += triangles;
+        let bytes = self.document.buffer_bytes();
+        if self.vertex_count > MAX_VERTICES.max(bytes / 6) || self.triangle_count > MAX_TRIANGLES.max(bytes / 3) {
+            let reason =
+                format!("it draws more than {} vertices or {} triangles", self.vertex_count, self.triangle_count);
+            return Err(ImportError::TooLarge { path: self.document.path().to_owned(), reason });
+        }
+        Ok(())
     }
 
     fn texture_coordinates(

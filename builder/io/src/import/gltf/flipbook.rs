@@ -218,13 +218,7 @@ impl Survey {
     }
 
     /// An error about meshes in turn that have different triangles; each of `groups` has its own.
-    fn different(
-        &self,
-        document: &Document,
-        nodes: &Nodes,
-        drawn: &[Drawn],
-        groups: &[Vec<usize>],
-    ) -> ImportError {
+    fn different(&self, document: &Document, nodes: &Nodes, drawn: &[Drawn], groups: &[Vec<usize>]) -> ImportError {
         let told = |group: &Vec<usize>| {
             let mesh = group.first().and_then(|&candidate| drawn.get(self.candidates[candidate]));
             mesh.map_or(String::new(), |mesh| {
@@ -328,7 +322,8 @@ fn key_times(clip: &Clip, hiders: &[bool]) -> Vec<f64> {
     let turning = |channel: &&Channel| {
         matches!(channel.property, Property::Scale | Property::Visible) && hiders.get(channel.node) == Some(&true)
     };
-    let mut times: Vec<f64> = clip.channels.iter().filter(turning).flat_map(|c| c.times.iter().copied().map(f64::from)).collect();
+    let mut times: Vec<f64> =
+        clip.channels.iter().filter(turning).flat_map(|c| c.times.iter().copied().map(f64::from)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup_by(|later, earlier| *later - *earlier < SAME_TIME);
     if times.is_empty() { vec![clip.start] } else { times }

@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
+use actor::surface::Material;
 use gltf::json::material::AlphaMode;
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
 use gltf::json::{self, Index, Value};
-use actor::surface::Material;
 
 use super::document::Document;
 use super::texture::{Textures, wrapping};

@@ -233,7 +233,8 @@ fn moving<'d>(
             );
             return Err(document.wrong(reason));
         }
-        let moves = |property, node: usize| if property == Property::Weights { targets[node] > 0 } else { movers[node] };
+        let moves =
+            |property, node: usize| if property == Property::Weights { targets[node] > 0 } else { movers[node] };
         if clip.channels.iter().any(|channel| moves(channel.property, channel.node)) {
             kept.push(clip);
             continue;

@@ -7,6 +7,9 @@ use super::channel::unit;
 use super::document::Document;
 use crate::import::error::ImportError;
 
+/// Most nodes of all scenes together.
+const MAX_SCENE_NODES: usize = 1 << 26;
+
 /// A node's transform against its parent, and whether it is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Transform {
@@ -164,6 +167,10 @@ fn scenes(document: &Document, roots: &[usize]) -> Result<(Vec<Vec<usize>>, usiz
     if root.scenes.is_empty() {
         return Ok((vec![depth_first(document, roots)], 0));
     }
+    if root.scenes.len().saturating_mul(root.nodes.len()) > MAX_SCENE_NODES {
+        let reason = format!("{} scenes of {} nodes", root.scenes.len(), root.nodes.len());
+        return Err(ImportError::TooLarge { path: document.path().to_owned(), reason });
+    }
     let mut scenes = Vec::new();
     for (index, scene) in root.scenes.iter().enumerate() {
         let mut tops = Vec::new();
@@ -201,7 +208,8 @@ mod tests {
     #[test]
     fn matrices_come_apart_and_together() {
         let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.5);
-        for scale in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 2.0, 0.5), Vec3::new(1.0, -2.0, 3.0), Vec3::splat(-0.1)] {
+        for scale in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 2.0, 0.5), Vec3::new(1.0, -2.0, 3.0), Vec3::splat(-0.1)]
+        {
             let matrix = Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(5.0, -6.0, 7.0));
             let (s, r, t) = parts(&matrix);
             let again = Mat4::from_scale_rotation_translation(s, r, t);

@@ -104,7 +104,9 @@ impl<'a> PrimitiveData<'a> {
         let Some(draco) = &self.draco else { return Ok(None) };
         let Some(id) = draco.ids.get(&semantic.to_string()) else { return Ok(None) };
         let attribute = id.as_u64().and_then(|id| draco.mesh.by_id(u32::try_from(id).ok()?));
-        attribute.map(Some).ok_or_else(|| self.wrong(semantic, format!("names the Draco attribute {id}, which is not there")))
+        attribute
+            .map(Some)
+            .ok_or_else(|| self.wrong(semantic, format!("names the Draco attribute {id}, which is not there")))
     }
 
     /// The attribute's numbers as its accessor wants them: integers brought to 0..1 where they are normalised.

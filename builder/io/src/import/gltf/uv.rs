@@ -72,17 +72,18 @@ impl TextureUv {
             let low = values.iter().copied().fold(f32::INFINITY, f32::min);
             let high = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
             // Rounding of the writer's is no crossing.
-            let inside = low >= -half_pixel && high <= 1.0 + half_pixel;
+            let rounding = 0.1 * half_pixel;
             let cell = ((low + high) / 2.0).floor();
-            let in_cell = low >= cell - half_pixel && high <= cell + 1.0 + half_pixel;
+            let in_cell = low >= cell - rounding && high <= cell + 1.0 + rounding;
             match self.wrap[axis] {
                 WrappingMode::Repeat => {}
-                _ if inside => {}
                 WrappingMode::ClampToEdge => {
-                    // The border's own colour, without what repeats beside it. A triangle that crosses is stretched.
-                    exact &= high <= half_pixel || low >= 1.0 - half_pixel;
+                    // Half a pixel from the border, where nothing of the other border shines in. A triangle that crosses
+                    // is stretched.
+                    exact &= (in_cell && cell == 0.0) || high <= half_pixel || low >= 1.0 - half_pixel;
                     triangle.iter_mut().for_each(|uv| uv[axis] = uv[axis].clamp(half_pixel, 1.0 - half_pixel));
                 }
+                WrappingMode::MirroredRepeat if in_cell && cell == 0.0 => {}
                 WrappingMode::MirroredRepeat if in_cell => {
                     let odd = cell.rem_euclid(2.0) == 1.0;
                     let turned = |value: f32| if odd { cell + 1.0 - value } else { value - cell };
@@ -112,7 +113,9 @@ mod tests {
     fn wrapped_triangles_show_the_same() {
         for mode in [WrappingMode::Repeat, WrappingMode::ClampToEdge, WrappingMode::MirroredRepeat] {
             let uv = TextureUv { wrap: [mode, WrappingMode::Repeat], size: [100, 100], ..TextureUv::PLAIN };
-            for (low, exact) in [(-1.9, true), (-0.4, mode == WrappingMode::Repeat), (0.3, true), (1.2, true), (2.3, true)] {
+            for (low, exact) in
+                [(-1.9, true), (-0.4, mode == WrappingMode::Repeat), (0.3, true), (1.2, true), (2.3, true)]
+            {
                 let corners = [[low, 0.0], [low + 0.6, 7.0], [low + 0.3, -7.0]];
                 let mut moved = corners;
                 assert_eq!(uv.wrap(&mut moved), exact, "{mode:?} {low}");

@@ -31,7 +31,8 @@ pub(super) fn triangles(stream: &[u8], count: usize) -> Result<Vec<u32>, Meshopt
         return Err(MeshoptError::Code("the table of codes of the compressed triangles is damaged"));
     }
     let (codes, data) = body.split_at_checked(count / 3).ok_or(MeshoptError::Short(count))?;
-    let mut decoder = Triangles { data: Data::new(data, count), next: 0, last: 0, edges: Fifo::new(), vertices: Fifo::new() };
+    let mut decoder =
+        Triangles { data: Data::new(data, count), next: 0, last: 0, edges: Fifo::new(), vertices: Fifo::new() };
     let mut indices = Vec::with_capacity(count);
     for &code in codes {
         indices.extend(match (code >> 4, code & 15) {
