@@ -96,7 +96,7 @@ pub(super) fn read_stills(
             let (file, frame) = (GltfFile::open(path)?, first_frame + k);
             let mesh = file.mesh();
             check_same_mesh(mesh.vertex_count, &mesh.faces, path, frame, reference)?;
-            let pose: Vec<DVec3> = file.pose(0, 1.0, 0).iter().map(|p| p.as_dvec3()).collect();
+            let pose: Vec<DVec3> = file.pose(0, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
             place(&pose, path, frame, axes, out)?;
             let prefix = format!("{}: ", path.display());
             let told = |w: &Warning| Note::new(w.code, w.message.strip_prefix(&prefix).unwrap_or(&w.message));
