@@ -12,7 +12,7 @@ use capture_io::import::{Imported, Warning};
 use job::Job;
 use pipeline::distance;
 
-use crate::pack::{AppearanceChoice, FIRST_FRAME, PackError, PackOptions};
+use crate::options::{AppearanceChoice, FIRST_FRAME, PackError, PackOptions};
 
 /// What was found.
 #[derive(Debug, Default)]

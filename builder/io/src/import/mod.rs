@@ -31,6 +31,7 @@ mod beside;
 mod colour;
 mod draco;
 mod error;
+mod folder;
 mod formats;
 mod frames;
 mod gltf;
@@ -48,6 +49,7 @@ mod nearby;
 mod numbered;
 mod obj;
 mod pairing;
+mod paths;
 mod pattern;
 mod places;
 mod plan;
@@ -61,6 +63,7 @@ mod textures;
 mod topologies;
 mod warning;
 mod weld;
+mod worn;
 
 use std::path::PathBuf;
 

@@ -11,7 +11,6 @@ use super::error::ImportError;
 use super::frames::{Axes, First, Reference, Seen, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
-use super::looks::NamedTexture;
 use super::mesh::FileMesh;
 use super::places::{coarse, offset_of, recentred};
 use super::plan::{Plan, PlannedSequence};
@@ -19,6 +18,7 @@ use super::scratch::Scratch;
 use super::stills::{StillReader, read_stills};
 use super::topologies;
 use super::warning::{Notes, Warning};
+use super::worn::NamedTexture;
 
 /// No capture has more file vertices.
 const MAX_VERTICES: usize = 1 << 24;

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::error::ImportError;
 use super::frames::{Axes, Reference, Seen, attributes_differ, check_same_mesh, place};
 use super::gltf::GltfFile;
-use super::looks::NamedTexture;
 use super::mesh::FileMesh;
 use super::scratch::Scratch;
 use super::warning::{Note, Warning};
+use super::worn::NamedTexture;
 
 /// What the frames of a sequence of glTF files are compared with, and where their own textures go.
 pub(super) struct StillReader {

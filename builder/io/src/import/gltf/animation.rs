@@ -3,11 +3,10 @@
 use std::collections::HashSet;
 
 use glam::{Vec3, Vec4};
-use gltf::json::accessor::Accessor;
-use gltf::json::{Index, Value};
-use serde::Deserialize;
+use gltf::json::Value;
 
 use super::super::warning::Warning;
+use super::animation_json::{SamplerJson, TargetJson};
 use super::channel::{Channel, Interpolation, Property, unit};
 use super::document::Document;
 use super::nodes::{Nodes, Transform};
@@ -15,38 +14,6 @@ use crate::import::error::ImportError;
 
 /// What a frame and a keyframe may lie apart and still mean the same time, as a part of a frame.
 const SAME_FRAME: f64 = 0.05;
-
-/// An animation as the file's JSON has it.
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct AnimationJson {
-    name: Option<String>,
-    #[serde(default)]
-    channels: Vec<ChannelJson>,
-    #[serde(default)]
-    samplers: Vec<SamplerJson>,
-}
-
-#[derive(Debug, Deserialize)]
-struct ChannelJson {
-    sampler: usize,
-    target: TargetJson,
-}
-
-#[derive(Debug, Deserialize)]
-struct TargetJson {
-    node: Option<usize>,
-    #[serde(default)]
-    path: String,
-    #[serde(default)]
-    extensions: Value,
-}
-
-#[derive(Debug, Deserialize)]
-struct SamplerJson {
-    input: Index<Accessor>,
-    output: Index<Accessor>,
-    interpolation: Option<String>,
-}
 
 /// One clip.
 pub(super) struct Clip {

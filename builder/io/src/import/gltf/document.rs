@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gltf::json::{self, Index, Root, Value, buffer};
 
-use super::animation::AnimationJson;
+use super::animation_json::AnimationJson;
 use super::container::{data_uri, percent_decoded, split};
 use super::views;
 use crate::import::error::ImportError;

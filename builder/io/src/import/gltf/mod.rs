@@ -17,6 +17,7 @@
 
 mod accessor;
 mod animation;
+mod animation_json;
 mod channel;
 mod container;
 mod document;
@@ -47,8 +48,8 @@ use self::instance::{Instances, Turn, assemble, assemble_scenes};
 use self::nodes::Nodes;
 use self::shape::Joints;
 use super::error::ImportError;
-use super::inputs::stem;
 use super::mesh::FileMesh;
+use super::paths::stem;
 use super::warning::Warning;
 
 /// An opened glTF file; what is needed to pose its meshes at any time.
