@@ -158,7 +158,8 @@ fn constraints_that_are_none_are_refused() {
     good.hard(0);
     let mut factor = ConstrainedFactor::<f64>::new(&symbolic, &matrix, &good, &mut workspace).unwrap();
     let refused = |row, reason| CholeskyError::Constraint { index: 1, row, reason };
-    let cases: [(&dyn Fn(&mut Constraints), CholeskyError); 6] = [
+    type Change<'a> = &'a dyn Fn(&mut Constraints);
+    let cases: [(Change, CholeskyError); 6] = [
         (&|c| c.soft(1, -1.0), refused(1, "its weight is not a positive number")),
         (&|c| c.soft(1, f64::NAN), refused(1, "its weight is not a positive number")),
         (&|c| c.soft(1, f64::INFINITY), refused(1, "its weight is not a positive number")),

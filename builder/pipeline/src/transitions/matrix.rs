@@ -19,7 +19,7 @@ impl TransitionCost {
     pub(super) const BYTES: usize = 10;
 
     /// As it is kept.
-    pub(super) fn to_bytes(&self) -> [u8; Self::BYTES] {
+    pub(super) fn to_bytes(self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
         bytes[..4].copy_from_slice(&self.deformation.to_le_bytes());
         for (k, number) in [self.duration, self.source_length, self.destination_length].into_iter().enumerate() {

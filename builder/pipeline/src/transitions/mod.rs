@@ -133,26 +133,24 @@ impl<'a> Search<'a> {
         costs: &mut [TransitionCost],
     ) -> Result<(), TransitionError> {
         let frame_count = self.distances.frame_count().max(1);
-        let found =
-            costs.par_chunks_mut(frame_count).zip(rows).try_for_each_init(Scratch::<S>::default, |scratch, task| {
-                let (row, from) = task;
-                if !self.take(from, row)? {
-                    self.level.run(SearchRow {
-                        distances: self.distances,
-                        timeline: self.timeline,
-                        lengths: self.lengths,
-                        choice: self.options.choice,
-                        keys: self.keys,
-                        from: from as u32,
-                        scratch,
-                        row,
-                    });
-                    self.keep(from, row)?;
-                }
-                let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-                Ok(self.job.tell("transitions", done as u64, frame_count as u64)?)
-            });
-        found
+        costs.par_chunks_mut(frame_count).zip(rows).try_for_each_init(Scratch::<S>::default, |scratch, task| {
+            let (row, from) = task;
+            if !self.take(from, row)? {
+                self.level.run(SearchRow {
+                    distances: self.distances,
+                    timeline: self.timeline,
+                    lengths: self.lengths,
+                    choice: self.options.choice,
+                    keys: self.keys,
+                    from: from as u32,
+                    scratch,
+                    row,
+                });
+                self.keep(from, row)?;
+            }
+            let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+            Ok(self.job.tell("transitions", done as u64, frame_count as u64)?)
+        })
     }
 
     /// Whether a row was found before; it is in `row` then.
@@ -168,7 +166,7 @@ impl<'a> Search<'a> {
 
     fn keep(&self, from: usize, row: &[TransitionCost]) -> Result<(), TransitionError> {
         let Some(kept) = &self.kept else { return Ok(()) };
-        let bytes: Vec<u8> = row.iter().flat_map(TransitionCost::to_bytes).collect();
+        let bytes: Vec<u8> = row.iter().flat_map(|cost| cost.to_bytes()).collect();
         Ok(kept.write(from, &bytes)?)
     }
 }

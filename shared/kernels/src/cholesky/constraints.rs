@@ -254,7 +254,7 @@ fn number_constraints(
             return Err(CholeskyError::NoRow { row, row_count: symbolic.row_count() });
         };
         // Zero is what a released row has.
-        if !(weight >= 0.0) {
+        if weight.is_nan() || weight < 0.0 {
             return refuse("its weight is not a positive number");
         }
         match constraint_of_row.get_mut(position as usize) {

@@ -129,7 +129,8 @@ impl Symbolic {
                     let p = w[position] * values.get(start + j).to_f64();
                     let next = t + p * p;
                     // Half of the digits at least: what is left is `next / sign` of the matrix, seen from the change.
-                    if !(next * sign > S::EPSILON.sqrt()) {
+                    let left = next * sign;
+                    if left.is_nan() || left <= S::EPSILON.sqrt() {
                         return Err(CholeskyError::Downdate { row: self.order[position] });
                     }
                     let ratio = (next / t).sqrt();

@@ -27,7 +27,12 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Opens a `.glb` or `.gltf` file and the buffers beside it.
+    /// The same with the bytes of its compressed buffer views, by their index.
+    pub fn with_inflated(self, inflated: HashMap<usize, Vec<u8>>) -> Self {
+        Self { inflated, ..self }
+    }
+
+    /// Opens a `.glb` or `.gltf` file and the buffers beside it; compressed views are yet to be inflated.
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let wrong = |reason: String| ImportError::Gltf { path: path.to_owned(), reason };
         let no_json = |e: json::Error| wrong(format!("not glTF JSON: {e}"));
@@ -43,7 +48,6 @@ impl Document {
         let (buffers, inflated) = (Vec::new(), HashMap::new());
         let mut document = Self { path: path.to_owned(), root, animations, buffers, inflated };
         document.buffers = document.load_buffers(blob)?;
-        document.inflated = views::inflate_all(&document)?;
         Ok(document)
     }
 

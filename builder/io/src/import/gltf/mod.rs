@@ -24,6 +24,7 @@ mod document;
 mod drawn;
 mod extensions;
 mod flipbook;
+mod inflate;
 mod instance;
 mod material;
 mod nodes;
@@ -44,6 +45,7 @@ use self::channel::Property;
 use self::document::Document;
 use self::drawn::{Drawn, Reader};
 use self::flipbook::Shown;
+use self::inflate::inflate_all;
 use self::instance::{Instances, Turn, assemble, assemble_scenes};
 use self::nodes::Nodes;
 use self::shape::Joints;
@@ -72,6 +74,8 @@ impl GltfFile {
     /// Opens a file and reads all but the poses.
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let document = Document::open(path)?;
+        let inflated = inflate_all(&document)?;
+        let document = document.with_inflated(inflated);
         let mut warnings = Vec::new();
         extensions::check(&document, &mut warnings)?;
         let nodes = Nodes::read(&document)?;
@@ -224,7 +228,9 @@ fn moving<'d>(
     }
     let mut kept = Vec::new();
     for clip in clips {
-        for channel in clip.channels.iter().filter(|c| c.property == Property::Weights && c.width < targets[c.node]) {
+        if let Some(channel) =
+            clip.channels.iter().find(|c| c.property == Property::Weights && c.width < targets[c.node])
+        {
             let reason = format!(
                 "clip \"{}\" has {} weights for the {} morph targets of {}",
                 clip.name,
