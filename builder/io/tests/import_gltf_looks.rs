@@ -54,7 +54,9 @@ fn every_kind_of_material_gives_its_colours() {
     both["pbrMetallicRoughness"] = red.clone();
     let mut bright = older(json!({"diffuseTexture": {"index": 1}}));
     bright["pbrMetallicRoughness"] = red.clone();
-    let cases: [(Value, [f32; 4], Option<[u8; 3]>, Option<&str>); 12] = [
+    /// What a material says, its base colour, its texture's colour, and what is warned of.
+    type Case = (Value, [f32; 4], Option<[u8; 3]>, Option<&'static str>);
+    let cases: [Case; 12] = [
         (json!({"pbrMetallicRoughness": red}), WHITE, RED, None),
         (json!({"pbrMetallicRoughness": red, "extensions": {"KHR_materials_unlit": {}}}), WHITE, RED, None),
         (older(json!({"diffuseTexture": {"index": 1}, "diffuseFactor": [1, 1, 1, 1]})), WHITE, BLUE, None),

@@ -255,7 +255,7 @@ pub struct DirectArguments {
     /// A JSON file with a path to follow: {"points": [[x, z], ...], "shape": "spline"}.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// A TOML file with key poses: [[poses]] with pose = 12 and time = 1.5.
+    /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
     /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given.
