@@ -21,9 +21,9 @@ use rayon::prelude::*;
 
 use super::AppearanceError;
 use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
-use super::build::combine;
 use super::completion;
 use super::pca::{Components, components};
+use super::rebuilt::combine;
 use super::store::Store;
 use super::textures::TextureSource;
 use super::warp::Warping;

@@ -9,8 +9,8 @@ use bundle::AppearanceQuality;
 use texture::AppearanceModel;
 
 use super::AppearanceError;
-use super::build::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
 use super::coarsest::coarsest;
+use super::learn::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
 use super::stored::{StoredQuality, WARP_STEP, stored_quality};
 use super::textures::TextureSource;
 use job::Job;

@@ -9,9 +9,9 @@ use texture::quality::{Similarity, psnr};
 
 use super::AppearanceError;
 use super::align::colours;
-use super::build::compared;
 use super::charts::Charts;
 use super::pca::Components;
+use super::rebuilt::compared;
 use super::textures::TextureSource;
 
 /// Multigrid cycles of the player.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use appearance::align::{AlignOptions, align};
-use appearance::build::Basis;
+use appearance::basis::Basis;
 use appearance::completion::complete;
 use appearance::fit::Fitting;
 use appearance::naive::naive;

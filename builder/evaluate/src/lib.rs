@@ -15,6 +15,7 @@ mod blending;
 pub mod clay;
 mod contacts;
 pub mod document;
+mod escape;
 mod graphs;
 pub mod html;
 mod interpolation;

@@ -4,7 +4,7 @@
 #[path = "../../appearance/tests/common/mod.rs"]
 mod common;
 
-use appearance::build::Basis;
+use appearance::basis::Basis;
 use appearance::textures::Texture;
 use common::{SIZE, aligned, between, capture, charts, slide};
 use evaluate::textures::ghosting::{CLASSES, Crossings, Scene, Truth, against_truth};

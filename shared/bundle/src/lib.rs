@@ -15,6 +15,7 @@ mod error;
 mod graph;
 mod header;
 mod integers;
+mod kind;
 mod layout;
 mod meta;
 mod motion;
@@ -32,7 +33,8 @@ pub use encode::{
     BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_looks,
 };
 pub use error::{BundleError, EncodeError};
-pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+pub use header::{Header, SectionEntry};
+pub use kind::{Kind, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use sections::SectionInfo;

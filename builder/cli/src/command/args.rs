@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pipeline::transitions::TransitionOptions;
 use search::{BehaviourRequest, PlaceRequest};
 
-use super::asked::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
+use super::typed::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
 
 /// Turns 4D surface captures into actors that anyone can direct on a web page.
 #[derive(Debug, Parser)]

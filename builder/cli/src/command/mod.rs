@@ -11,6 +11,7 @@ mod pack;
 mod performer;
 mod report;
 mod terminal;
+mod typed;
 mod validate;
 mod walked;
 mod work;

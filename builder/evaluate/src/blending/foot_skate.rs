@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use actor::graph::EssentialGraph;
 use rayon::prelude::*;
 
-use super::{SKATE_TRANSITIONS, Walks, walks_table};
+use super::walks::{SKATE_TRANSITIONS, Walks, walks_table};
 use crate::EvaluateError;
 use crate::contacts::Contacts;
 use crate::document::{Cell, SectionReport, Table};
@@ -134,7 +134,7 @@ pub(super) fn skate_table(
         }
     }
     section.tables.push(table);
-    section.tables.push(walks_table(skates, fps));
+    section.tables.push(walks_table(skates.iter().map(|(choice, walks, _)| (*choice, walks)), fps));
     if let (Some(_), [held, free, ..]) = (&subject.truth, sliding.as_slice()) {
         section.text.push(format!(
             "A foot that stands slides {:.2} mm a frame in synthetic frames, {:.2} mm where the blend follows the centre \

@@ -11,15 +11,18 @@ use serde::Serialize;
 use texture::quality::Similarity;
 
 use super::ghosting::{AgainstTruth, Crossings, Scene, against_truth};
+use super::quality::{Quality, evenly};
 use super::seams::{Moment, changes, worn};
 use super::views::Views;
 use crate::EvaluateError;
 use appearance::AppearanceError;
 use appearance::align::{AlignOptions, Aligned, align, colours};
-use appearance::build::{Basis, combine, compared, means, split};
+use appearance::basis::Basis;
 use appearance::charts::Charts;
+use appearance::learn::split;
 use appearance::naive::captured;
 use appearance::pca::{Components, components};
+use appearance::rebuilt::{combine, compared, means};
 use appearance::store::Store;
 use appearance::stored;
 use appearance::textures::TextureSource;
@@ -38,15 +41,6 @@ const SHARES: [usize; 4] = [10, 25, 50, 75];
 const DISTANCES: [usize; 3] = [4, 8, 16];
 /// Frames, or pairs of frames, on which each point of a curve is measured.
 const SAMPLE: usize = 24;
-
-/// Similarity and error at a point of a curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Quality {
-    /// Structural similarity.
-    pub ssim: f64,
-    /// Mean square error of colours from 0 to 1.
-    pub mse: f64,
-}
 
 /// One number of components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -346,11 +340,6 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
             frames.par_iter().map(|&frame| Ok((steepness(&make(frame)), steepness(&self.original(frame)?)))).collect();
         means(found).map(|(made, recorded)| made / recorded.max(1e-12))
     }
-}
-
-/// At most `most` of `frames`, evenly spread.
-pub(super) fn evenly<T: Copy>(frames: &[T], most: usize) -> Vec<T> {
-    frames.iter().copied().step_by(frames.len().div_ceil(most).max(1)).collect()
 }
 
 /// `frames` in an order that looks random but is always the same.

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use actor::blend::Blend;
 
-use super::curves::{Curves, Quality, Subject as Textured, curves};
+use super::curves::{Curves, Subject as Textured, curves};
 use super::ghosting::Crossings;
 use super::performed::{self, Performed};
+use super::quality::Quality;
 use super::seams::Moment;
 use super::views::Views;
 use crate::blending::draw;

@@ -1,7 +1,8 @@
 //! The Euclidean residual of a block of vertices, for comparison with the deformation.
 
+use kernels::lanes::lane_sum;
+
 use super::alignment::{BLOCK, VertexBlock};
-use super::lanes::lane_sum;
 
 /// The weighted sum of squared distances over a block, with j turned about +Y by twice the angle of (`cos`, `sin`).
 ///

@@ -8,7 +8,6 @@ mod alignment;
 mod deformation;
 mod euclidean;
 mod headings;
-mod lanes;
 mod matrix;
 mod tiles;
 mod triangles;
