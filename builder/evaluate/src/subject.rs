@@ -12,7 +12,7 @@ use kernels::align::centre_of_mass;
 
 use super::truth::Truth;
 use super::{EvaluateError, EvaluateOptions};
-use capture_io::import::{ImportOptions, import};
+use capture_io::import::{ImportOptions, Scratch, import};
 use job::{Job, Stopped};
 use pipeline::distance::{self, DistanceOptions, Measured};
 use pipeline::graph::{GraphOptions, essential_graph};
@@ -26,6 +26,8 @@ pub struct Subject {
     pub textures: Option<Vec<PathBuf>>,
     /// Masks of what no camera saw, one a frame, where there are any.
     pub masks: Vec<Option<PathBuf>>,
+    /// Keeps textures alive that were written out for this capture.
+    pub scratch: Option<Scratch>,
     /// Its skeleton's truth, where it came with one.
     pub truth: Option<Truth>,
     /// How it is evaluated.
@@ -56,7 +58,8 @@ impl Subject {
         })?;
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
         let subject = Self::new(imported.capture, truth, options, job)?;
-        Ok(Self { textures: imported.frame_textures, masks: imported.frame_masks, ..subject })
+        let (textures, masks, scratch) = (imported.frame_textures, imported.frame_masks, imported.scratch);
+        Ok(Self { textures, masks, scratch, ..subject })
     }
 
     /// Measures the pose distances of a capture in memory.
@@ -78,6 +81,7 @@ impl Subject {
             capture,
             textures: None,
             masks: Vec::new(),
+            scratch: None,
             truth,
             options,
             measured,

@@ -57,7 +57,7 @@ fn obj_and_mtl() {
     for length in 0..mtl.len() {
         write_bytes(f, "m.mtl", &mtl.as_bytes()[..length]);
         if let Err(error) = import(&input, &ImportOptions::default(), &|_| {}) {
-            assert!(["E_NOT_FOUND", "E_SYNTAX", "E_IMAGE", "E_IO"].contains(&error.code()), "{error}");
+            assert!(["E_TEXTURE_MISSING", "E_SYNTAX", "E_IMAGE", "E_IO"].contains(&error.code()), "{error}");
         }
     }
 }

@@ -55,7 +55,10 @@
 //! [`Job`]: it says how far it is, stops when it is told to, and keeps results of stages in a [`WorkFolder`].
 
 pub mod example;
+mod options;
 pub mod pack;
+pub mod preflight;
+mod reach;
 
 pub use actor::capture::{Capture, CaptureError, Poses};
 pub use actor::graph::{EssentialGraph, Transition};

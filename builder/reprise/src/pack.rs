@@ -7,95 +7,20 @@ use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
-use appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
-use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeError, EncodeReport, default_max_error};
-use capture_io::import::{self, ImportError, ImportOptions, Warning};
-use job::{Job, Stopped, memory};
+use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
+use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
+use capture_io::import::{self, Warning};
+use job::{Job, memory};
 use kernels::cholesky::elimination_order;
-use pipeline::distance::{self, DistanceError, DistanceOptions};
-use pipeline::graph::{GraphError, GraphOptions, Graphed, essential_graph};
-use pipeline::transitions::TransitionError;
+use pipeline::distance::{self};
+use pipeline::graph::{Graphed, essential_graph};
 use serde::Serialize;
 use texture::AppearanceModel;
-use thiserror::Error;
 
-/// The frame that the player shows first.
-const FIRST_FRAME: u32 = 0;
-
-/// Everything that `builder pack` can be told.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct PackOptions {
-    /// How the input is read.
-    pub import: ImportOptions,
-    /// How pose distances are measured.
-    pub distance: DistanceOptions,
-    /// How transitions are chosen, and which of them stay.
-    pub graph: GraphOptions,
-    /// Largest error of a stored vertex position in metres; by the body's height where not given.
-    pub max_error: Option<f32>,
-    /// What becomes of textures that change from frame to frame.
-    pub appearance: AppearanceChoice,
-}
-
-/// What becomes of textures that change from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum AppearanceChoice {
-    /// The first frame's texture is used for all.
-    Static,
-    /// They become Eigen textures and Eigen warps.
-    Eigen(AppearanceOptions),
-}
-
-impl Default for AppearanceChoice {
-    fn default() -> Self {
-        Self::Eigen(AppearanceOptions::default())
-    }
-}
-
-/// Why there is no bundle.
-#[derive(Debug, Error)]
-pub enum PackError {
-    /// The input cannot be read as a capture.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// The textures of the frames cannot become an appearance.
-    #[error(transparent)]
-    Appearance(#[from] AppearanceError),
-    /// The poses cannot be compared.
-    #[error(transparent)]
-    Distance(#[from] DistanceError),
-    /// There is no graph.
-    #[error(transparent)]
-    Graph(#[from] GraphError),
-    /// The bundle cannot hold it.
-    #[error(transparent)]
-    Encode(#[from] EncodeError),
-    /// It was asked to stop: nothing was written.
-    #[error(transparent)]
-    Stopped(#[from] Stopped),
-}
-
-impl PackError {
-    /// Whether Reprise itself is at fault, not what it was given.
-    #[must_use]
-    pub fn is_ours(&self) -> bool {
-        matches!(self, Self::Graph(GraphError::Build(_)))
-    }
-
-    /// Whether it was stopped, in whatever stage.
-    #[must_use]
-    pub fn is_stopped(&self) -> bool {
-        matches!(
-            self,
-            Self::Stopped(_)
-                | Self::Appearance(AppearanceError::Stopped(_))
-                | Self::Distance(DistanceError::Stopped(_))
-                | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
-        )
-    }
-}
+use crate::options::FIRST_FRAME;
+pub use crate::options::{AppearanceChoice, PackError, PackOptions};
+use crate::preflight::{before_stages, holes};
+use crate::reach::unreachable;
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -181,7 +106,12 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
             let _ = job.tell(step.what, step.done, step.total);
         })
     })?;
+    let before = before_stages(&imported, options);
+    if let Some(refusal) = before.refusal {
+        return Err(refusal);
+    }
     let mut warnings = imported.warnings;
+    warnings.extend(before.warnings);
     let built = match (&options.appearance, imported.frame_textures) {
         (AppearanceChoice::Eigen(options), Some(paths)) => {
             let files = TextureFiles::new(paths, imported.frame_masks)?;
@@ -190,15 +120,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
             })?;
             Some(built)
         }
-        (AppearanceChoice::Static, Some(paths)) => {
-            let count = paths.len();
-            warnings.push(Warning::new(
-                "W_TEXTURES_STATIC",
-                format!("{count} frames have textures of their own, of which the first one's is used for all"),
-            ));
-            None
-        }
-        (_, None) => None,
+        (AppearanceChoice::Static, _) | (_, None) => None,
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
@@ -206,6 +128,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    // What the graph says comes last.
+    warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
     Ok((bytes, pack_report))
 }
@@ -219,35 +143,9 @@ fn eigen_appearance(
     job: &Job,
 ) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
-    let (charts, findings) = Charts::new(&capture.surface, width, height)?;
-    if findings.shared_texels > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_OVERLAP",
-            format!(
-                "charts of the atlas overlap in {} texels: parts of the body that share texels look alike",
-                findings.shared_texels
-            ),
-        ));
-    }
-    if findings.wrapped_triangles > 0 {
-        warnings.push(Warning::new(
-            "W_ATLAS_REPEAT",
-            format!(
-                "{} triangles have texture coordinates outside of 0 to 1: the texture repeats",
-                findings.wrapped_triangles
-            ),
-        ));
-    }
+    let (charts, _) = Charts::new(&capture.surface, width, height)?;
     let (model, summary) = appearance::build(textures, &charts, options, job)?;
-    if !summary.completed_frames.is_empty() {
-        warnings.push(Warning::new(
-            "W_TEXTURE_HOLES",
-            format!(
-                "{} frames have texels that no camera saw: they were left out of the model and completed from it",
-                summary.completed_frames.len()
-            ),
-        ));
-    }
+    warnings.extend(holes(summary.completed_frames.len()));
     warnings.extend(missed_similarity(options, &summary));
     let mut models = vec![model];
     if options.compare {
@@ -298,6 +196,8 @@ pub fn pack_with_looks(
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
     let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graphed.graph, (models, quality), options))?;
+    let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
+    let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
@@ -306,7 +206,7 @@ pub fn pack_with_looks(
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
-        warnings: Vec::new(),
+        warnings: unreachable.into_iter().collect(),
     };
     Ok((bytes, pack_report))
 }

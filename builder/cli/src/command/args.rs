@@ -173,8 +173,8 @@ pub struct ImportArguments {
     /// Metres per unit of length of the input, for example 0.01 for centimetres.
     #[arg(long, value_name = "METRES")]
     pub unit: Option<f32>,
-    /// Sequences whose end meets their beginning, by name.
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    /// Sequences whose end meets their beginning: by name, or none, or those that do so in place and speed.
+    #[arg(long, value_delimiter = ',', default_value = "auto", value_name = "auto|none|NAMES")]
     pub cyclic: Vec<String>,
     /// A texture for all frames, or a folder, glob or pattern with one per frame.
     #[arg(long, value_name = "FILE")]

@@ -8,7 +8,9 @@ use actor::timeline::Timeline;
 use anyhow::{Context, anyhow};
 use bundle::{BundleReader, MAGIC};
 use capture_io::import::import;
-use reprise::pack::summary_of;
+use job::Job;
+use reprise::pack::{PackOptions, summary_of};
+use reprise::preflight::preflight;
 use serde_json::{Value, json};
 
 use super::args::InspectArguments;
@@ -19,29 +21,39 @@ use super::terminal::Terminal;
 
 /// Tells what a bundle or an input holds.
 pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let mut refusal = None;
     let found = match arguments.inputs.as_slice() {
         [path] if is_bundle(Path::new(path)) => inspect_bundle(Path::new(path))?,
         inputs => {
-            let options = import_options(&arguments.import);
-            let imported = import(inputs, &options, &|step| {
-                let _ = terminal.progress(step);
-            });
-            let imported = imported.map_err(|error| Failure::Input(error.into()))?;
-            let capture = imported.capture;
+            let mut options = PackOptions::default();
+            options.import = import_options(&arguments.import);
+            let report = |step| terminal.progress(step);
+            let reading = |step| {
+                let _ = report(step);
+            };
+            let imported = import(inputs, &options.import, &reading).map_err(|error| Failure::Input(error.into()))?;
+            let found = preflight(&imported, &options, &Job::new(&report));
+            refusal = found.refusal;
+            let warnings: Vec<_> = imported.warnings.iter().chain(&found.warnings).collect();
+            let capture = &imported.capture;
             json!({
                 "kind": "input",
                 "name": capture.name,
-                "capture": summary_of(&capture),
+                "capture": summary_of(capture),
                 "sequences": sequences(&capture.timeline),
+                // Metres that were taken off all positions.
+                "offset": imported.offset.to_array(),
                 "materials": capture.surface.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(),
                 "images": capture.surface.images.iter().map(|i| json!({
                     "media_type": i.format.media_type(), "width": i.width, "height": i.height, "bytes": i.bytes.len(),
                 })).collect::<Vec<_>>(),
-                "warnings": imported.warnings,
+                "warnings": warnings,
             })
         }
     };
-    if arguments.json { print_json(&found) } else { print_text(text(&found).trim_end()) }
+    if arguments.json { print_json(&found) } else { print_text(text(&found).trim_end()) }?;
+    // What it holds is told all the same, but it cannot be packed.
+    refusal.map_or(Ok(()), |error| Err(Failure::Input(error.into())))
 }
 
 /// Whether a file begins as a bundle does.

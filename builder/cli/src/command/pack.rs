@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use appearance::AppearanceOptions;
-use capture_io::import::ImportOptions;
+use capture_io::import::{Cyclic, ImportOptions};
 use job::Job;
 use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
@@ -42,7 +42,11 @@ pub fn import_options(arguments: &ImportArguments) -> ImportOptions {
             UpAxis::Z => capture_io::import::UpAxis::Z,
         }),
         unit: arguments.unit,
-        cyclic: arguments.cyclic.clone(),
+        cyclic: match arguments.cyclic.as_slice() {
+            [word] if word == "auto" => Cyclic::Auto,
+            [word] if word == "none" => Cyclic::None,
+            names => Cyclic::Names(names.to_vec()),
+        },
         texture: arguments.texture.clone(),
         weights: arguments.weights.clone(),
         weld: arguments.weld,
@@ -146,9 +150,6 @@ fn summary(report: &PackReport) -> String {
             appearance.stored.psnr,
             seconds.appearance
         ));
-    }
-    if graph.unreachable_pairs > 0 {
-        lines.push(format!("warning: {} pairs of frames have no way from one to the other", graph.unreachable_pairs));
     }
     if let Some(bytes) = report.peak_memory_bytes {
         lines.push(format!("peak memory: {:.0} MB", bytes as f64 / 1e6));

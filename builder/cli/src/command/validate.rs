@@ -5,7 +5,10 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use bundle::{Finding, Severity, validate};
-use capture_io::import::{ImportError, Warning, import};
+use capture_io::import::{Warning, import};
+use job::Job;
+use reprise::pack::{PackError, PackOptions};
+use reprise::preflight::preflight;
 use serde::Serialize;
 
 use super::args::ValidateArguments;
@@ -30,9 +33,11 @@ pub fn run(arguments: &ValidateArguments, terminal: &Terminal) -> Result<(), Fai
             let bytes = fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
             validate(&bytes).into_iter().map(of_bundle).collect()
         }
-        inputs => of_input(import(inputs, &import_options(&arguments.import), &|step| {
-            let _ = terminal.progress(step);
-        })),
+        inputs => {
+            let mut options = PackOptions::default();
+            options.import = import_options(&arguments.import);
+            of_input(inputs, options, terminal)
+        }
     };
     let name = arguments.inputs.join(" ");
     if arguments.json {
@@ -58,10 +63,19 @@ fn of_bundle(finding: Finding) -> Line {
 }
 
 /// Reading stops at the first error; warnings do not stop it.
-fn of_input(outcome: Result<capture_io::import::Imported, ImportError>) -> Vec<Line> {
+fn of_input(inputs: &[String], options: PackOptions, terminal: &Terminal) -> Vec<Line> {
+    let report = |step| terminal.progress(step);
     let warning = |Warning { code, message }| Line { code, severity: "warning", message };
-    match outcome {
-        Ok(imported) => imported.warnings.into_iter().map(warning).collect(),
+    let reading = |step| {
+        let _ = report(step);
+    };
+    match import(inputs, &options.import, &reading) {
+        Ok(imported) => {
+            let found = preflight(&imported, &options, &Job::new(&report));
+            let error = |error: PackError| Line { code: error.code(), severity: "error", message: error.to_string() };
+            let warnings = imported.warnings.into_iter().chain(found.warnings).map(warning);
+            warnings.chain(found.refusal.map(error)).collect()
+        }
         Err(error) => vec![Line { code: error.code(), severity: "error", message: error.to_string() }],
     }
 }

@@ -1,6 +1,7 @@
 //! From a recording to a capture: weld, topology, drawn surface, timeline.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 
 use actor::capture::{Capture, Poses};
 use actor::surface::{Corner, Part, Surface};
@@ -11,10 +12,11 @@ use kernels::topology::{Topology, barycentric_areas};
 
 use super::error::ImportError;
 use super::images::read_file;
+use super::loops::{self, Meets};
 use super::mesh::{FileMesh, FileTriangle};
-use super::plan::Plan;
+use super::plan::{Plan, PlannedSequence};
 use super::read::Recording;
-use super::text::{for_each_line, number};
+use super::text::{Continues, for_each_line, number, without_comment};
 use super::warning::Warning;
 use super::weld::weld;
 
@@ -33,14 +35,17 @@ pub(super) fn assemble(
     let Recording { mesh, mut positions, frame_counts, .. } = recording;
     let file_vertices = mesh.vertex_count;
     let path = plan.sequences.first().map(|s| s.source.path().to_owned()).unwrap_or_default();
+    check_extents(plan, &positions, file_vertices, &frame_counts)?;
     let first = positions.get(..file_vertices).unwrap_or_default();
     let size = body_size(first);
     warn_about_size(size, warnings);
+    warn_about_sizes(plan, &positions, file_vertices, &frame_counts, warnings);
     let mut triangles = mesh.triangles(first);
 
     let tolerance = weld_tolerance.map_or(WELD_PART * f64::from(size), f64::from);
     let representative = weld(&positions, file_vertices, tolerance);
     let (vertex_of_file_vertex, kept) = number_vertices(&representative);
+    warn_about_welds(file_vertices, kept.len(), tolerance, warnings);
     let welded = |triangle: &FileTriangle| welded_corners(&mesh, triangle, &vertex_of_file_vertex);
     let before = triangles.len();
     triangles.retain(|t| {
@@ -72,8 +77,9 @@ pub(super) fn assemble(
     let topology = Topology::new(vertex_count as u32, corners, weights)?;
     warn_about_loose_vertices(&topology, warnings);
 
-    let (poses, frame_counts, dropped) = poses(plan, &topology, positions, frame_counts, size, warnings);
-    let timeline = timeline(plan, &frame_counts)?;
+    let Played { poses, frame_counts, cyclic, dropped } =
+        play(plan, &topology, positions, frame_counts, size, warnings);
+    let timeline = timeline(plan, &frame_counts, &cyclic)?;
     let capture = Capture { name: plan.name.clone(), topology, surface, timeline, poses, vertex_of_file_vertex };
     Ok((capture, dropped))
 }
@@ -92,6 +98,87 @@ fn warn_about_size(size: f32, warnings: &mut Vec<Warning>) {
             format!(
                 "the subject measures {size:.3} m: if that is not so, give the unit (0.01 for centimetres, 0.001 for \
              millimetres)"
+            ),
+        ));
+    }
+}
+
+/// Sizes of the body that differ by more than this are different units, or one of them is damaged.
+const MOST_GROWTH: f32 = 20.0;
+
+fn warn_about_sizes(
+    plan: &Plan,
+    positions: &[Vec3],
+    file_vertices: usize,
+    frame_counts: &[usize],
+    warnings: &mut Vec<Warning>,
+) {
+    let sizes: Vec<f32> = positions.chunks_exact(file_vertices.max(1)).map(body_size).collect();
+    let mut sorted = sizes.clone();
+    sorted.sort_by(f32::total_cmp);
+    let Some(&usual) = sorted.get(sorted.len() / 2) else { return };
+    let odd = |size: f32| size > MOST_GROWTH * usual || MOST_GROWTH * size < usual;
+    let frames: Vec<usize> = (0..sizes.len()).filter(|&frame| odd(sizes[frame])).collect();
+    let Some(&first) = frames.first() else { return };
+    let (sequence, frame) = within(plan, frame_counts, first);
+    warnings.push(Warning::new(
+        "W_SIZE_CHANGES",
+        format!(
+            "frame {frame} of sequence \"{}\" measures {:.3} m, most others {usual:.3} m, and so do {} frames in all: do all \
+             files have one unit, and does a vertex lie far away?",
+            sequence.map(|s| s.name.as_str()).unwrap_or_default(),
+            sizes[first],
+            frames.len()
+        ),
+    ));
+}
+
+/// The sequence that holds frame `frame` of the capture, and its number there.
+fn within<'a>(plan: &'a Plan, frame_counts: &[usize], frame: usize) -> (Option<&'a PlannedSequence>, usize) {
+    let mut rest = frame;
+    for (sequence, &count) in plan.sequences.iter().zip(frame_counts) {
+        if rest < count {
+            return (Some(sequence), rest);
+        }
+        rest -= count;
+    }
+    (None, rest)
+}
+
+/// Poses this much smaller than the largest are points.
+const POINT: f32 = 1e-6;
+
+/// Refuses frames without any extent: nothing can be compared with them.
+fn check_extents(
+    plan: &Plan,
+    positions: &[Vec3],
+    file_vertices: usize,
+    frame_counts: &[usize],
+) -> Result<(), ImportError> {
+    let sizes: Vec<f32> = positions.chunks_exact(file_vertices.max(1)).map(body_size).collect();
+    let largest = sizes.iter().copied().fold(0.0, f32::max);
+    let Some(point) = sizes.iter().position(|&size| largest > 0.0 && size <= POINT * largest) else { return Ok(()) };
+    let (sequence, frame) = within(plan, frame_counts, point);
+    let source = sequence.map(|sequence| &sequence.source);
+    let path = source.map(|source| source.files().get(frame).map_or(source.path(), PathBuf::as_path).to_owned());
+    let points = sizes.iter().filter(|&&size| size <= POINT * largest).count();
+    let more = if points > 1 { format!(", and so it is in {points} frames in all") } else { String::new() };
+    Err(ImportError::FrameEmpty {
+        path: path.unwrap_or_default(),
+        frame,
+        sequence: sequence.map(|sequence| sequence.name.clone()).unwrap_or_default(),
+        fault: format!("all vertices lie at one point{more}"),
+    })
+}
+
+fn warn_about_welds(file_vertices: usize, kept: usize, tolerance: f64, warnings: &mut Vec<Warning>) {
+    if kept < file_vertices {
+        warnings.push(Warning::new(
+            "W_WELDED",
+            format!(
+                "{file_vertices} vertices of the files are {kept} vertices of the body: those within {:.4} mm of each other in \
+                 every frame are one (--weld 0 keeps apart all that differ at all)",
+                tolerance * 1000.0
             ),
         ));
     }
@@ -169,16 +256,20 @@ fn keep_vertices(positions: &mut Vec<Vec3>, file_vertices: usize, kept: &[u32]) 
 fn read_weights(path: &std::path::Path, file_vertices: usize, kept: &[u32]) -> Result<Vec<f32>, ImportError> {
     let wrong = |reason: String| ImportError::Weights { path: path.to_owned(), reason };
     let mut weights = Vec::new();
-    for_each_line(&read_file(path)?, |line, text| {
-        for word in text.split_ascii_whitespace() {
-            let weight = number(path, line, word)?;
-            if !(weight >= 0.0 && weight.is_finite()) {
-                return Err(wrong(format!("line {line}: a weight of {weight}")));
+    for_each_line(
+        &read_file(path)?,
+        |_| Continues::Always,
+        |line, text| {
+            for word in without_comment(text).split_ascii_whitespace() {
+                let weight = number(path, line, word)? as f32;
+                if !(weight >= 0.0 && weight.is_finite()) {
+                    return Err(wrong(format!("line {line}: a weight of {weight}")));
+                }
+                weights.push(weight);
             }
-            weights.push(weight);
-        }
-        Ok(())
-    })?;
+            Ok(())
+        },
+    )?;
     if weights.len() != file_vertices {
         return Err(wrong(format!("{} weights for {file_vertices} vertices", weights.len())));
     }
@@ -199,36 +290,85 @@ fn warn_about_loose_vertices(topology: &Topology, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// The poses without the frames that close a cycle; the number of frames left in each sequence, and which lost one.
-fn poses(
+/// The poses that are played, and what is known of each sequence.
+struct Played {
+    /// Without the frames that close a loop.
+    poses: Poses,
+    /// Frames that are left.
+    frame_counts: Vec<usize>,
+    /// Whether it is a loop.
+    cyclic: Vec<bool>,
+    /// Whether its last frame was left out.
+    dropped: Vec<bool>,
+}
+
+fn play(
     plan: &Plan,
     topology: &Topology,
     mut positions: Vec<Vec3>,
     mut frame_counts: Vec<usize>,
     size: f32,
     warnings: &mut Vec<Warning>,
-) -> (Poses, Vec<usize>, Vec<bool>) {
-    let n = topology.vertex_count();
-    let mut dropped = Vec::new();
+) -> Played {
+    let (n, weights) = (topology.vertex_count(), topology.weights());
+    let (mut cyclic, mut dropped) = (Vec::new(), Vec::new());
+    let (mut loops, mut almost) = (Vec::new(), Vec::new());
     let (mut read, mut write) = (0, 0);
     for (sequence, count) in plan.sequences.iter().zip(&mut frame_counts) {
         let frames = &positions[read * n..(read + *count) * n];
-        let repeats = sequence.cyclic && *count > 1 && repeats(frames, n, topology.weights(), REPEAT_PART * size);
-        let kept = *count - usize::from(repeats);
+        let repeats = sequence.cyclic != Some(false) && *count > 1 && repeats(frames, n, weights, REPEAT_PART * size);
+        let is_loop = sequence.cyclic.unwrap_or_else(|| {
+            let meets = loops::meets(frames, n, weights, repeats);
+            match meets {
+                Meets::InStep => loops.push(sequence.name.as_str()),
+                Meets::InPlace => almost.push(sequence.name.as_str()),
+                Meets::No => {}
+            }
+            meets == Meets::InStep
+        });
+        let drop = is_loop && repeats;
+        let kept = *count - usize::from(drop);
         positions.copy_within(read * n..(read + kept) * n, write * n);
         read += *count;
         write += kept;
-        if repeats {
+        if drop && sequence.cyclic == Some(true) {
             warnings.push(Warning::new(
                 "W_FRAME_REPEATED",
                 format!("\"{}\": the last frame repeats the first and is left out", sequence.name),
             ));
         }
         *count = kept;
-        dropped.push(repeats);
+        cyclic.push(is_loop);
+        dropped.push(drop);
     }
+    warn_about_loops(&loops, &almost, warnings);
     positions.truncate(write * n);
-    (Poses::from_positions(n, positions), frame_counts, dropped)
+    Played { poses: Poses::from_positions(n, positions), frame_counts, cyclic, dropped }
+}
+
+fn warn_about_loops(loops: &[&str], almost: &[&str], warnings: &mut Vec<Warning>) {
+    if !loops.is_empty() {
+        warnings.push(Warning::new(
+            "W_CYCLIC",
+            format!(
+                "the end meets the beginning in {} of the sequences, which are played as loops (without a last frame that \
+                 repeats the first): {}; if they are none, say --cyclic none, or cyclic = false in a manifest",
+                loops.len(),
+                loops.join(", ")
+            ),
+        ));
+    }
+    if !almost.is_empty() {
+        warnings.push(Warning::new(
+            "W_CYCLIC_PERHAPS",
+            format!(
+                "the end is where the beginning is, but at another speed, in {} of the sequences: {}; if they are loops, name \
+                 them (--cyclic NAMES, or cyclic = true in a manifest)",
+                almost.len(),
+                almost.join(", ")
+            ),
+        ));
+    }
 }
 
 /// Whether the last of `frames` is the first one, turned about the vertical and moved along the ground.
@@ -244,17 +384,17 @@ fn repeats(frames: &[Vec3], vertex_count: usize, weights: &[f32], tolerance: f32
     worst <= f64::from(tolerance)
 }
 
-fn timeline(plan: &Plan, frame_counts: &[usize]) -> Result<Timeline, ImportError> {
+fn timeline(plan: &Plan, frame_counts: &[usize], cyclic: &[bool]) -> Result<Timeline, ImportError> {
     let mut first_frame = 0;
     let mut sequences = Vec::new();
-    for (sequence, &count) in plan.sequences.iter().zip(frame_counts) {
+    for ((sequence, &count), &cyclic) in plan.sequences.iter().zip(frame_counts).zip(cyclic) {
         let frame_count = count as u32;
         sequences.push(Sequence {
             name: sequence.name.clone(),
             labels: sequence.labels.clone(),
             first_frame,
             frame_count,
-            cyclic: sequence.cyclic,
+            cyclic,
         });
         first_frame += frame_count;
     }

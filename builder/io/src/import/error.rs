@@ -1,11 +1,13 @@
 //! Why a capture cannot be read.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use actor::timeline::TimelineError;
 use kernels::topology::TopologyError;
 use thiserror::Error;
+
+use super::formats::{unread, unread_mesh};
 
 /// Why an input is not a capture. Each message names the file, the place in it, and what to do.
 #[derive(Debug, Error)]
@@ -29,10 +31,12 @@ pub enum ImportError {
         source: io::Error,
     },
     /// The file name ends in nothing that can be read.
-    #[error("{path}: not a capture: inputs end in .glb, .gltf, .obj, .ply or .toml, or are folders of those")]
+    #[error("{path}: {told}")]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+        /// What it is, as far as its ending shows, and what to do.
+        told: &'static str,
     },
     /// A folder holds no mesh.
     #[error("{path}: the folder holds no .obj, .ply, .glb or .gltf file and no capture.toml")]
@@ -41,16 +45,22 @@ pub enum ImportError {
         path: PathBuf,
     },
     /// A folder or glob holds both OBJ and PLY files.
-    #[error("{path}: holds both .obj and .ply files: name one kind, for example {path}/*.obj")]
+    #[error("{path}: holds both .obj and .ply files ({obj} and {ply}): name one kind, for example with a glob *.obj")]
     MixedFormats {
         /// The folder or glob.
         path: PathBuf,
+        /// Number of OBJ files.
+        obj: usize,
+        /// Number of PLY files.
+        ply: usize,
     },
     /// A pattern or glob names no existing file.
-    #[error("{pattern}: no file matches")]
+    #[error("{pattern}: no file matches{hint}")]
     NoMatch {
         /// The pattern or glob.
         pattern: String,
+        /// What comes near; may be empty.
+        hint: String,
     },
     /// A pattern or glob is not written correctly.
     #[error("{pattern}: {reason}")]
@@ -66,7 +76,7 @@ pub enum ImportError {
         /// The file that should exist.
         path: PathBuf,
         /// Its number.
-        number: u64,
+        number: i64,
     },
     /// A line of a text file cannot be understood.
     #[error("{path}, line {line}: {reason}")]
@@ -120,7 +130,8 @@ pub enum ImportError {
     },
     /// A frame has another number of vertices than the first one.
     #[error(
-        "{path}, frame {frame}: {found} vertices, but {reference} has {expected}: all frames need the same mesh (tracked geometry)"
+        "{path}, frame {frame}: {found} vertices, but {reference} has {expected}{more}. All frames need the same mesh: \
+         track one mesh through the capture, or pack only frames that share one"
     )]
     VertexCount {
         /// The file.
@@ -133,10 +144,13 @@ pub enum ImportError {
         expected: usize,
         /// The file that the frame is compared with.
         reference: PathBuf,
+        /// Which other frames differ; may be empty.
+        more: String,
     },
     /// A frame has other faces than the first one.
     #[error(
-        "{path}, frame {frame}: face {face} differs from {reference}: all frames need the same faces in the same order"
+        "{path}, frame {frame}: face {face} differs from {reference}{more}. All frames need the same faces in the same \
+         order: track one mesh through the capture, or pack only frames that share one"
     )]
     FaceList {
         /// The file.
@@ -147,6 +161,8 @@ pub enum ImportError {
         face: usize,
         /// The file that the frame is compared with.
         reference: PathBuf,
+        /// Which other frames differ; may be empty.
+        more: String,
     },
     /// There is nothing to draw.
     #[error("{path}: there is no triangle with an area: points, lines and splats are not read")]
@@ -160,6 +176,40 @@ pub enum ImportError {
         /// The file, or the file that embeds it.
         path: PathBuf,
         /// What the decoder says.
+        reason: String,
+    },
+    /// A frame has no extent, so that nothing can be compared with it.
+    #[error(
+        "{path}, frame {frame} of sequence \"{sequence}\": {fault}. Leave the frame out, or repair it (a scale that is \
+         animated from or to zero looks like this)"
+    )]
+    FrameEmpty {
+        /// The file.
+        path: PathBuf,
+        /// Frame within its sequence, from 0.
+        frame: usize,
+        /// The sequence.
+        sequence: String,
+        /// What is wrong with it.
+        fault: String,
+    },
+    /// A texture that a file names does not exist.
+    #[error(
+        "{path}: the texture {texture} is not there, nor beside it: put it there, name another one (--texture), or take it \
+         out of the file"
+    )]
+    TextureMissing {
+        /// The mesh file.
+        path: PathBuf,
+        /// The texture as it is written.
+        texture: String,
+    },
+    /// It cannot be told which texture belongs to which frame.
+    #[error("{input}: {reason}. Number textures like the frames, or name both by patterns with ranges (START:END)")]
+    TexturePairing {
+        /// The first texture.
+        input: String,
+        /// Why not.
         reason: String,
     },
     /// The number of textures is not the number of frames.
@@ -190,13 +240,27 @@ pub enum ImportError {
         /// Object and fault, for example `accessor 3: ...`.
         reason: String,
     },
-    /// A glTF file is compressed in a way that is not read.
-    #[error("{path}: the geometry is compressed ({extension}): re-export without compression")]
-    Compressed {
+    /// A file shows one mesh after the other, and they do not go together as the frames of one.
+    #[error(
+        "{path}: {reason}. All frames need the same mesh (tracked geometry), each of them once: export one mesh that moves, \
+         by shape keys or a rig"
+    )]
+    ChangingMesh {
         /// The file.
         path: PathBuf,
-        /// The extension.
-        extension: String,
+        /// Which meshes, and where they differ.
+        reason: String,
+    },
+    /// A frame has no surface.
+    #[error(
+        "{path}, frame {frame}: the whole mesh has no area there (is its scale 0?): leave the frame out, or let the motion \
+         begin and end at full size"
+    )]
+    Collapsed {
+        /// The file.
+        path: PathBuf,
+        /// Frame within its sequence, from 0.
+        frame: usize,
     },
     /// A glTF file requires an extension that is not read.
     #[error("{path}: requires the extension {extension}, which is not read: export without it")]
@@ -260,6 +324,21 @@ pub enum ImportError {
 }
 
 impl ImportError {
+    /// The error for a file that is no capture.
+    pub(super) fn unknown_format(path: &Path) -> Self {
+        let told = unread(path)
+            .unwrap_or("not a capture: inputs end in .glb, .gltf, .obj, .ply or .toml, or are folders of those");
+        Self::UnknownFormat { path: path.to_owned(), told }
+    }
+
+    /// The error for a folder without any mesh, whose entries are `entries`.
+    pub(super) fn no_mesh_in(path: &Path, entries: &[PathBuf]) -> Self {
+        match entries.iter().find(|entry| entry.is_file() && unread_mesh(entry).is_some()) {
+            Some(other) => Self::unknown_format(other),
+            None => Self::EmptyFolder { path: path.to_owned() },
+        }
+    }
+
     /// A name for the kind of error that never changes, for scripts and for `builder validate`.
     #[must_use]
     pub fn code(&self) -> &'static str {
@@ -282,10 +361,14 @@ impl ImportError {
             Self::FaceList { .. } => "E_FACE_LIST",
             Self::NoTriangles { .. } => "E_NO_TRIANGLES",
             Self::Image { .. } => "E_IMAGE",
+            Self::FrameEmpty { .. } => "E_FRAME_EMPTY",
+            Self::TextureMissing { .. } => "E_TEXTURE_MISSING",
+            Self::TexturePairing { .. } => "E_TEXTURE_PAIRING",
             Self::TextureCount { .. } => "E_TEXTURE_COUNT",
             Self::Mask { .. } => "E_MASK",
             Self::Gltf { .. } => "E_GLTF",
-            Self::Compressed { .. } => "E_GLTF_COMPRESSED",
+            Self::ChangingMesh { .. } => "E_MESH_CHANGES",
+            Self::Collapsed { .. } => "E_COLLAPSED",
             Self::Extension { .. } => "E_GLTF_EXTENSION",
             Self::UnknownClip { .. } => "E_CLIP_UNKNOWN",
             Self::Manifest { .. } => "E_MANIFEST",

@@ -2,31 +2,36 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::error::ImportError;
-use super::images::{ImageStore, read_file};
-use super::inputs::ending;
+use super::formats::disguised;
+use super::images::read_file;
+use super::looks::{Look, looks};
 use super::manifest::UpAxis;
-use super::mesh::{FaceList, FileMesh, Frame, plain_material};
-use super::warning::Warning;
-use super::{mtl, obj, ply};
+use super::mesh::{FaceList, FileMesh, Frame};
+use super::paths::ending;
+use super::warning::Note;
+use super::worn::NamedTexture;
+use super::{obj, ply};
 
-/// Turns positions of the input into metres, +Y up.
+/// Turns positions of the input into metres, +Y up, near the origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axes {
     pub up: UpAxis,
     /// Metres per unit.
-    pub unit: f32,
+    pub unit: f64,
+    /// What is taken off, in metres, +Y up.
+    pub offset: DVec3,
 }
 
 impl Axes {
-    /// `p` in metres, +Y up.
-    pub fn metres_from_input(self, p: Vec3) -> Vec3 {
+    /// `p` in metres, +Y up, where it was recorded.
+    pub fn metres_from_input(self, p: DVec3) -> DVec3 {
         match self.up {
             UpAxis::Y => p * self.unit,
-            UpAxis::Z => Vec3::new(p.x, p.z, -p.y) * self.unit,
+            UpAxis::Z => DVec3::new(p.x, p.z, -p.y) * self.unit,
         }
     }
 }
@@ -34,52 +39,70 @@ impl Axes {
 /// What all frames are compared with.
 pub(super) struct Reference<'a> {
     pub path: &'a Path,
-    pub vertex_count: usize,
-    pub faces: &'a FaceList,
-    pub uvs: &'a [[f32; 2]],
-    pub colours: &'a [[u8; 4]],
+    pub mesh: &'a FileMesh,
 }
 
-/// What a frame does differently.
+/// The first frame of a sequence, and how it looks.
+pub(super) struct First {
+    path: PathBuf,
+    pub frame: Frame,
+    pub looks: Vec<Look>,
+    /// The material whose texture is followed from frame to frame: the first that has one.
+    main: usize,
+}
+
+impl First {
+    /// Reads the frame at `path`.
+    pub fn read(path: &Path) -> Result<Self, ImportError> {
+        let frame = read_frame(path)?;
+        let looks = looks(&frame, path, &mut Vec::new())?;
+        let main = looks.iter().position(|look| look.texture.is_some()).unwrap_or(0);
+        Ok(Self { path: path.to_owned(), frame, looks, main })
+    }
+
+    /// Whether other materials than the main one look otherwise in a frame with `looks`, or that one has another colour.
+    fn others_differ(&self, looks: &[Look]) -> bool {
+        let same = |(k, (a, b)): (usize, (&Look, &Look))| {
+            let textures = k == self.main || a.texture == b.texture;
+            textures && a.material.base_colour == b.material.base_colour && a.uv == b.uv
+        };
+        looks.len() != self.looks.len() || !looks.iter().zip(&self.looks).enumerate().all(same)
+    }
+
+    /// The texture that a frame with `looks` wears.
+    fn worn(&self, looks: &[Look]) -> Option<NamedTexture> {
+        let main = looks.get(self.main).and_then(|look| look.texture.clone());
+        main.or_else(|| looks.iter().find_map(|look| look.texture.clone()))
+    }
+}
+
+/// What a frame is like, beside its positions.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Differences {
-    /// Texture coordinates or vertex colours change.
-    pub attributes: bool,
+pub(super) struct Seen {
     /// The texture that the frame's own material library or comment names.
-    pub texture: Option<PathBuf>,
+    pub texture: Option<NamedTexture>,
+    /// What is unusual.
+    pub notes: Vec<Note>,
 }
 
 /// Reads one OBJ or PLY file.
 pub(super) fn read_frame(path: &Path) -> Result<Frame, ImportError> {
     let bytes = read_file(path)?;
+    if let Some(told) = disguised(&bytes, path) {
+        return Err(ImportError::UnknownFormat { path: path.to_owned(), told });
+    }
     match ending(path).as_str() {
         "obj" => obj::parse(&bytes, path),
         "ply" => ply::parse(&bytes, path),
-        _ => Err(ImportError::UnknownFormat { path: path.to_owned() }),
+        _ => Err(ImportError::unknown_format(path)),
     }
 }
 
-/// The mesh that `frame`, read from `path`, shares with the frames after it; warnings about missing libraries.
-pub(super) fn shared_mesh(frame: &Frame, path: &Path, warnings: &mut Vec<Warning>) -> Result<FileMesh, ImportError> {
+/// The mesh that `first`, read from `path`, shares with the frames after it. Its textures are not loaded yet.
+pub(super) fn shared_mesh(first: &First, path: &Path) -> Result<FileMesh, ImportError> {
+    let First { frame, looks, .. } = first;
     if frame.faces.sizes.is_empty() {
         return Err(ImportError::NoTriangles { path: path.to_owned() });
-    }
-    let mut images = ImageStore::default();
-    let mut materials = Vec::new();
-    let mut untextured = 0;
-    for (mut material, texture) in looks(frame, path, warnings)? {
-        match texture {
-            Some(_) if frame.uvs.is_empty() => untextured += 1,
-            Some(texture) => material.image = Some(images.load(&texture)?),
-            None => {}
-        }
-        materials.push(material);
-    }
-    if untextured > 0 {
-        warnings.push(Warning::new(
-            "W_NO_UV",
-            format!("{}: has a texture but no texture coordinates: it is drawn without", path.display()),
-        ));
     }
     Ok(FileMesh {
         vertex_count: frame.positions.len(),
@@ -87,112 +110,126 @@ pub(super) fn shared_mesh(frame: &Frame, path: &Path, warnings: &mut Vec<Warning
         uvs: frame.uvs.clone(),
         colours: frame.colours.clone(),
         material_of_face: frame.material_of_face.clone(),
-        materials,
-        images: images.images,
+        materials: looks.iter().map(|look| look.material.clone()).collect(),
+        images: Vec::new(),
+        textures: looks.iter().map(|look| look.texture.clone()).collect(),
+        uv_transforms: looks.iter().map(|look| look.uv).collect(),
+        bare_corners: frame.bare_corners.clone(),
+        names_no_library: frame.libraries.is_empty()
+            && frame.material_names.iter().any(|name| !name.is_empty())
+            && frame.material_textures.is_empty()
+            && ending(path) == "obj",
     })
-}
-
-/// The texture that `frame` itself names, if any.
-pub(super) fn own_texture(frame: &Frame, path: &Path) -> Result<Option<PathBuf>, ImportError> {
-    Ok(looks(frame, path, &mut Vec::new())?.into_iter().find_map(|(_, texture)| texture))
-}
-
-/// Materials and texture files of `frame`, one per material name.
-fn looks(
-    frame: &Frame,
-    path: &Path,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<(actor::surface::Material, Option<PathBuf>)>, ImportError> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut library = Vec::new();
-    for name in &frame.libraries {
-        for file in library_files(folder, name) {
-            if file.is_file() {
-                library.extend(mtl::parse(&read_file(&file)?, &file)?);
-            } else {
-                warnings.push(Warning::new(
-                    "W_MATERIAL_MISSING",
-                    format!("{}: the material library {} is missing", path.display(), file.display()),
-                ));
-            }
-        }
-    }
-    let names = frame.material_names.iter().enumerate();
-    Ok(names
-        .map(|(k, name)| {
-            if let Some(texture) = frame.material_textures.get(k) {
-                return (plain_material(name), Some(folder.join(texture)));
-            }
-            match library.iter().find(|m| m.material.name == *name) {
-                Some(found) => (found.material.clone(), found.texture.as_ref().map(|t| folder.join(t))),
-                None => (plain_material(name), None),
-            }
-        })
-        .collect())
-}
-
-/// `mtllib` may name one file with spaces, or several without.
-fn library_files(folder: &Path, statement: &str) -> Vec<PathBuf> {
-    let whole = folder.join(statement);
-    if whole.is_file() { vec![whole] } else { statement.split_ascii_whitespace().map(|w| folder.join(w)).collect() }
 }
 
 /// Reads the frames `paths`, the first of them frame `first_frame` of its sequence, into `out`; in parallel.
 pub(super) fn read_frames(
     paths: &[PathBuf],
     first_frame: usize,
-    first: &Frame,
+    first: &First,
     reference: &Reference<'_>,
     axes: Axes,
     out: &mut [Vec3],
-) -> Result<Vec<Differences>, ImportError> {
-    let results: Vec<Result<Differences, ImportError>> = paths
+) -> Vec<Result<Seen, ImportError>> {
+    paths
         .par_iter()
-        .zip(out.par_chunks_mut(reference.vertex_count.max(1)))
+        .zip(out.par_chunks_mut(reference.mesh.vertex_count.max(1)))
         .enumerate()
         .map(|(k, (path, out))| {
-            let frame = read_frame(path)?;
-            check_same_mesh(&frame, path, first_frame + k, reference)?;
+            let mut frame = read_frame(path)?;
+            check_same_mesh(frame.positions.len(), &frame.faces, path, first_frame + k, reference)?;
             place(&frame.positions, path, first_frame + k, axes, out)?;
-            let attributes = frame.uvs != reference.uvs || frame.colours != reference.colours;
-            let same_looks = frame.libraries == first.libraries && frame.material_textures == first.material_textures;
-            let texture = if same_looks { None } else { own_texture(&frame, path)? };
-            Ok(Differences { attributes, texture })
+            let mut notes = std::mem::take(&mut frame.notes);
+            let looks = looks_like_first(&frame, path, first, &mut notes)?;
+            let mesh = reference.mesh;
+            if frame.uvs != mesh.uvs || frame.colours != mesh.colours {
+                notes.push(attributes_differ());
+            }
+            let others_differ = looks.as_ref().is_some_and(|looks| first.others_differ(looks));
+            // Materials that change their names only keep their faces.
+            if others_differ || !same_materials(&frame.material_of_face, &mesh.material_of_face) {
+                let message = "materials other than the one with the texture of the frame differ from those of the first \
+                               frame: the first frame's are used";
+                notes.push(Note::new("W_MATERIALS_DIFFER", message));
+            }
+            let texture = first.worn(looks.as_deref().unwrap_or(&first.looks));
+            Ok(Seen { texture, notes })
         })
-        .collect();
-    // The first error in the order of the frames, whatever thread was first.
-    results.into_iter().collect()
+        .collect()
 }
 
-fn check_same_mesh(frame: &Frame, path: &Path, number: usize, reference: &Reference<'_>) -> Result<(), ImportError> {
-    let (path, reference_path) = (path.to_owned(), reference.path.to_owned());
-    let (found, expected) = (frame.positions.len(), reference.vertex_count);
-    if found != expected {
-        return Err(ImportError::VertexCount { path, frame: number, found, expected, reference: reference_path });
+pub(super) fn attributes_differ() -> Note {
+    let message = "texture coordinates or colours differ from those of the first frame: the first frame's are used";
+    Note::new("W_ATTRIBUTES_DIFFER", message)
+}
+
+/// The looks of a frame; `None` where it names what the first names, so that they are the first's.
+fn looks_like_first(
+    frame: &Frame,
+    path: &Path,
+    first: &First,
+    notes: &mut Vec<Note>,
+) -> Result<Option<Vec<Look>>, ImportError> {
+    let of = |frame: &Frame| (frame.libraries.clone(), frame.material_textures.clone(), frame.material_names.clone());
+    // The first frame itself tells what is unusual about them.
+    let same = of(frame) == of(&first.frame) && path != first.path;
+    if same { Ok(None) } else { looks(frame, path, notes).map(Some) }
+}
+
+/// Whether faces wear the same materials; an empty list is all material 0.
+fn same_materials(a: &[u32], b: &[u32]) -> bool {
+    match (a, b) {
+        ([], other) | (other, []) => other.iter().all(|&material| material == 0),
+        _ => a == b,
     }
-    match frame.faces.first_difference(reference.faces) {
-        Some(face) => Err(ImportError::FaceList { path, frame: number, face, reference: reference_path }),
+}
+
+/// What a frame with another mesh than the first is refused for.
+pub(super) fn check_same_mesh(
+    vertex_count: usize,
+    faces: &FaceList,
+    path: &Path,
+    number: usize,
+    reference: &Reference<'_>,
+) -> Result<(), ImportError> {
+    let (path, reference_path) = (path.to_owned(), reference.path.to_owned());
+    let (found, expected) = (vertex_count, reference.mesh.vertex_count);
+    if found != expected {
+        return Err(ImportError::VertexCount {
+            path,
+            frame: number,
+            found,
+            expected,
+            reference: reference_path,
+            more: String::new(),
+        });
+    }
+    match faces.first_difference(&reference.mesh.faces) {
+        Some(face) => {
+            Err(ImportError::FaceList { path, frame: number, face, reference: reference_path, more: String::new() })
+        }
         None => Ok(()),
     }
 }
 
-/// Beyond this many metres from the origin a coordinate is a fault of the file or of the unit.
-const MAX_DISTANCE: f32 = 1e6;
+/// Beyond this many metres from where the capture stands a coordinate is a fault of the file or of the unit.
+const MAX_DISTANCE: f64 = 1e6;
 
-/// Writes `positions` of the input to `out` in metres, +Y up.
+/// Writes `positions` of the input to `out` in metres, +Y up, near the origin.
 pub(super) fn place(
-    positions: &[Vec3],
+    positions: &[DVec3],
     path: &Path,
     frame: usize,
     axes: Axes,
     out: &mut [Vec3],
 ) -> Result<(), ImportError> {
     for (vertex, (slot, &position)) in out.iter_mut().zip(positions).enumerate() {
-        *slot = axes.metres_from_input(position);
+        let place = axes.metres_from_input(position) - axes.offset;
         // Written so that NaN fails.
-        if !(slot.abs().max_element() <= MAX_DISTANCE && slot.is_finite()) {
+        if !(place.abs().max_element() <= MAX_DISTANCE && place.is_finite()) {
             return Err(ImportError::NotFinite { path: path.to_owned(), frame, element: format!("vertex {vertex}") });
         }
+        *slot = place.as_vec3();
     }
     Ok(())
 }

@@ -1,24 +1,31 @@
 //! Which sequences an input names: a file, a folder, a glob or a frame pattern.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::error::ImportError;
+use super::folder::list;
+use super::formats::unread;
 use super::gltf::GltfFile;
-use super::numbered::{Run, gap_warning, natural, runs};
+use super::numbered::{Run, double_warning, gap_warning, name_of, natural, negative_warning, run_of_folders, runs};
+use super::paths::ending;
+use super::paths::stem;
 use super::pattern::Pattern;
 use super::warning::Warning;
 
 /// Name of the manifest within a folder.
 pub(super) const MANIFEST_NAME: &str = "capture.toml";
+/// From so many sequences of one frame on it is likely that they are one sequence.
+const MANY_STILLS: usize = 3;
 
 /// Where the frames of a sequence come from.
 #[derive(Clone)]
 pub(super) enum Source {
     /// OBJ or PLY files, one a frame.
     Files(Vec<PathBuf>),
+    /// glTF files, one a frame.
+    Stills(Vec<PathBuf>),
     /// A clip of a glTF file.
     Clip {
         /// The file.
@@ -32,15 +39,23 @@ impl Source {
     /// The file that the first frame comes from.
     pub fn path(&self) -> &Path {
         match self {
-            Self::Files(paths) => paths.first().map_or(Path::new(""), PathBuf::as_path),
+            Self::Files(paths) | Self::Stills(paths) => paths.first().map_or(Path::new(""), PathBuf::as_path),
             Self::Clip { file, .. } => file.path(),
+        }
+    }
+
+    /// The files of the frames; none where they come from one file.
+    pub fn files(&self) -> &[PathBuf] {
+        match self {
+            Self::Files(paths) | Self::Stills(paths) => paths,
+            Self::Clip { .. } => &[],
         }
     }
 
     /// Number of frames at `fps`.
     pub fn frame_count(&self, fps: f32) -> u64 {
         match self {
-            Self::Files(paths) => paths.len() as u64,
+            Self::Files(paths) | Self::Stills(paths) => paths.len() as u64,
             Self::Clip { file, clip } => file.frame_count(*clip, fps),
         }
     }
@@ -67,29 +82,32 @@ impl Finder {
     /// The sequences of `input`, seen from the folder `base`.
     pub fn find(&mut self, input: &str, base: &Path) -> Result<Vec<Found>, ImportError> {
         let path = base.join(input);
-        if path.is_dir() {
-            self.folder(&path)
+        let found = if path.is_dir() {
+            self.folder(&path)?
         } else if path.is_file() {
-            self.file(&path)
-        } else if Pattern::looks_like(input) {
-            let files = Pattern::parse(input)?.files(base)?;
-            self.mesh_runs(&path, files, true)
-        } else if input.contains(['*', '?', '[']) {
-            self.glob(&path)
+            return self.file(&path);
         } else {
-            Err(ImportError::NotFound { path })
-        }
+            let named = Named::new(input, base);
+            match named.files()? {
+                Some(files) if named.is_pattern() => return self.pattern(&path, &named, files),
+                Some(files) => self.matches(&path, files)?,
+                None => return Err(ImportError::NotFound { path }),
+            }
+        };
+        self.warn_about_stills(&path, &found);
+        Ok(found)
     }
 
     fn file(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         match ending(path).as_str() {
-            "glb" | "gltf" => self.gltf(path),
+            "glb" | "gltf" => self.clips(path),
             "obj" | "ply" => Ok(vec![Found { name: stem(path), source: Source::Files(vec![path.to_owned()]) }]),
-            _ => Err(ImportError::UnknownFormat { path: path.to_owned() }),
+            _ => Err(ImportError::unknown_format(path)),
         }
     }
 
-    fn gltf(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
+    /// All clips of a glTF file.
+    fn clips(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         let file = match self.gltf_files.get(path) {
             Some(file) => Rc::clone(file),
             None => {
@@ -103,115 +121,336 @@ impl Finder {
         Ok(names.map(|(clip, name)| Found { name, source: Source::Clip { file: Rc::clone(&file), clip } }).collect())
     }
 
+    /// glTF files: those of one run that hold a still each are the frames of a sequence; others give their clips.
+    fn gltf_files(&mut self, input: &Path, files: &[PathBuf]) -> Result<Vec<Found>, ImportError> {
+        let mut found = Vec::new();
+        let (runs, joined) = runs_anywhere(files.to_vec());
+        for run in runs {
+            let alone = run.files.len() == files.len();
+            if run.files.len() > 1 && Self::are_stills(&run.files)? {
+                self.warn_about_run(&run, joined);
+                let name = if alone && input.is_dir() { folder_name(&run) } else { run_name(&run) };
+                found.push(Found { name, source: Source::Stills(run.files) });
+                continue;
+            }
+            for file in &run.files {
+                found.extend(self.clips(file)?);
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether all of `files` hold one pose only. They are not kept open: there may be thousands.
+    fn are_stills(files: &[PathBuf]) -> Result<bool, ImportError> {
+        // At this rate no clip is so short that it would be one frame.
+        const FAST: f32 = 1e6;
+        for path in files {
+            let file = GltfFile::open(path)?;
+            if file.clip_names().len() != 1 || file.frame_count(0, FAST) != 1 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     fn folder(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         let entries = list(path)?;
-        let meshes: Vec<PathBuf> = entries.iter().filter(|p| is_mesh(p) && p.is_file()).cloned().collect();
-        if !meshes.is_empty() {
-            return self.mesh_runs(path, meshes, false);
+        let meshes = files_of(&entries, is_mesh);
+        let scenes = files_of(&entries, is_gltf);
+        let folders: Vec<PathBuf> = entries.iter().filter(|p| p.is_dir()).cloned().collect();
+        if !meshes.is_empty() || !scenes.is_empty() {
+            self.warn_about_left_out(path, &meshes, &scenes, &folders);
+            return if meshes.is_empty() { self.gltf_files(path, &scenes) } else { self.mesh_runs(path, meshes) };
+        }
+        let found = self.folders(path, &folders)?;
+        if found.is_empty() { Err(ImportError::no_mesh_in(path, &entries)) } else { Ok(found) }
+    }
+
+    /// A folder of folders: each of them that holds meshes is a sequence, or each is a frame.
+    fn folders(&mut self, path: &Path, folders: &[PathBuf]) -> Result<Vec<Found>, ImportError> {
+        let (mut lists, mut scenes) = (Vec::new(), Vec::new());
+        for folder in folders {
+            let entries = list(folder)?;
+            let meshes = files_of(&entries, is_mesh);
+            if meshes.is_empty() {
+                scenes.extend(files_of(&entries, is_gltf));
+            } else {
+                self.warn_about_manifest(folder);
+                lists.push((folder, meshes));
+            }
+        }
+        let all: Vec<PathBuf> = lists.iter().flat_map(|(_, meshes)| meshes.iter().cloned()).collect();
+        if lists.is_empty() && !scenes.is_empty() {
+            return self.gltf_files(path, &scenes);
+        }
+        if run_of_folders(&all).is_some() {
+            return self.mesh_runs(path, all);
         }
         let mut found = Vec::new();
-        for file in entries.iter().filter(|p| is_gltf(p) && p.is_file()) {
-            found.extend(self.gltf(file)?);
+        for (folder, meshes) in lists {
+            found.extend(self.mesh_runs(folder, meshes)?);
         }
-        if found.is_empty() {
-            // A folder of folders: each of them that holds meshes is a sequence.
-            for folder in entries.iter().filter(|p| p.is_dir()) {
-                let meshes: Vec<PathBuf> = list(folder)?.into_iter().filter(|p| is_mesh(p) && p.is_file()).collect();
-                if !meshes.is_empty() {
-                    found.extend(self.mesh_runs(folder, meshes, false)?);
-                }
-            }
-        }
-        if found.is_empty() { Err(ImportError::EmptyFolder { path: path.to_owned() }) } else { Ok(found) }
+        Ok(found)
     }
 
-    fn glob(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
-        let matches = glob_files(path)?;
-        let meshes: Vec<PathBuf> = matches.iter().filter(|p| is_mesh(p) && p.is_file()).cloned().collect();
-        let mut found = if meshes.is_empty() { Vec::new() } else { self.mesh_runs(path, meshes, false)? };
-        for other in matches.iter().filter(|p| p.is_dir() || is_gltf(p)) {
-            found.extend(if other.is_dir() { self.folder(other)? } else { self.gltf(other)? });
+    /// What a glob matches.
+    fn matches(&mut self, path: &Path, matches: Vec<PathBuf>) -> Result<Vec<Found>, ImportError> {
+        let meshes = files_of(&matches, is_mesh);
+        let mut found = if meshes.is_empty() { Vec::new() } else { self.mesh_runs(path, meshes)? };
+        let scenes = files_of(&matches, is_gltf);
+        found.extend(self.gltf_files(path, &scenes)?);
+        for folder in matches.iter().filter(|p| p.is_dir()) {
+            self.warn_about_manifest(folder);
+            found.extend(self.folder(folder)?);
         }
-        if found.is_empty() {
-            Err(ImportError::NoMatch { pattern: path.to_string_lossy().into_owned() })
-        } else {
-            Ok(found)
+        let other = matches.iter().find(|path| path.is_file() && unread(path).is_some()).or(matches.first());
+        match other.filter(|_| found.is_empty()) {
+            Some(manifest) if ending(manifest) == "toml" => {
+                let told = "a manifest is named by itself, not by a glob";
+                Err(ImportError::UnknownFormat { path: manifest.clone(), told })
+            }
+            Some(other) => Err(ImportError::unknown_format(other)),
+            None => Ok(found),
         }
     }
 
-    /// Mesh files as sequences: all of them as one where `together`, else one per run of numbers.
-    fn mesh_runs(&mut self, input: &Path, files: Vec<PathBuf>, together: bool) -> Result<Vec<Found>, ImportError> {
-        for file in &files {
-            if !is_mesh(file) {
-                return Err(ImportError::UnknownFormat { path: file.clone() });
-            }
+    /// The files of a pattern, which are always one sequence.
+    fn pattern(&mut self, input: &Path, named: &Named, files: Vec<PathBuf>) -> Result<Vec<Found>, ImportError> {
+        if let Some(other) = files.iter().find(|file| !is_mesh(file) && !is_gltf(file)) {
+            return Err(ImportError::unknown_format(other));
         }
-        if files.iter().any(|f| ending(f) != ending(&files[0])) {
-            return Err(ImportError::MixedFormats { path: input.to_owned() });
+        check_one_kind(input, &files)?;
+        let numbers = super::numbered::numbers_of(&files).unwrap_or_default();
+        let name =
+            runs(files.iter().take(2).cloned().collect()).first().map(|run| run.name.clone()).unwrap_or_default();
+        let run = Run { name, files, numbers };
+        if !named.has_range() {
+            self.warn_about_run(&run, false);
         }
-        let runs = if together {
-            let prefix = files.first().map(|f| super::numbered::prefix_and_number(f).0).unwrap_or_default();
-            vec![Run { prefix, files }]
-        } else {
-            runs(files)
-        };
+        let name = run_name(&run);
+        if run.files.first().is_some_and(|file| is_mesh(file)) {
+            return Ok(vec![Found { name, source: Source::Files(run.files) }]);
+        }
+        if Self::are_stills(&run.files)? {
+            return Ok(vec![Found { name, source: Source::Stills(run.files) }]);
+        }
+        let clips = run.files.iter().map(|file| self.clips(file)).collect::<Result<Vec<_>, _>>()?;
+        Ok(clips.concat())
+    }
+
+    /// Mesh files as sequences, one per run of numbers.
+    fn mesh_runs(&mut self, input: &Path, files: Vec<PathBuf>) -> Result<Vec<Found>, ImportError> {
+        check_one_kind(input, &files)?;
+        let (runs, joined) = runs_anywhere(files);
         let alone = runs.len() == 1;
-        let is_folder = input.is_dir();
         let mut found = Vec::new();
         for run in runs {
-            if !together {
-                self.warnings.extend(gap_warning(&run.files));
-            }
-            let name = if alone && is_folder { folder_name(&run) } else { run_name(&run) };
+            self.warn_about_run(&run, joined);
+            let name = if alone && input.is_dir() { folder_name(&run) } else { run_name(&run) };
             found.push(Found { name, source: Source::Files(run.files) });
         }
         Ok(found)
     }
-}
 
-/// Prefixes that say nothing about the motion.
-const DULL_PREFIXES: [&str; 9] = ["", "frame", "f", "mesh", "model", "obj", "ply", "pose", "scan"];
+    /// Says what is unusual about the numbers of a run; `joined` where they are those of folders.
+    fn warn_about_run(&mut self, run: &Run, joined: bool) {
+        if joined {
+            let first = run.files.first().map(|file| file.display().to_string()).unwrap_or_default();
+            self.warnings.push(Warning::new(
+                "W_FOLDERS_JOINED",
+                format!(
+                    "{first}: {} folders hold a file each and differ in a number: they are read as the frames of one sequence",
+                    run.files.len()
+                ),
+            ));
+        }
+        self.warnings.extend(gap_warning(run));
+        self.warnings.extend(double_warning(run));
+        self.warnings.extend(negative_warning(run));
+    }
 
-fn run_name(run: &Run) -> String {
-    let prefix = run.prefix.trim_end_matches(['_', '-', '.', ' ']);
-    if DULL_PREFIXES.contains(&prefix.to_ascii_lowercase().as_str()) { folder_name(run) } else { prefix.to_owned() }
-}
+    /// Files and folders of a capture beside those that are read.
+    fn warn_about_left_out(&mut self, path: &Path, meshes: &[PathBuf], scenes: &[PathBuf], folders: &[PathBuf]) {
+        let mut others: Vec<&PathBuf> = if meshes.is_empty() { Vec::new() } else { scenes.iter().collect() };
+        let holds_mesh = |folder: &&PathBuf| {
+            list(folder)
+                .is_ok_and(|entries| entries.iter().any(|entry| (is_mesh(entry) || is_gltf(entry)) && entry.is_file()))
+        };
+        others.extend(folders.iter().filter(holds_mesh));
+        let Some(first) = others.first() else { return };
+        let more = if others.len() > 1 { format!(" and {} more", others.len() - 1) } else { String::new() };
+        let read = if meshes.is_empty() {
+            "the glTF files of this folder are read"
+        } else {
+            "the mesh files of this folder are read"
+        };
+        self.warnings.push(Warning::new(
+            "W_INPUT_LEFT_OUT",
+            format!(
+                "{}: {read}, and {}{more} left out: name them, too, if they belong to the capture",
+                path.display(),
+                first.display()
+            ),
+        ));
+    }
 
-fn folder_name(run: &Run) -> String {
-    let folder = run.files.first().and_then(|f| f.parent()).and_then(Path::file_name);
-    match folder {
-        Some(name) => name.to_string_lossy().into_owned(),
-        None => "sequence".to_owned(),
+    /// A manifest in a folder that is not read as a capture of its own.
+    fn warn_about_manifest(&mut self, folder: &Path) {
+        let manifest = folder.join(MANIFEST_NAME);
+        if manifest.is_file() {
+            self.warnings.push(Warning::new(
+                "W_MANIFEST_UNREAD",
+                format!(
+                    "{}: is not read, for its folder is only a part of this input: name the folder itself to use it",
+                    manifest.display()
+                ),
+            ));
+        }
+    }
+
+    /// Sequences of one frame that may be meant as the frames of one sequence.
+    fn warn_about_stills(&mut self, path: &Path, found: &[Found]) {
+        let alone = |found: &Found| match &found.source {
+            Source::Files(files) | Source::Stills(files) => (files.len() == 1).then(|| files[0].clone()),
+            Source::Clip { file, .. } => {
+                (file.clip_names().len() == 1 && file.frame_count(0, 1e6) == 1).then(|| file.path().to_owned())
+            }
+        };
+        let stills: Vec<PathBuf> = found.iter().filter_map(alone).collect();
+        if stills.len() < MANY_STILLS || 2 * stills.len() <= found.len() {
+            return;
+        }
+        let names: Vec<String> = stills.iter().take(2).map(|path| name_of(path)).collect();
+        self.warnings.push(Warning::new(
+            "W_SINGLE_FRAMES",
+            format!(
+                "{}: {} files become {} sequences of one frame each, for no number in their names orders them ({}, ...): if \
+                 they are the frames of one sequence, number them, as in frame_0001",
+                path.display(),
+                stills.len(),
+                stills.len(),
+                names.join(", ")
+            ),
+        ));
     }
 }
 
-/// The file name without its ending.
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "capture".to_owned())
+/// An input that is no single file or folder: a pattern or a glob.
+pub(super) struct Named {
+    /// The folders that the input begins with and that exist as they are written, whatever characters they hold.
+    base: PathBuf,
+    /// What follows them.
+    rest: String,
 }
 
-/// The ending in lower case.
-pub(super) fn ending(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+impl Named {
+    /// What `input` means, seen from the folder `base`.
+    pub fn new(input: &str, base: &Path) -> Self {
+        let (mut base, mut rest) = (base.to_owned(), input);
+        if let Some(tail) = rest.strip_prefix('/') {
+            (base, rest) = (PathBuf::from("/"), tail);
+        }
+        while let Some((folder, tail)) = rest.split_once(['/', std::path::MAIN_SEPARATOR])
+            && (folder.is_empty() || base.join(folder).is_dir())
+        {
+            base.push(folder);
+            rest = tail;
+        }
+        Self { base, rest: rest.to_owned() }
+    }
+
+    /// Whether it is a pattern (`frame_%05d.obj`).
+    pub fn is_pattern(&self) -> bool {
+        Pattern::looks_like(&self.rest)
+    }
+
+    /// Whether it is a pattern with a range.
+    pub fn has_range(&self) -> bool {
+        self.is_pattern() && Pattern::parse(&self.rest).is_ok_and(|pattern| pattern.has_range())
+    }
+
+    /// The files of a pattern by number, or the files and folders of a glob by name; `None` where it is neither.
+    pub fn files(&self) -> Result<Option<Vec<PathBuf>>, ImportError> {
+        if self.is_pattern() {
+            return Pattern::parse(&self.rest)?.files(&self.base).map(Some);
+        }
+        if !self.rest.contains(['*', '?', '[']) {
+            return Ok(None);
+        }
+        // Brackets mean one of several characters, or themselves where that names nothing.
+        let matches = match glob_files(&self.base, &self.rest, true) {
+            Ok(matches) if !matches.is_empty() => matches,
+            _ if self.rest.contains('[') => glob_files(&self.base, &self.rest.replace('[', "[[]"), true)?,
+            matches => matches?,
+        };
+        if !matches.is_empty() {
+            return Ok(Some(matches));
+        }
+        let pattern = self.base.join(&self.rest).to_string_lossy().into_owned();
+        let almost = glob_files(&self.base, &self.rest, false)?.into_iter().next();
+        Err(ImportError::NoMatch {
+            pattern,
+            hint: almost.map(|path| format!(", but {} almost does", path.display())).unwrap_or_default(),
+        })
+    }
 }
 
-/// The entries of a folder that are not hidden, by name.
-pub(super) fn list(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let fail = |source| ImportError::Io { path: folder.to_owned(), source };
-    let entries = fs::read_dir(folder).map_err(fail)?;
-    let mut paths = entries.map(|e| e.map(|e| e.path()).map_err(fail)).collect::<Result<Vec<_>, _>>()?;
-    // Hidden files are no frames: macOS leaves "._" twins behind.
-    paths.retain(|path| path.file_name().is_none_or(|name| !name.to_string_lossy().starts_with('.')));
-    paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    Ok(paths)
+/// The runs of `files`, or the one that is numbered by folders; and whether it is that one.
+fn runs_anywhere(files: Vec<PathBuf>) -> (Vec<Run>, bool) {
+    match run_of_folders(&files) {
+        Some(run) => (vec![run], true),
+        None => (runs(files), false),
+    }
 }
 
-/// The files and folders that a glob names and that are not hidden, by name.
-pub(super) fn glob_files(pattern: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let text = pattern.to_string_lossy().into_owned();
-    let options = glob::MatchOptions { require_literal_leading_dot: true, ..glob::MatchOptions::default() };
+fn check_one_kind(input: &Path, files: &[PathBuf]) -> Result<(), ImportError> {
+    let kinds = ["obj", "ply"].map(|kind| files.iter().filter(|file| ending(file) == kind).count());
+    match kinds {
+        [0, _] | [_, 0] => Ok(()),
+        [obj, ply] => Err(ImportError::MixedFormats { path: input.to_owned(), obj, ply }),
+    }
+}
+
+fn files_of(entries: &[PathBuf], kind: fn(&Path) -> bool) -> Vec<PathBuf> {
+    entries.iter().filter(|path| kind(path) && path.is_file()).cloned().collect()
+}
+
+/// Names that say nothing about the motion.
+const DULL_NAMES: [&str; 10] = ["", "frame", "f", "mesh", "model", "obj", "ply", "pose", "scan", "glb"];
+
+fn run_name(run: &Run) -> String {
+    if DULL_NAMES.contains(&run.name.to_ascii_lowercase().as_str()) { folder_name(run) } else { run.name.clone() }
+}
+
+/// The name of the folder that holds the files of a run, or their folders where these are the frames.
+fn folder_name(run: &Run) -> String {
+    let folders: Vec<&Path> = run.files.iter().take(2).filter_map(|file| file.parent()).collect();
+    let folder = match folders.as_slice() {
+        [first, second] if first != second => first.parent(),
+        folders => folders.first().copied(),
+    };
+    let name = name_of_folder(folder.unwrap_or(Path::new("")));
+    if name.is_empty() { "sequence".to_owned() } else { name }
+}
+
+/// The name of a folder, also of the one that is worked in; empty at the root.
+pub(super) fn name_of_folder(folder: &Path) -> String {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match folder.file_name() {
+        Some(name) => name.to_string_lossy().into_owned(),
+        None => folder.canonicalize().map(|folder| name_of(&folder)).unwrap_or_default(),
+    }
+}
+
+/// The files and folders that a glob names within `base` and that are not hidden, by name.
+fn glob_files(base: &Path, glob: &str, case_sensitive: bool) -> Result<Vec<PathBuf>, ImportError> {
+    let options =
+        glob::MatchOptions { require_literal_leading_dot: true, case_sensitive, ..glob::MatchOptions::default() };
+    let literal = PathBuf::from(glob::Pattern::escape(&base.to_string_lossy()));
+    let text = literal.join(glob).to_string_lossy().into_owned();
+    let shown = || base.join(glob).to_string_lossy().into_owned();
     let paths = glob::glob_with(&text, options)
-        .map_err(|e| ImportError::Pattern { pattern: text.clone(), reason: format!("not a glob: {e}") })?;
+        .map_err(|e| ImportError::Pattern { pattern: shown(), reason: format!("not a glob: {e}") })?;
     let mut matches = Vec::new();
     for entry in paths {
         matches.push(entry.map_err(|e| ImportError::Io { path: e.path().to_owned(), source: e.into() })?);

@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::error::ImportError;
 use super::images::read_file;
+use super::text::utf8_without_mark;
 
 /// Which axis of the input points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -41,8 +42,8 @@ pub(super) struct ManifestSequence {
     pub clip: Option<String>,
     #[serde(default, alias = "behaviours")]
     pub labels: Vec<String>,
-    #[serde(default)]
-    pub cyclic: bool,
+    /// Whether the end meets the beginning; found out where it is not said.
+    pub cyclic: Option<bool>,
     pub texture: Option<String>,
     pub mask: Option<String>,
 }
@@ -51,7 +52,12 @@ impl Manifest {
     /// Reads the manifest at `path`.
     pub fn read(path: &Path) -> Result<Self, ImportError> {
         let wrong = |reason: String| ImportError::Manifest { path: path.to_owned(), reason };
-        let text = String::from_utf8(read_file(path)?).map_err(|_| wrong("it is not UTF-8 text".into()))?;
+        let bytes = read_file(path)?;
+        let text = std::str::from_utf8(&utf8_without_mark(&bytes))
+            .map_err(|_| wrong("it is not UTF-8 text".into()))?
+            .to_owned();
+        // TOML knows no carriage return alone.
+        let text = text.replace("\r\n", "\n").replace('\r', "\n");
         let manifest: Self = toml::from_str(&text).map_err(|e| wrong(e.to_string().trim_end().to_owned()))?;
         if manifest.sequences.is_empty() {
             return Err(wrong("there is no [[sequence]]".into()));

@@ -1,13 +1,14 @@
 //! Which frames have a mask of what no camera saw.
 //!
-//! A mask belongs to the frame whose texture has the same number at the end of its name; frames without one were seen in
-//! full, as far as masks say.
+//! A mask belongs to the frame whose texture has the same number in its name; frames without one were seen in full, as far
+//! as masks say.
 
 use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
 use super::images::size_of;
-use super::numbered::prefix_and_number;
+use super::numbered::numbers_of;
+use super::pairing::{Worn, numbers_worn};
 use super::plan::Plan;
 use super::warning::Warning;
 
@@ -16,7 +17,7 @@ use super::warning::Warning;
 /// `textures` are those of all frames, `frame_counts` the sequences' frames.
 pub(super) fn settle(
     plan: &Plan,
-    textures: Option<&[PathBuf]>,
+    textures: Option<&[Worn]>,
     frame_counts: &[usize],
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Option<PathBuf>>, ImportError> {
@@ -35,12 +36,14 @@ pub(super) fn settle(
     let mut first = 0;
     for (sequence, &count) in plan.sequences.iter().zip(frame_counts) {
         let own = textures.get(first..first + count).unwrap_or_default();
-        for mask in &sequence.masks {
-            let frame = frame_of(mask, own)?;
+        let numbers = mask_numbers(&sequence.masks)?;
+        let of_texture = numbers_worn(own);
+        for (mask, number) in sequence.masks.iter().zip(numbers) {
+            let frame = frame_of(mask, number, &of_texture)?;
             let wrong = |reason: String| ImportError::Mask { path: mask.clone(), reason };
-            let (found, expected) = (size_of(mask)?, size_of(&own[frame])?);
+            let (found, expected) = (size_of(mask)?, size_of(&own[frame].path)?);
             if found != expected {
-                let texture = own[frame].display();
+                let texture = own[frame].path.display();
                 let ([w, h], [x, y]): ([u32; 2], [u32; 2]) = (found.into(), expected.into());
                 return Err(wrong(format!(
                     "frame {frame} of sequence \"{}\": {w} x {h} pixels, but its texture {texture} has {x} x {y}",
@@ -56,12 +59,23 @@ pub(super) fn settle(
     Ok(all)
 }
 
-/// The frame, among those that wear `textures`, whose number `mask` has.
-fn frame_of(mask: &Path, textures: &[PathBuf]) -> Result<usize, ImportError> {
+/// The numbers of all masks of a sequence.
+fn mask_numbers(masks: &[PathBuf]) -> Result<Vec<i64>, ImportError> {
+    let alone = |mask: &PathBuf| numbers_of(std::slice::from_ref(mask)).and_then(|numbers| numbers.first().copied());
+    let each = || masks.iter().map(alone).collect::<Option<Vec<_>>>();
+    numbers_of(masks).or_else(each).ok_or_else(|| {
+        let nameless = masks.iter().find(|mask| alone(mask).is_none()).or(masks.first());
+        ImportError::Mask {
+            path: nameless.cloned().unwrap_or_default(),
+            reason: "its name holds no frame's number".into(),
+        }
+    })
+}
+
+/// The frame, among those whose textures have `numbers`, whose number `mask` has.
+fn frame_of(mask: &Path, number: i64, numbers: &[Option<i64>]) -> Result<usize, ImportError> {
     let wrong = |reason: String| ImportError::Mask { path: mask.to_owned(), reason };
-    let number =
-        prefix_and_number(mask).1.ok_or_else(|| wrong("its name does not end with a frame's number".into()))?;
-    let mut those = (0..textures.len()).filter(|&frame| prefix_and_number(&textures[frame]).1 == Some(number));
+    let mut those = (0..numbers.len()).filter(|&frame| numbers[frame] == Some(number));
     match (those.next(), those.next()) {
         (Some(frame), None) => Ok(frame),
         (None, _) => Err(wrong(format!("no texture of its sequence has the number {number}"))),

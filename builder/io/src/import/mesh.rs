@@ -1,9 +1,11 @@
 //! A mesh as files give it, before welding: file vertices, faces, attributes of face corners.
 
 use actor::surface::{Image, Material};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::polygon::triangulate;
+use super::warning::Note;
+use super::worn::{NamedTexture, UvTransform};
 
 /// Faces over file vertices, flattened; the same in every frame of a capture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,8 +40,10 @@ impl FaceList {
 /// What one OBJ or PLY file holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Frame {
-    /// Vertex positions in the file's units and axes.
-    pub positions: Vec<Vec3>,
+    /// Vertex positions in the file's units and axes; 64 bits, for they may be far from the origin.
+    pub positions: Vec<DVec3>,
+    /// Whether the file holds them with 32 bits.
+    pub narrow: bool,
     /// The faces.
     pub faces: FaceList,
     /// Texture coordinates of the face corners, v downwards; empty where the file has none.
@@ -54,6 +58,10 @@ pub(super) struct Frame {
     pub libraries: Vec<String>,
     /// Texture file of each material (PLY).
     pub material_textures: Vec<String>,
+    /// How many corners of each material have no texture coordinate while others do; empty where all or none have.
+    pub bare_corners: Vec<usize>,
+    /// What is unusual about the file.
+    pub notes: Vec<Note>,
 }
 
 /// What all frames of a capture share: faces over file vertices and how they look.
@@ -73,6 +81,14 @@ pub(super) struct FileMesh {
     pub materials: Vec<Material>,
     /// Static textures.
     pub images: Vec<Image>,
+    /// The texture that mesh files name for each material, which is not among `images` yet; empty for glTF.
+    pub textures: Vec<Option<NamedTexture>>,
+    /// How each material's texture moves the texture coordinates; empty where none does.
+    pub uv_transforms: Vec<UvTransform>,
+    /// How many corners of each material have no texture coordinate while others do; empty where all or none have.
+    pub bare_corners: Vec<usize>,
+    /// Whether an OBJ file names materials, but no library that describes them.
+    pub names_no_library: bool,
 }
 
 /// A triangle over corners of [`FaceList::vertices`].

@@ -27,33 +27,52 @@
 //! checked, and a fault is an [`ImportError`] with a stable [`ImportError::code`].
 
 mod assemble;
+mod beside;
+mod colour;
+mod draco;
 mod error;
+mod folder;
+mod formats;
 mod frames;
 mod gltf;
 mod images;
 mod inputs;
+mod ktx2;
+mod looks;
+mod loops;
 mod manifest;
 mod masks;
 mod mesh;
+mod meshopt;
 mod mtl;
+mod nearby;
 mod numbered;
 mod obj;
+mod pairing;
+mod paths;
 mod pattern;
+mod places;
 mod plan;
 mod ply;
 mod polygon;
 mod read;
+mod scratch;
+mod stills;
 mod text;
 mod textures;
+mod topologies;
 mod warning;
 mod weld;
+mod worn;
 
 use std::path::PathBuf;
 
 use actor::capture::Capture;
+use glam::DVec3;
 
 pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
+pub use self::scratch::Scratch;
 pub use self::warning::Warning;
 use job::Progress;
 
@@ -71,14 +90,27 @@ pub struct ImportOptions {
     pub up: Option<UpAxis>,
     /// Metres per unit of the input; 1 by default.
     pub unit: Option<f32>,
-    /// Names of sequences whose end meets their beginning.
-    pub cyclic: Vec<String>,
+    /// Which sequences' end meets their beginning.
+    pub cyclic: Cyclic,
     /// A texture for all frames, or a folder, glob or pattern with one per frame of each sequence.
     pub texture: Option<String>,
     /// A text file with one weight per file vertex, for the planar alignment; barycentric areas by default.
     pub weights: Option<PathBuf>,
     /// Vertices closer than this in every frame are welded, in metres; 1e-5 of the body's size by default.
     pub weld: Option<f32>,
+}
+
+/// Which sequences are loops, beside those that a manifest marks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Cyclic {
+    /// Those whose last frame goes on into the first as it goes from frame to frame, and of which a manifest does not say
+    /// otherwise.
+    #[default]
+    Auto,
+    /// None, whatever a manifest says.
+    None,
+    /// Those of these names.
+    Names(Vec<String>),
 }
 
 /// What an import yields.
@@ -92,6 +124,11 @@ pub struct Imported {
     pub frame_textures: Option<Vec<PathBuf>>,
     /// For each of these a mask, bright where no camera saw the texel; empty where no frame has one.
     pub frame_masks: Vec<Option<PathBuf>>,
+    /// What was taken off all positions so that the capture stands near the origin, in metres, +Y up; whole metres, and
+    /// zero unless `W_RECENTRED` is among the warnings. A position plus this is where it was recorded.
+    pub offset: DVec3,
+    /// Keeps those of `frame_textures` alive that were written out of glTF files.
+    pub scratch: Option<Scratch>,
 }
 
 /// Reads a capture from `inputs`: files, folders, globs, frame patterns or manifests, in the order of their sequences.
@@ -112,15 +149,17 @@ pub fn import(
     let mut warnings = std::mem::take(&mut plan.warnings);
     let mut recording = read::read(&plan, progress, &mut warnings)?;
     let own = std::mem::take(&mut recording.textures);
-    let frame_textures = textures::settle(&plan, &mut recording.mesh, &own, &recording.frame_counts, &mut warnings)?;
-    let frame_masks = masks::settle(&plan, frame_textures.as_deref(), &recording.frame_counts, &mut warnings)?;
+    let (offset, scratch) = (recording.offset, recording.scratch.take());
+    let worn = textures::settle(&plan, &mut recording.mesh, &own, &recording.frame_counts, &mut warnings)?;
+    let frame_masks = masks::settle(&plan, worn.as_deref(), &recording.frame_counts, &mut warnings)?;
+    let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
     progress(Progress { what: "welding", done: 0, total: 1 });
     let before = recording.frame_counts.clone();
     let (capture, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     progress(Progress { what: "welding", done: 1, total: 1 });
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
-    Ok(Imported { capture, warnings, frame_textures, frame_masks })
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.

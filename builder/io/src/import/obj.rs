@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::DVec3;
 
+use super::colour;
 use super::error::ImportError;
-use super::mesh::{Frame, byte};
-use super::text::{for_each_line, number, shorten, syntax};
+use super::mesh::Frame;
+use super::text::{Continues, for_each_line, keyword_and_rest, number, shorten, syntax, without_comment};
+use super::warning::Note;
 
 /// Reads the OBJ file `bytes`; `path` is for messages.
 ///
@@ -15,8 +17,18 @@ use super::text::{for_each_line, number, shorten, syntax};
 /// coordinate in a file that has some get (0, 0).
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
     let mut reader = Reader::new(path);
-    for_each_line(bytes, |line, text| reader.line(line, text))?;
+    for_each_line(bytes, continues, |line, text| reader.line(line, text))?;
     reader.finish()
+}
+
+/// Whether a statement that ends in a backslash goes on.
+fn continues(keyword: &str) -> Continues {
+    match keyword {
+        "v" | "vt" | "f" | "fo" => Continues::Always,
+        "usemtl" | "mtllib" => Continues::WhereApart,
+        // What is skipped may be carried on by lines that begin with a number, and are skipped, too.
+        _ => Continues::Never,
+    }
 }
 
 struct Reader<'a> {
@@ -25,11 +37,25 @@ struct Reader<'a> {
     uvs: Vec<[f32; 2]>,
     /// Index into `uvs` of each face corner, from 1; 0 for none.
     uv_of_corner: Vec<u32>,
+    /// Colours of the vertices as written; not a number where a vertex has none. Empty where no vertex has.
+    colours: Vec<[f32; 4]>,
     material: Option<u32>,
     material_by_name: HashMap<String, u32>,
     /// Largest indices seen, from 1, and their lines.
     last_vertex: (u32, usize),
     last_uv: (u32, usize),
+    odd: Odd,
+}
+
+/// What is unusual about the file's statements.
+#[derive(Default)]
+struct Odd {
+    /// First line of a vertex with numbers that mean nothing here, and how many it has.
+    numbers: Option<(usize, usize)>,
+    /// First line of a vertex of seven numbers, and whether the fourth of all of them is 1.
+    seven: Option<(usize, bool)>,
+    /// First line of a free-form curve or surface.
+    surface: Option<usize>,
 }
 
 impl<'a> Reader<'a> {
@@ -39,25 +65,33 @@ impl<'a> Reader<'a> {
             frame: Frame::default(),
             uvs: Vec::new(),
             uv_of_corner: Vec::new(),
+            colours: Vec::new(),
             material: None,
             material_by_name: HashMap::new(),
             last_vertex: (0, 0),
             last_uv: (0, 0),
+            odd: Odd::default(),
         }
     }
 
     fn line(&mut self, line: usize, text: &str) -> Result<(), ImportError> {
-        let (keyword, rest) = text.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((text, ""));
+        let (keyword, rest) = keyword_and_rest(text);
         match keyword {
-            "v" => self.vertex(line, rest),
-            "vt" => self.texture_coordinate(line, rest),
-            "f" => self.face(line, rest),
+            "v" => self.vertex(line, without_comment(rest)),
+            "vt" => self.texture_coordinate(line, without_comment(rest)),
+            // "fo" is what old files write.
+            "f" | "fo" => self.face(line, without_comment(rest)),
+            // A name may hold a "#": whether it is a comment shows when the name is looked for.
             "usemtl" => {
-                self.use_material(rest.trim());
+                self.use_material(rest);
                 Ok(())
             }
             "mtllib" => {
-                self.frame.libraries.push(rest.trim().to_owned());
+                self.frame.libraries.push(rest.to_owned());
+                Ok(())
+            }
+            "curv" | "curv2" | "surf" => {
+                self.odd.surface.get_or_insert(line);
                 Ok(())
             }
             _ => Ok(()),
@@ -67,31 +101,43 @@ impl<'a> Reader<'a> {
     fn vertex(&mut self, line: usize, rest: &str) -> Result<(), ImportError> {
         let mut values = [0.0; 7];
         let mut count = 0;
-        for word in rest.split_ascii_whitespace().take(values.len()) {
-            values[count] = number(self.path, line, word)?;
+        for word in rest.split_ascii_whitespace() {
+            if let Some(value) = values.get_mut(count) {
+                *value = number(self.path, line, word)?;
+            }
             count += 1;
         }
-        let [x, y, z, a, b, c, d] = values;
-        // x y z [w] [r g b]: with 6 numbers there is no w.
+        let [x, y, z, w, ..] = values;
+        // x y z [w], x y z r g b, or x y z r g b a.
         let colour = match count {
             0..=2 => return Err(syntax(self.path, line, "a vertex needs three coordinates")),
-            6 => Some([a, b, c]),
-            7 => Some([b, c, d]),
+            6 => Some([values[3], values[4], values[5], 1.0]),
+            7 => Some([values[3], values[4], values[5], values[6]]),
             _ => None,
         };
-        if let Some([r, g, b]) = colour {
-            self.frame.colours.resize(self.frame.positions.len(), [255; 4]);
-            self.frame.colours.push([byte(r), byte(g), byte(b), 255]);
+        if count == 7 {
+            let (_, all_one) = self.odd.seven.get_or_insert((line, true));
+            *all_one &= w == 1.0;
         }
-        self.frame.positions.push(Vec3::new(x, y, z));
+        if count == 5 || count > 7 || (count == 4 && w != 1.0) {
+            self.odd.numbers.get_or_insert((line, count));
+        }
+        if let Some(colour) = colour {
+            if colour.iter().any(|component| !component.is_finite()) {
+                return Err(syntax(self.path, line, "a colour is not finite"));
+            }
+            self.colours.resize(self.frame.positions.len(), [f32::NAN; 4]);
+            self.colours.push(colour.map(|component| component as f32));
+        }
+        self.frame.positions.push(DVec3::new(x, y, z));
         Ok(())
     }
 
     fn texture_coordinate(&mut self, line: usize, rest: &str) -> Result<(), ImportError> {
         let mut words = rest.split_ascii_whitespace();
         let u = words.next().ok_or_else(|| syntax(self.path, line, "a texture coordinate needs u and v"))?;
-        let u = number(self.path, line, u)?;
-        let v = words.next().map_or(Ok(0.0), |word| number(self.path, line, word))?;
+        let u = number(self.path, line, u)? as f32;
+        let v = words.next().map_or(Ok(0.0), |word| number(self.path, line, word))? as f32;
         if !(u.is_finite() && v.is_finite()) {
             return Err(syntax(self.path, line, "a texture coordinate is not finite"));
         }
@@ -174,14 +220,52 @@ impl<'a> Reader<'a> {
                 return Err(ImportError::IndexRange { path: self.path.to_owned(), place, index: index.into(), count });
             }
         }
-        if !self.frame.colours.is_empty() {
-            self.frame.colours.resize(self.frame.positions.len(), [255; 4]);
+        if !self.colours.is_empty() {
+            self.colours.resize(self.frame.positions.len(), [f32::NAN; 4]);
+            let (colours, note) = colour::bytes(&self.colours);
+            self.frame.colours = colours;
+            self.frame.notes.extend(note);
         }
         if self.uv_of_corner.iter().any(|&uv| uv > 0) {
             let uv = |&index: &u32| self.uvs.get((index as usize).wrapping_sub(1)).copied().unwrap_or([0.0, 0.0]);
             self.frame.uvs = self.uv_of_corner.iter().map(uv).collect();
+            self.frame.bare_corners = self.bare_corners();
         }
+        self.frame.notes.extend(self.odd.notes());
         Ok(self.frame)
+    }
+
+    /// How many face corners of each material have no texture coordinate.
+    fn bare_corners(&self) -> Vec<usize> {
+        let mut bare = vec![0; self.frame.material_names.len()];
+        let mut corners = self.uv_of_corner.iter();
+        for (&size, &material) in self.frame.faces.sizes.iter().zip(&self.frame.material_of_face) {
+            bare[material as usize] += corners.by_ref().take(size as usize).filter(|&&uv| uv == 0).count();
+        }
+        bare
+    }
+}
+
+impl Odd {
+    fn notes(&self) -> Vec<Note> {
+        let mut notes = Vec::new();
+        if let Some((line, count)) = self.numbers {
+            let read = if count == 4 { "the fourth is" } else { "those after the third are" };
+            let message = format!("line {line}: a vertex of {count} numbers, of which {read} left aside");
+            notes.push(Note::new("W_VERTEX_NUMBERS", message));
+        }
+        if let Some((line, true)) = self.seven {
+            let message = format!(
+                "line {line}: vertices of seven numbers are read as x y z, red, green, blue, opacity, and all have a red \
+                 of 1: if 1 is a weight and the colour comes after it, leave the weight out"
+            );
+            notes.push(Note::new("W_VERTEX_NUMBERS", message));
+        }
+        if let Some(line) = self.surface {
+            let message = format!("line {line}: free-form curves and surfaces are left out; export them as faces");
+            notes.push(Note::new("W_OBJ_SURFACE", message));
+        }
+        notes
     }
 }
 
@@ -198,7 +282,7 @@ mod tests {
         let text = "# c\nmtllib a b.mtl\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 0 0 1\r\nv 0 1 \\\n 0\nvt 0.25 0.25\n\
                     usemtl red\nf -4/1 -3 3//7 4/-1/2\nusemtl\nf 1 2 3\n";
         let frame = read(text).unwrap();
-        assert_eq!(frame.positions[3], Vec3::Y);
+        assert_eq!(frame.positions[3], DVec3::Y);
         assert_eq!(frame.faces.sizes, [4, 3]);
         assert_eq!(frame.faces.vertices, [0, 1, 2, 3, 0, 1, 2]);
         assert_eq!(frame.uvs[0], [0.25, 0.75]);
@@ -227,5 +311,43 @@ mod tests {
         assert_eq!(code("v 0 0 0\nf 1 1\n").0, "E_SYNTAX");
         assert_eq!(code("v 0 0 0\nf 1 a 1\n").0, "E_SYNTAX");
         assert_eq!(code("vt nan 0\n").0, "E_SYNTAX");
+    }
+
+    #[test]
+    fn comments_stand_behind_data_but_not_in_names() {
+        let text = "v 0 0 0 # a\nv 1 0 0#b\nv 0 1 0 # D:\\c\\\nvt 0 0 # d\nusemtl Material #25\nf 1/1 2/1 3/1 # e\n";
+        let frame = read(text).unwrap();
+        assert_eq!((frame.positions.len(), frame.faces.vertices), (3, vec![0, 1, 2]));
+        assert_eq!(frame.material_names, ["Material #25"]);
+    }
+
+    #[test]
+    fn colours_may_have_opacity_or_go_to_255() {
+        let of = |rest: &str| {
+            let frame = read(&format!("v 0 0 0 {rest}\nv 1 0 0\n")).unwrap();
+            (frame.colours, frame.notes.iter().map(|note| note.code).collect::<Vec<_>>())
+        };
+        assert_eq!(of("0.2 0.4 0 0.5"), (vec![[51, 102, 0, 128], [255; 4]], vec![]));
+        // A weight of 1 before the colour cannot be told from a red of 1.
+        assert_eq!(of("1 0 0 0.5"), (vec![[255, 0, 0, 128], [255; 4]], vec!["W_VERTEX_NUMBERS"]));
+        assert_eq!(of("120 60 30"), (vec![[120, 60, 30, 255], [255; 4]], vec!["W_COLOUR_RANGE"]));
+        assert_eq!(of("1.0"), (vec![], vec![]));
+        assert_eq!(of("0.5"), (vec![], vec!["W_VERTEX_NUMBERS"]));
+        assert_eq!(of("0.5 0.5"), (vec![], vec!["W_VERTEX_NUMBERS"]));
+        assert_eq!(read("v 0 0 0 nan 0 0").unwrap_err().code(), "E_SYNTAX");
+    }
+
+    #[test]
+    fn coordinates_keep_their_decimals_far_from_the_origin() {
+        let frame = read("v 432187.364045 12.688889 5839219.759444\n").unwrap();
+        assert_eq!(frame.positions, [DVec3::new(432187.364045, 12.688889, 5839219.759444)]);
+    }
+
+    #[test]
+    fn what_is_not_read_is_said() {
+        let frame = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nfo 1 3 2\nsurf 0 1\n");
+        let frame = frame.unwrap();
+        assert_eq!((frame.faces.sizes.len(), frame.bare_corners), (2, vec![0, 3]));
+        assert_eq!(frame.notes[0].code, "W_OBJ_SURFACE");
     }
 }

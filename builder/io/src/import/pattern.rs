@@ -2,7 +2,8 @@
 //!
 //! `%d` stands for the frame's number, `%05d` for the number with zeros to five digits; exactly one of them must appear.
 //! After the name may follow `:START:END` or `:START:END:STEP`; END belongs to the range, STEP is 1 where left out.
-//! With a range every file of it must exist. Without one, the files of the folder that fit are taken, by number.
+//! With a range every file of it must exist. Without one, the files of the folder that fit are taken, by number. Numbers
+//! may be negative; whether the minus counts as one of the five digits is as the files have it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,9 +24,9 @@ pub(super) struct Pattern {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Range {
-    start: u64,
-    end: u64,
-    step: u64,
+    start: i64,
+    end: i64,
+    step: i64,
 }
 
 impl Pattern {
@@ -52,6 +53,11 @@ impl Pattern {
         Ok(Self { text: input.to_owned(), before: before.to_owned(), width, after: after.to_owned(), range })
     }
 
+    /// Whether the pattern says which numbers it means.
+    pub fn has_range(&self) -> bool {
+        self.range.is_some()
+    }
+
     /// The existing files that the pattern means, in the order of their numbers, seen from `base`.
     pub fn files(&self, base: &Path) -> Result<Vec<PathBuf>, ImportError> {
         match self.range {
@@ -60,22 +66,27 @@ impl Pattern {
         }
     }
 
-    fn name(&self, number: u64) -> String {
-        format!("{}{number:0width$}{}", self.before, self.after, width = self.width)
+    /// The names that the pattern may write for a number: a minus is a digit more, or counts as one.
+    fn names(&self, number: i64) -> [String; 2] {
+        let (width, digits) = (self.width, number.unsigned_abs());
+        let sign = if number < 0 { "-" } else { "" };
+        [format!("{sign}{digits:0width$}"), format!("{number:0width$}")]
+            .map(|number| format!("{}{number}{}", self.before, self.after))
     }
 
     fn range_files(&self, base: &Path, range: Range) -> Result<Vec<PathBuf>, ImportError> {
         (range.start..=range.end)
             .step_by(usize::try_from(range.step).unwrap_or(usize::MAX))
             .map(|number| {
-                let path = base.join(self.name(number));
-                if path.is_file() { Ok(path) } else { Err(ImportError::MissingFrame { path, number }) }
+                let [path, other] = self.names(number).map(|name| base.join(name));
+                let found = [&path, &other].into_iter().find(|path| path.is_file()).cloned();
+                found.ok_or(ImportError::MissingFrame { path, number })
             })
             .collect()
     }
 
     fn folder_files(&self, base: &Path) -> Result<Vec<PathBuf>, ImportError> {
-        let sample = base.join(self.name(0));
+        let [sample, _] = self.names(0).map(|name| base.join(name));
         let folder = match sample.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
             _ => PathBuf::from("."),
@@ -88,16 +99,21 @@ impl Pattern {
             let name = entry.file_name();
             let digits =
                 name.to_str().and_then(|n| n.strip_prefix(stem)).and_then(|n| n.strip_suffix(self.after.as_str()));
-            let number = digits.filter(|d| d.bytes().all(|c| c.is_ascii_digit())).and_then(|d| d.parse::<u64>().ok());
+            // No plus, and nothing else that a number may be written with.
+            let plain = |d: &&str| d.strip_prefix('-').unwrap_or(d).bytes().all(|c| c.is_ascii_digit());
+            let number = digits.filter(plain).and_then(|d| d.parse::<i64>().ok());
             // Only names that the pattern itself would write: frame_7 is not meant by frame_%05d.
-            if let (Some(number), Some(digits)) = (number, digits)
-                && digits == format!("{number:0width$}", width = self.width)
+            if let (Some(number), Some(name)) = (number, name.to_str())
+                && self.names(number).iter().any(|own| own.ends_with(name))
             {
-                found.push((number, folder.join(&name)));
+                found.push((number, folder.join(name)));
             }
         }
         if found.is_empty() {
-            return Err(ImportError::NoMatch { pattern: self.text.clone() });
+            return Err(ImportError::NoMatch {
+                pattern: base.join(&self.text).to_string_lossy().into_owned(),
+                hint: String::new(),
+            });
         }
         found.sort();
         Ok(found.into_iter().map(|(_, path)| path).collect())
@@ -116,7 +132,7 @@ fn conversion(text: &str) -> Option<(usize, usize)> {
 /// Takes `:START:END` or `:START:END:STEP` off what follows the number.
 fn split_range(after: &str) -> Result<(&str, Option<Range>), String> {
     let Some((name, range)) = after.split_once(':') else { return Ok((after, None)) };
-    let numbers: Vec<u64> = range
+    let numbers: Vec<i64> = range
         .split(':')
         .map(|n| n.parse().map_err(|_| format!("\"{n}\" is not a number; a range is :START:END or :START:END:STEP")))
         .collect::<Result<_, _>>()?;
@@ -125,10 +141,11 @@ fn split_range(after: &str) -> Result<(&str, Option<Range>), String> {
         [start, end, step] => Range { start, end, step },
         _ => return Err("a range is :START:END or :START:END:STEP".into()),
     };
-    if range.step == 0 || range.end < range.start {
+    if range.step <= 0 || range.end < range.start {
         return Err("a range needs START at or before END, and STEP at least 1".into());
     }
-    if (range.end - range.start) / range.step >= u64::from(Timeline::MAX_FRAMES) {
+    let span = i128::from(range.end) - i128::from(range.start);
+    if span / i128::from(range.step) >= i128::from(Timeline::MAX_FRAMES) {
         return Err(format!("a range holds at most {} frames", Timeline::MAX_FRAMES));
     }
     Ok((name, Some(range)))
@@ -144,7 +161,7 @@ mod tests {
         assert!(Pattern::looks_like("100%/f%d.ply"));
         assert!(!Pattern::looks_like("100%.obj"));
         assert!(!Pattern::looks_like("frame.obj"));
-        assert_eq!(Pattern::parse("C:/100%/f%03d.ply:1:2").unwrap().name(7), "C:/100%/f007.ply");
+        assert_eq!(Pattern::parse("C:/100%/f%03d.ply:1:2").unwrap().names(7)[0], "C:/100%/f007.ply");
     }
 
     #[test]
@@ -172,5 +189,23 @@ mod tests {
         assert_eq!(names("f_%03d.obj:2:7:2").unwrap(), ["f_002.obj", "f_004.obj", "f_006.obj"]);
         assert!(matches!(names("f_%03d.obj:2:4"), Err(ImportError::MissingFrame { number: 3, .. })));
         assert!(matches!(names("g_%03d.obj"), Err(ImportError::NoMatch { .. })));
+    }
+
+    #[test]
+    fn numbers_may_be_negative() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["f_-0003.obj", "f_-0001.obj", "f_0000.obj", "f_0002.obj", "g_-03.obj", "g_000.obj"] {
+            fs::write(folder.path().join(name), "").unwrap();
+        }
+        let names = |pattern: &str| -> Vec<String> {
+            let files = Pattern::parse(pattern).unwrap().files(folder.path()).unwrap();
+            files.iter().map(|p| p.file_name().unwrap().to_string_lossy().into_owned()).collect()
+        };
+        let f = ["f_-0003.obj", "f_-0001.obj", "f_0000.obj", "f_0002.obj"];
+        assert_eq!(names("f_%04d.obj"), f);
+        assert_eq!(names("f_%04d.obj:-3:-1:2"), f[..2]);
+        // Here the minus is one of the digits.
+        assert_eq!(names("g_%03d.obj"), ["g_-03.obj", "g_000.obj"]);
+        assert_eq!(names("g_%03d.obj:-3:0:3"), ["g_-03.obj", "g_000.obj"]);
     }
 }

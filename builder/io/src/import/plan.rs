@@ -3,12 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
+use super::folder::list;
+use super::formats::unread_image;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Source, ending, glob_files, list, stem};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, name_of_folder};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
-use super::pattern::Pattern;
+use super::paths::ending;
+use super::paths::folder_of;
+use super::paths::stem;
 use super::warning::Warning;
-use super::{DEFAULT_FPS, ImportOptions};
+use super::{Cyclic, DEFAULT_FPS, ImportOptions};
 
 /// What is to be read, and how.
 pub(super) struct Plan {
@@ -26,12 +30,21 @@ pub(super) struct Plan {
 pub(super) struct PlannedSequence {
     pub name: String,
     pub labels: Vec<String>,
-    pub cyclic: bool,
+    /// Whether the end meets the beginning; to be found out where it is not said.
+    pub cyclic: Option<bool>,
     pub source: Source,
-    /// Textures that the user names: none, one for all frames, or one a frame.
-    pub textures: Vec<PathBuf>,
+    /// Textures that the user names.
+    pub textures: NamedImages,
     /// Masks that the user names, of some frames' textures.
     pub masks: Vec<PathBuf>,
+}
+
+/// Images that the user names for a sequence: none, one for all frames, or one a frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NamedImages {
+    pub files: Vec<PathBuf>,
+    /// Whether a range of numbers says which they are, so that their order says which frame each belongs to.
+    pub in_order: bool,
 }
 
 /// Finds all sequences of `inputs`; options win over manifests.
@@ -52,19 +65,21 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
             None => sequences.extend(finder.find(input, Path::new(""))?.into_iter().map(PlannedSequence::plain)),
         }
     }
-    let Some(first) = sequences.first() else { return Err(ImportError::NoInput) };
-    let name = options.name.clone().or(settings.name).unwrap_or_else(|| default_name(inputs, &first.source));
+    if sequences.is_empty() {
+        return Err(ImportError::NoInput);
+    }
+    let name = options.name.clone().or(settings.name).unwrap_or_else(|| default_name(inputs, &sequences));
     let mut warnings = finder.warnings;
     make_names_unique(&mut sequences, &mut warnings);
     if let Some(texture) = &options.texture {
-        let textures = textures_of(texture, Path::new(""))?;
+        let textures = images_of(texture, Path::new(""))?;
         for sequence in &mut sequences {
             sequence.textures.clone_from(&textures);
         }
     }
     mark_cyclic(&mut sequences, &options.cyclic)?;
     let given = options.fps.or(settings.fps);
-    if given.is_none() && sequences.iter().any(|s| matches!(s.source, Source::Files(_))) {
+    if given.is_none() && sequences.iter().any(|s| !s.source.files().is_empty()) {
         warnings.push(Warning::new(
             "W_FPS_ASSUMED",
             format!("no frame rate was given for the mesh files: {DEFAULT_FPS} frames per second are assumed"),
@@ -82,9 +97,9 @@ impl PlannedSequence {
         Self {
             name: found.name,
             labels: Vec::new(),
-            cyclic: false,
+            cyclic: None,
             source: found.source,
-            textures: Vec::new(),
+            textures: NamedImages::default(),
             masks: Vec::new(),
         }
     }
@@ -163,8 +178,8 @@ fn manifest_sequence(
         )));
     }
     let texture = entry.texture.as_ref().or(manifest.texture.as_ref());
-    let textures = texture.map_or(Ok(Vec::new()), |texture| textures_of(texture, folder))?;
-    let masks = entry.mask.as_ref().map_or(Ok(Vec::new()), |mask| textures_of(mask, folder))?;
+    let images = |input: Option<&String>| input.map_or(Ok(NamedImages::default()), |input| images_of(input, folder));
+    let (textures, masks) = (images(texture)?, images(entry.mask.as_ref())?.files);
     sequences.extend(found.into_iter().map(|found| PlannedSequence {
         name: entry.name.clone().unwrap_or(found.name),
         labels: entry.labels.clone(),
@@ -177,23 +192,31 @@ fn manifest_sequence(
 }
 
 /// The image files that a texture input names: a file, a folder, a glob or a pattern.
-fn textures_of(input: &str, base: &Path) -> Result<Vec<PathBuf>, ImportError> {
+fn images_of(input: &str, base: &Path) -> Result<NamedImages, ImportError> {
     let path = base.join(input);
-    let files: Vec<PathBuf> = if path.is_file() {
-        vec![path]
-    } else if path.is_dir() {
-        list(&path)?.into_iter().filter(|p| is_image(p)).collect()
-    } else if Pattern::looks_like(input) {
-        Pattern::parse(input)?.files(base)?
-    } else if input.contains(['*', '?', '[']) {
-        glob_files(&path)?.into_iter().filter(|p| is_image(p)).collect()
-    } else {
-        return Err(ImportError::NotFound { path });
-    };
-    if files.is_empty() {
-        return Err(ImportError::NoMatch { pattern: input.to_owned() });
+    if path.is_file() {
+        return Ok(NamedImages { files: vec![path], in_order: false });
     }
-    Ok(files)
+    let (all, in_order) = if path.is_dir() {
+        (list(&path)?, false)
+    } else {
+        let named = Named::new(input, base);
+        let files = named.files()?.ok_or_else(|| ImportError::NotFound { path: path.clone() })?;
+        // The files of a pattern are meant, whatever they are.
+        if named.is_pattern() {
+            return Ok(NamedImages { files, in_order: named.has_range() });
+        }
+        (files, false)
+    };
+    let files: Vec<PathBuf> = all.iter().filter(|path| is_image(path)).cloned().collect();
+    match all.iter().find(|path| unread_image(path).is_some()).or(all.first()) {
+        _ if !files.is_empty() => Ok(NamedImages { files, in_order }),
+        Some(other) => {
+            let told = unread_image(other).unwrap_or("not an image that is read: textures are PNG, JPEG or WebP");
+            Err(ImportError::UnknownFormat { path: other.clone(), told })
+        }
+        None => Err(ImportError::NoMatch { pattern: path.to_string_lossy().into_owned(), hint: String::new() }),
+    }
 }
 
 fn make_names_unique(sequences: &mut [PlannedSequence], warnings: &mut Vec<Warning>) {
@@ -213,16 +236,26 @@ fn make_names_unique(sequences: &mut [PlannedSequence], warnings: &mut Vec<Warni
     }
 }
 
-fn mark_cyclic(sequences: &mut [PlannedSequence], cyclic: &[String]) -> Result<(), ImportError> {
-    for name in cyclic {
+/// Settles what is asked about loops; what stays `None` is to be found out.
+fn mark_cyclic(sequences: &mut [PlannedSequence], cyclic: &Cyclic) -> Result<(), ImportError> {
+    let names_given = match cyclic {
+        Cyclic::Auto => return Ok(()),
+        Cyclic::None => {
+            sequences.iter_mut().for_each(|sequence| sequence.cyclic = Some(false));
+            return Ok(());
+        }
+        Cyclic::Names(names) => names,
+    };
+    for name in names_given {
         match sequences.iter_mut().find(|s| s.name == *name) {
-            Some(sequence) => sequence.cyclic = true,
+            Some(sequence) => sequence.cyclic = Some(true),
             None => {
                 let known = names(sequences.iter().map(|s| &s.name));
                 return Err(ImportError::UnknownSequence { name: name.clone(), known });
             }
         }
     }
+    sequences.iter_mut().for_each(|sequence| sequence.cyclic = sequence.cyclic.or(Some(false)));
     Ok(())
 }
 
@@ -230,14 +263,41 @@ fn names<'a>(names: impl Iterator<Item = &'a String>) -> String {
     names.map(String::as_str).collect::<Vec<_>>().join(", ")
 }
 
-fn default_name(inputs: &[String], source: &Source) -> String {
-    match inputs {
-        [input] if Path::new(input).exists() => stem(&Path::new(input).canonicalize().unwrap_or_default()),
-        _ => match source.path().parent().and_then(Path::file_name) {
-            Some(folder) => folder.to_string_lossy().into_owned(),
-            None => stem(source.path()),
-        },
+/// The name of the one input, or of the folder that holds all files; their sequences' names where they share none.
+fn default_name(inputs: &[String], sequences: &[PlannedSequence]) -> String {
+    if let [input] = inputs
+        && let Ok(path) = Path::new(input).canonicalize()
+    {
+        return stem_of_input(&path);
     }
+    let mut shared: Option<PathBuf> = None;
+    for sequence in sequences {
+        // The first two files show whether folders are frames.
+        let files = sequence.source.files().iter().take(2).map(PathBuf::as_path);
+        for file in files.chain([sequence.source.path()]) {
+            let folder = folder_of(file);
+            let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+            shared = Some(shared.map_or_else(|| folder.clone(), |shared| common_folder(&shared, &folder)));
+        }
+    }
+    let name = shared.map(|folder| if folder.parent().is_some() { name_of_folder(&folder) } else { String::new() });
+    name.filter(|name| !name.is_empty()).unwrap_or_else(|| names(sequences.iter().take(3).map(|s| &s.name)))
+}
+
+/// A folder's whole name, also where its manifest is named; a file's without its ending.
+fn stem_of_input(path: &Path) -> String {
+    if path.is_dir() {
+        name_of_folder(path)
+    } else if path.file_name().is_some_and(|name| name == MANIFEST_NAME) {
+        name_of_folder(folder_of(path))
+    } else {
+        stem(path)
+    }
+}
+
+/// The deepest folder that holds both.
+fn common_folder(a: &Path, b: &Path) -> PathBuf {
+    a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
 fn positive(value: f32, what: &str) -> Result<f32, ImportError> {

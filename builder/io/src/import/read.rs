@@ -3,17 +3,22 @@
 use std::path::PathBuf;
 
 use actor::timeline::Timeline;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::Progress;
 use super::error::ImportError;
-use super::frames::{Axes, Differences, Reference, place, read_frame, read_frames, shared_mesh};
+use super::frames::{Axes, First, Reference, Seen, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
-use super::mesh::{FileMesh, Frame};
+use super::mesh::FileMesh;
+use super::places::{coarse, offset_of, recentred};
 use super::plan::{Plan, PlannedSequence};
-use super::warning::Warning;
-use super::{Progress, frames};
+use super::scratch::Scratch;
+use super::stills::{StillReader, read_stills};
+use super::topologies;
+use super::warning::{Notes, Warning};
+use super::worn::NamedTexture;
 
 /// No capture has more file vertices.
 const MAX_VERTICES: usize = 1 << 24;
@@ -26,12 +31,16 @@ const BATCH: usize = 32;
 pub(super) struct Recording {
     /// What the frames share.
     pub mesh: FileMesh,
-    /// Positions of the file vertices in metres, +Y up, frame after frame.
+    /// Positions of the file vertices in metres, +Y up, near the origin, frame after frame.
     pub positions: Vec<Vec3>,
+    /// What was taken off all positions, in metres, +Y up.
+    pub offset: DVec3,
     /// Number of frames of each sequence.
     pub frame_counts: Vec<usize>,
-    /// For each sequence the textures that its own files name: none, one for all frames, or one a frame.
-    pub textures: Vec<Vec<PathBuf>>,
+    /// For each sequence the texture that each of its frames names itself; empty where none does.
+    pub textures: Vec<Vec<Option<NamedTexture>>>,
+    /// Textures that files hold within themselves, written out.
+    pub scratch: Option<Scratch>,
 }
 
 /// Reads the frames of `plan`; sentences for the user go to `warnings`.
@@ -40,54 +49,66 @@ pub(super) fn read(
     progress: &dyn Fn(Progress),
     warnings: &mut Vec<Warning>,
 ) -> Result<Recording, ImportError> {
-    let axes = Axes { up: plan.up, unit: plan.unit };
     let Some(first) = plan.sequences.first() else { return Err(ImportError::NoInput) };
     let reference_path = first.source.path().to_owned();
-    let mesh = mesh_of(&first.source, warnings)?;
+    let (mesh, pose, narrow) = mesh_and_pose(&first.source)?;
+    let mut axes = Axes { up: plan.up, unit: f64::from(plan.unit), offset: DVec3::ZERO };
+    let place = pose.iter().map(|&p| axes.metres_from_input(p));
+    warnings.extend(coarse(place.clone(), &reference_path).filter(|_| narrow));
+    if let Some(offset) = offset_of(place) {
+        axes.offset = offset;
+        warnings.push(recentred(offset, &reference_path));
+    }
     let counts: Vec<u64> = plan.sequences.iter().map(|s| s.source.frame_count(plan.fps)).collect();
     let (mut positions, total) = reserve(plan, &counts, mesh.vertex_count)?;
 
-    let reference = Reference {
-        path: &reference_path,
-        vertex_count: mesh.vertex_count,
-        faces: &mesh.faces,
-        uvs: &mesh.uvs,
-        colours: &mesh.colours,
-    };
+    let mut scratch = None;
     let mut textures = Vec::new();
+    let mut notes = Notes::default();
     let mut done = 0;
     let mut rest = positions.as_mut_slice();
-    for (sequence, &count) in plan.sequences.iter().zip(&counts) {
+    for (index, (sequence, &count)) in plan.sequences.iter().zip(&counts).enumerate() {
         let (out, tail) = rest.split_at_mut(count as usize * mesh.vertex_count);
         rest = tail;
         let report = |frames: usize| progress(Progress { what: "reading frames", done: done + frames as u64, total });
+        let mut reader =
+            Reader { sequence, reference: Reference { path: &reference_path, mesh: &mesh }, axes, notes: &mut notes };
         textures.push(match &sequence.source {
-            Source::Files(paths) => read_files(paths, &reference, axes, out, &report, warnings)?,
+            Source::Files(paths) => reader.files(paths, out, &report)?,
+            Source::Stills(paths) => reader.stills(paths, out, &report, (index, &mut scratch))?,
             Source::Clip { file, clip } => {
-                check_clip_mesh(file, &reference)?;
-                bake(file, *clip, plan.fps, axes, out, &report)?;
+                reader.clip(file, *clip, plan.fps, out, &report)?;
+                warnings.extend(file.rate_warning(*clip, plan.fps));
                 Vec::new()
             }
         });
         done += count;
     }
+    warnings.extend(notes.into_warnings());
     let frame_counts = counts.iter().map(|&count| count as usize).collect();
-    Ok(Recording { mesh, positions, frame_counts, textures })
+    Ok(Recording { mesh, positions, offset: axes.offset, frame_counts, textures, scratch })
 }
 
-fn mesh_of(source: &Source, warnings: &mut Vec<Warning>) -> Result<FileMesh, ImportError> {
-    let mesh = match source {
+/// The mesh of a source, its first pose as the file has it, and whether that was written with 32 bits.
+fn mesh_and_pose(source: &Source) -> Result<(FileMesh, Vec<DVec3>, bool), ImportError> {
+    let still = |file: &GltfFile, clip: usize| -> Result<_, ImportError> {
+        let pose = file.pose(clip, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
+        Ok((file.mesh().clone(), pose, true))
+    };
+    let (mesh, pose, narrow) = match source {
         Source::Files(paths) => {
             let path = paths.first().ok_or(ImportError::NoInput)?;
-            shared_mesh(&read_frame(path)?, path, warnings)?
+            let first = First::read(path)?;
+            (shared_mesh(&first, path)?, first.frame.positions, first.frame.narrow)
         }
-        Source::Clip { file, .. } => file.mesh().clone(),
+        Source::Stills(paths) => still(&GltfFile::open(paths.first().ok_or(ImportError::NoInput)?)?, 0)?,
+        Source::Clip { file, clip } => still(file, *clip)?,
     };
     if mesh.vertex_count > MAX_VERTICES {
         let reason = format!("{} vertices, of at most {MAX_VERTICES}", mesh.vertex_count);
         return Err(ImportError::TooLarge { path: source.path().to_owned(), reason });
     }
-    Ok(mesh)
+    Ok((mesh, pose, narrow))
 }
 
 /// Memory for the positions of `counts` frames, and the number of frames; refuses what is too much.
@@ -115,75 +136,120 @@ fn reserve(plan: &Plan, counts: &[u64], vertex_count: usize) -> Result<(Vec<Vec3
     Ok((positions, total))
 }
 
-fn read_files(
-    paths: &[PathBuf],
-    reference: &Reference<'_>,
+/// Reads the frames of one sequence.
+struct Reader<'a> {
+    sequence: &'a PlannedSequence,
+    reference: Reference<'a>,
     axes: Axes,
-    out: &mut [Vec3],
-    report: &dyn Fn(usize),
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<PathBuf>, ImportError> {
-    let Some(first_path) = paths.first() else { return Ok(Vec::new()) };
-    let first: Frame = read_frame(first_path)?;
-    let mut differences: Vec<Differences> = Vec::with_capacity(paths.len());
-    let vertices = reference.vertex_count.max(1);
-    for (batch, out) in paths.chunks(BATCH).zip(out.chunks_mut(BATCH * vertices)) {
-        let found = read_frames(batch, differences.len(), &first, reference, axes, out)?;
-        differences.extend(found);
-        report(differences.len());
-    }
-    if let Some(frame) = differences.iter().position(|d| d.attributes) {
-        warnings.push(Warning::new(
-            "W_ATTRIBUTES_DIFFER",
-            format!(
-                "{}: texture coordinates or colours differ from those of the first frame: the first frame's are used",
-                paths.get(frame).unwrap_or(first_path).display()
-            ),
-        ));
-    }
-    let Some(own) = frames::own_texture(&first, first_path)? else { return Ok(Vec::new()) };
-    let one_each: Vec<PathBuf> = differences.into_iter().map(|d| d.texture.unwrap_or_else(|| own.clone())).collect();
-    Ok(if one_each.iter().all(|texture| *texture == own) { vec![own] } else { one_each })
+    notes: &'a mut Notes,
 }
 
-fn check_clip_mesh(file: &GltfFile, reference: &Reference<'_>) -> Result<(), ImportError> {
-    if file.path() == reference.path {
+impl Reader<'_> {
+    /// OBJ or PLY files; the texture of each.
+    fn files(
+        &mut self,
+        paths: &[PathBuf],
+        out: &mut [Vec3],
+        report: &dyn Fn(usize),
+    ) -> Result<Vec<Option<NamedTexture>>, ImportError> {
+        let Some(path) = paths.first() else { return Ok(Vec::new()) };
+        let first = First::read(path)?;
+        let mut textures = Vec::with_capacity(paths.len());
+        let vertices = self.reference.mesh.vertex_count.max(1);
+        for (batch, out) in paths.chunks(BATCH).zip(out.chunks_mut(BATCH * vertices)) {
+            let seen = read_frames(batch, textures.len(), &first, &self.reference, self.axes, out);
+            let seen = self.note(batch, seen).map_err(|error| topologies::explained(error, self.sequence, paths))?;
+            textures.extend(seen);
+            report(textures.len());
+        }
+        Ok(if textures.iter().any(Option::is_some) { textures } else { Vec::new() })
+    }
+
+    /// glTF files that hold a pose each; the texture of each.
+    fn stills(
+        &mut self,
+        paths: &[PathBuf],
+        out: &mut [Vec3],
+        report: &dyn Fn(usize),
+        (index, scratch): (usize, &mut Option<Scratch>),
+    ) -> Result<Vec<Option<NamedTexture>>, ImportError> {
+        let Some(path) = paths.first() else { return Ok(Vec::new()) };
+        let mut stills = StillReader::new(path, index, scratch)?;
+        let vertices = self.reference.mesh.vertex_count.max(1);
+        let mut textures = Vec::with_capacity(paths.len());
+        for (batch, out) in paths.chunks(BATCH).zip(out.chunks_mut(BATCH * vertices)) {
+            let seen = read_stills(batch, textures.len(), &stills, &self.reference, self.axes, out);
+            let seen = self.note(batch, seen).map_err(|error| topologies::explained(error, self.sequence, paths))?;
+            textures.extend(seen);
+            report(textures.len());
+        }
+        stills.finish(&mut textures)?;
+        Ok(textures)
+    }
+
+    /// The textures of frames; the first error in their order, whatever thread was first.
+    fn note(
+        &mut self,
+        paths: &[PathBuf],
+        seen: Vec<Result<Seen, ImportError>>,
+    ) -> Result<Vec<Option<NamedTexture>>, ImportError> {
+        let mut textures = Vec::with_capacity(seen.len());
+        for (path, seen) in paths.iter().zip(seen) {
+            let Seen { texture, notes } = seen?;
+            self.notes.add(path, notes);
+            textures.push(texture);
+        }
+        Ok(textures)
+    }
+
+    /// Bakes a clip, frame by frame in parallel.
+    fn clip(
+        &self,
+        file: &GltfFile,
+        clip: usize,
+        fps: f32,
+        out: &mut [Vec3],
+        report: &dyn Fn(usize),
+    ) -> Result<(), ImportError> {
+        self.check_clip_mesh(file)?;
+        let (vertices, axes) = (file.mesh().vertex_count.max(1), self.axes);
+        for (batch, out) in out.chunks_mut(BATCH * vertices).enumerate() {
+            let results: Vec<Result<(), ImportError>> = out
+                .par_chunks_mut(vertices)
+                .enumerate()
+                .map(|(k, out)| {
+                    let frame = batch * BATCH + k;
+                    let pose: Vec<DVec3> =
+                        file.pose(clip, f64::from(fps), frame)?.iter().map(|p| p.as_dvec3()).collect();
+                    place(&pose, file.path(), frame, axes, out)?;
+                    check_area(file, frame, out)
+                })
+                .collect();
+            results.into_iter().collect::<Result<(), _>>()?;
+            report(batch * BATCH + out.len() / vertices);
+        }
+        Ok(())
+    }
+
+    fn check_clip_mesh(&self, file: &GltfFile) -> Result<(), ImportError> {
+        let mesh = file.mesh();
+        if file.path() == self.reference.path {
+            return Ok(());
+        }
+        check_same_mesh(mesh.vertex_count, &mesh.faces, file.path(), 0, &self.reference)
+            .map_err(|error| topologies::explained(error, self.sequence, &[]))
+    }
+}
+
+/// Refuses a frame in which nothing is left of the surface, as where its scale is 0.
+fn check_area(file: &GltfFile, frame: usize, pose: &[Vec3]) -> Result<(), ImportError> {
+    let corner = |&v: &u32| pose.get(v as usize).copied().unwrap_or_default().as_dvec3();
+    let has_area = |face: &[u32]| {
+        let points: Vec<_> = face.iter().map(corner).collect();
+        points.windows(2).any(|w| (w[0] - points[0]).cross(w[1] - points[0]).length_squared() > 0.0)
+    };
+    if file.mesh().faces.iter().any(has_area) {
         return Ok(());
     }
-    let mesh = file.mesh();
-    let (path, reference_path) = (file.path().to_owned(), reference.path.to_owned());
-    let (found, expected) = (mesh.vertex_count, reference.vertex_count);
-    if found != expected {
-        return Err(ImportError::VertexCount { path, frame: 0, found, expected, reference: reference_path });
-    }
-    match mesh.faces.first_difference(reference.faces) {
-        Some(face) => Err(ImportError::FaceList { path, frame: 0, face, reference: reference_path }),
-        None => Ok(()),
-    }
-}
-
-/// Bakes a clip, frame by frame in parallel.
-fn bake(
-    file: &GltfFile,
-    clip: usize,
-    fps: f32,
-    axes: Axes,
-    out: &mut [Vec3],
-    report: &dyn Fn(usize),
-) -> Result<(), ImportError> {
-    let vertices = file.mesh().vertex_count.max(1);
-    for (batch, out) in out.chunks_mut(BATCH * vertices).enumerate() {
-        let results: Vec<Result<(), ImportError>> = out
-            .par_chunks_mut(vertices)
-            .enumerate()
-            .map(|(k, out)| {
-                let frame = batch * BATCH + k;
-                let pose = file.pose(clip, f64::from(fps), frame);
-                place(&pose, file.path(), frame, axes, out)
-            })
-            .collect();
-        results.into_iter().collect::<Result<(), _>>()?;
-        report(batch * BATCH + out.len() / vertices);
-    }
-    Ok(())
+    Err(ImportError::Collapsed { path: file.path().to_owned(), frame })
 }

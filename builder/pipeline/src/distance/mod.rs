@@ -343,6 +343,18 @@ impl<const LOG: bool> Kernel for SumDeformation<'_, LOG> {
     }
 }
 
+/// Whether poses can be measured against each other.
+///
+/// # Errors
+/// As [`pose_distances`].
+pub fn comparable(topology: &Topology, poses: &Poses) -> Result<(), DistanceError> {
+    if poses.vertex_count() != topology.vertex_count() {
+        return Err(DistanceError::VertexCount { poses: poses.vertex_count(), mesh: topology.vertex_count() });
+    }
+    let poses: Vec<&[Vec3]> = poses.iter().collect();
+    usable_triangles(topology, &poses, false).map(|_| ())
+}
+
 /// The triangles that are degenerate in no frame, and their weights: 1 each, or their mean share of the frames' area
 /// times their number.
 fn usable_triangles(

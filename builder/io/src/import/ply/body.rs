@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::header::{Encoding, Header, Kind, Property};
 use crate::import::error::ImportError;
+use crate::import::text::{not_a_number, split_line};
 
 /// Reads one property after the other.
 pub(super) struct Body<'a> {
@@ -27,6 +28,9 @@ impl<'a> Body<'a> {
         let count = self.number(count_kind)?;
         let smallest = if self.encoding == Encoding::Ascii { 2 } else { property.kind.size() };
         let available = (self.bytes.len() - self.at) / smallest + 1;
+        if count.fract() != 0.0 {
+            return Err(self.wrong(format!("a list \"{}\" of {count} numbers", property.name)));
+        }
         if !(count >= 0.0 && count <= available as f64) {
             return Err(self.truncated(format!("a list \"{}\" of {count} numbers", property.name)));
         }
@@ -36,10 +40,31 @@ impl<'a> Body<'a> {
         Ok(())
     }
 
+    /// Whether numbers are written as text.
+    pub fn is_text(&self) -> bool {
+        self.encoding == Encoding::Ascii
+    }
+
+    /// Whether something but the end of a line follows the last number.
+    pub fn has_rest(&self) -> bool {
+        // Some systems end text with a NUL or a Control-Z.
+        let is_end = |b: &u8| b.is_ascii_whitespace() || matches!(b, 0 | 0x1a);
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        if self.encoding == Encoding::Ascii {
+            !rest.iter().all(is_end)
+        } else {
+            rest.len() > 2 || !rest.iter().all(is_end)
+        }
+    }
+
     /// An error about the place that was read last.
     pub fn wrong(&self, reason: String) -> ImportError {
-        let read = self.bytes.get(..self.at.saturating_sub(1)).unwrap_or_default();
-        let line = 1 + read.iter().filter(|&&b| b == b'\n').count();
+        let mut rest = self.bytes.get(..self.at.saturating_sub(1)).unwrap_or_default();
+        let mut line = 1;
+        while let (_, Some(tail)) = split_line(rest) {
+            rest = tail;
+            line += 1;
+        }
         if self.encoding == Encoding::Ascii {
             ImportError::Syntax { path: self.path.to_owned(), line, reason }
         } else {
@@ -66,7 +91,7 @@ impl<'a> Body<'a> {
         let value = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
         value.ok_or_else(|| {
             let word = String::from_utf8_lossy(word);
-            self.wrong(format!("\"{}\" is not a number", crate::import::text::shorten(&word)))
+            self.wrong(not_a_number(&word))
         })
     }
 

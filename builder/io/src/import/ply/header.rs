@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::import::error::ImportError;
-use crate::import::text::{shorten, syntax};
+use crate::import::text::{shorten, split_line, syntax};
 
 /// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,9 +91,19 @@ impl Header {
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, ImportError> {
         let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), textures: Vec::new(), body_start: 0 };
         let mut format_given = false;
+        // The first line shows how lines end; after end_header, a binary file may begin with any byte.
+        let (first, rest) = split_line(bytes);
+        if first.trim_ascii() != b"ply" {
+            return Err(syntax(path, 1, "a PLY file begins with the line \"ply\""));
+        }
+        let ending = match bytes.get(first.len()..first.len() + 2) {
+            Some(b"\r\n") | None => b'\n',
+            Some(pair) if rest.is_some() => pair[0],
+            Some(_) => b'\n',
+        };
         for line in 1..MAX_LINES {
             let rest = bytes.get(header.body_start..).unwrap_or_default();
-            let Some(length) = rest.iter().position(|&b| b == b'\n') else {
+            let Some(length) = rest.iter().position(|&b| b == ending) else {
                 let reason = "the header does not end with end_header".into();
                 return Err(ImportError::Truncated { path: path.to_owned(), reason });
             };
@@ -101,14 +111,12 @@ impl Header {
             let text = String::from_utf8_lossy(&rest[..length]);
             let text = text.trim();
             if line == 1 {
-                if text != "ply" {
-                    return Err(syntax(path, line, "a PLY file begins with the line \"ply\""));
-                }
                 continue;
             }
             let words: Vec<&str> = text.split_ascii_whitespace().collect();
             match words[..] {
                 ["end_header"] if format_given => return Ok(header),
+                ["end_header"] => return Err(syntax(path, line, "the header names no format")),
                 ["format", encoding, _version] => {
                     format_given = true;
                     header.encoding = match encoding {
@@ -120,7 +128,7 @@ impl Header {
                 }
                 ["comment", "TextureFile", ..] => {
                     let name = text.split_once("TextureFile").map_or("", |(_, name)| name).trim();
-                    header.textures.push(name.replace('\\', "/"));
+                    header.textures.push(name.to_owned());
                 }
                 ["comment" | "obj_info", ..] | [] => {}
                 ["element", name, count] => {
@@ -147,6 +155,12 @@ impl Header {
         };
         element.properties.push(property);
         Ok(())
+    }
+
+    /// Number of vertices that the header announces.
+    pub fn vertex_count(&self) -> u64 {
+        let vertices = self.elements.iter().filter(|element| element.name == "vertex");
+        vertices.map(|element| element.count).fold(0, u64::saturating_add)
     }
 
     /// Refuses counts that a file of `file_size` bytes cannot hold, before anything is read or reserved.

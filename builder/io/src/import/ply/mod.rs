@@ -7,27 +7,33 @@ mod header;
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::DVec3;
 
 use self::body::Body;
 use self::header::{Element, Header, Kind, Property};
+use super::colour;
 use super::error::ImportError;
-use super::mesh::{Frame, byte};
+use super::mesh::Frame;
+use super::text::utf8_without_mark;
+use super::warning::Note;
 
 /// Reads the PLY file `bytes`; `path` is for messages. Texture coordinates are turned to v downwards.
+///
+/// Elements may come in any order.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
+    let bytes = &*utf8_without_mark(bytes);
     let header = Header::parse(bytes, path)?;
     header.check_size(bytes.len(), path)?;
     let mut body = Body::new(bytes, &header, path);
     let mut frame = Frame { material_textures: header.textures.clone(), ..Frame::default() };
-    let mut vertex_uvs = Vec::new();
+    let mut vertices = Vertices::default();
     let mut found = false;
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut frame, &mut vertex_uvs, path)?,
+            "vertex" => read_vertices(&mut body, element, &mut frame, &mut vertices, path)?,
             "face" => {
                 found = true;
-                read_faces(&mut body, element, &mut frame, &vertex_uvs, path)?;
+                read_faces(&mut body, element, &mut frame, header.vertex_count(), path)?;
             }
             "tristrips" => {
                 let reason = "triangle strips are not read; export faces instead".into();
@@ -39,9 +45,45 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
     if !found {
         return Err(ImportError::NoTriangles { path: path.to_owned() });
     }
+    if body.has_rest() {
+        let message =
+            "there is more in the file than its header announces: if vertices or faces look wrong, export it again";
+        frame.notes.push(Note::new("W_PLY_REST", message));
+    }
+    vertices.finish(&mut frame);
     let textures = frame.material_textures.len().max(1);
     frame.material_names = (0..textures).map(|k| format!("texture {k}")).collect();
     Ok(frame)
+}
+
+/// Attributes of all vertices, until it is known what they mean.
+#[derive(Default)]
+struct Vertices {
+    uvs: Vec<[f32; 2]>,
+    /// Red, green, blue and opacity, 0 to 1 where the type of their numbers says so; else as written.
+    colours: Vec<[f32; 4]>,
+    /// Which components of colours are of 16 bits.
+    wide: [bool; 4],
+}
+
+impl Vertices {
+    fn finish(mut self, frame: &mut Frame) {
+        if frame.uvs.is_empty() && !self.uvs.is_empty() {
+            let corners = frame.faces.vertices.iter();
+            frame.uvs = corners.map(|&v| self.uvs.get(v as usize).copied().unwrap_or_default()).collect();
+        }
+        // 16 bits that hold no more than 8 are a common mistake; read in full they would all be black.
+        let wide = (0..4).filter(|&k| self.wide[k]);
+        let most = self.colours.iter().flat_map(|colour| wide.clone().map(|k| colour[k])).fold(0.0, f32::max);
+        if most > 0.0 && most <= 255.0 / 65535.0 {
+            self.colours.iter_mut().for_each(|colour| wide.clone().for_each(|k| colour[k] *= 257.0));
+            let message = "colours of 16 bits go up to 255 only: they are read as 0 to 255";
+            frame.notes.push(Note::new("W_COLOUR_RANGE", message));
+        }
+        let (colours, note) = colour::bytes(&self.colours);
+        frame.colours = colours;
+        frame.notes.extend(note);
+    }
 }
 
 fn skip(body: &mut Body<'_>, element: &Element) -> Result<(), ImportError> {
@@ -60,6 +102,7 @@ fn skip(body: &mut Body<'_>, element: &Element) -> Result<(), ImportError> {
 #[derive(Clone, Copy)]
 enum Slot {
     Position(usize),
+    /// Which component, and the number that means 1.
     Colour(usize, f32),
     Uv(usize),
     Nothing,
@@ -68,9 +111,9 @@ enum Slot {
 fn slot(property: &Property) -> Slot {
     // Whole numbers hold 0 to 255 (or 0 to 65535), others 0 to 1.
     let colour = |k: usize| match property.kind {
-        Kind::U8 | Kind::I8 => Slot::Colour(k, 1.0 / 255.0),
-        Kind::U16 | Kind::I16 => Slot::Colour(k, 1.0 / 65535.0),
-        Kind::U32 | Kind::I32 => Slot::Colour(k, 1.0 / 255.0),
+        Kind::U8 | Kind::I8 => Slot::Colour(k, 255.0),
+        Kind::U16 | Kind::I16 => Slot::Colour(k, 65535.0),
+        Kind::U32 | Kind::I32 => Slot::Colour(k, 255.0),
         Kind::F32 | Kind::F64 => Slot::Colour(k, 1.0),
     };
     if property.list_count.is_some() {
@@ -94,7 +137,7 @@ fn read_vertices(
     body: &mut Body<'_>,
     element: &Element,
     frame: &mut Frame,
-    uvs: &mut Vec<[f32; 2]>,
+    vertices: &mut Vertices,
     path: &Path,
 ) -> Result<(), ImportError> {
     let slots: Vec<Slot> = element.properties.iter().map(slot).collect();
@@ -104,92 +147,163 @@ fn read_vertices(
             return Err(ImportError::Syntax { path: path.to_owned(), line: element.line, reason });
         }
     }
+    let placed = element.properties.iter().zip(&slots).filter(|(_, slot)| matches!(slot, Slot::Position(_)));
+    // Text has as many decimals as were written.
+    frame.narrow |= !body.is_text() && placed.into_iter().any(|(property, _)| property.kind == Kind::F32);
     let coloured = slots.iter().any(|s| matches!(s, Slot::Colour(0..=2, _)));
     let textured = slots.iter().any(|s| matches!(s, Slot::Uv(_)));
+    for (property, slot) in element.properties.iter().zip(&slots) {
+        if let (Slot::Colour(k, _), Kind::U16 | Kind::I16) = (slot, property.kind) {
+            vertices.wide[*k] = true;
+        }
+    }
     for vertex in 0..element.count {
-        let (mut position, mut colour, mut uv) = ([0.0_f32; 3], [1.0_f32; 4], [0.0_f32; 2]);
+        let (mut position, mut colour, mut uv) = ([0.0_f64; 3], [1.0_f32; 4], [0.0_f32; 2]);
         for (property, slot) in element.properties.iter().zip(&slots) {
             body.property(property, &mut |_, value| match *slot {
-                Slot::Position(k) => position[k] = value as f32,
-                Slot::Colour(k, scale) => colour[k] = value as f32 * scale,
+                Slot::Position(k) => position[k] = value,
+                // A signed byte is an unsigned one that was declared wrongly.
+                Slot::Colour(k, full) if value < 0.0 && property.kind == Kind::I8 => {
+                    colour[k] = (value + 256.0) as f32 / full
+                }
+                Slot::Colour(k, full) => colour[k] = value as f32 / full,
                 Slot::Uv(k) => uv[k] = value as f32,
                 Slot::Nothing => {}
             })?;
         }
-        frame.positions.push(Vec3::from_array(position));
+        frame.positions.push(DVec3::from_array(position));
         if coloured {
-            frame.colours.push(colour.map(byte));
+            if colour.iter().any(|component| !component.is_finite()) {
+                return Err(body.wrong(format!("the colour of vertex {vertex} is not finite")));
+            }
+            vertices.colours.push(colour);
         }
         if textured {
-            uvs.push(texture_coordinate(uv, || format!("vertex {vertex}"), path)?);
+            vertices.uvs.push(texture_coordinate(uv, || format!("vertex {vertex}"), path)?);
         }
     }
     Ok(())
+}
+
+/// Where the properties of faces that mean something are.
+struct FaceProperties {
+    indices: usize,
+    uvs: Option<usize>,
+    material: Option<usize>,
+    coloured: bool,
+}
+
+impl FaceProperties {
+    fn new(element: &Element, path: &Path) -> Result<Self, ImportError> {
+        let properties = &element.properties;
+        let list =
+            |names: &[&str]| properties.iter().position(|p| p.list_count.is_some() && names.contains(&p.name.as_str()));
+        let single = |name: &str| properties.iter().position(|p| p.list_count.is_none() && p.name == name);
+        let indices = list(&["vertex_indices", "vertex_index", "vertex_indexes", "indices"]).ok_or_else(|| {
+            let reason = "the faces have no list vertex_indices".into();
+            ImportError::Syntax { path: path.to_owned(), line: element.line, reason }
+        })?;
+        Ok(Self {
+            indices,
+            uvs: list(&["texcoord", "texcoords"]),
+            material: single("texnumber"),
+            coloured: ["red", "green", "blue"].iter().any(|name| single(name).is_some()),
+        })
+    }
 }
 
 fn read_faces(
     body: &mut Body<'_>,
     element: &Element,
     frame: &mut Frame,
-    vertex_uvs: &[[f32; 2]],
+    vertex_count: u64,
     path: &Path,
 ) -> Result<(), ImportError> {
-    let is_list = |p: &Property, names: &[&str]| p.list_count.is_some() && names.contains(&p.name.as_str());
-    let indices_at = element.properties.iter().position(|p| is_list(p, &["vertex_indices", "vertex_index"]));
-    let uvs_at = element.properties.iter().position(|p| is_list(p, &["texcoord", "texcoords"]));
-    let material_at = element.properties.iter().position(|p| p.list_count.is_none() && p.name == "texnumber");
-    if indices_at.is_none() {
-        let reason = "the faces have no list vertex_indices".into();
-        return Err(ImportError::Syntax { path: path.to_owned(), line: element.line, reason });
-    }
-    let vertex_count = frame.positions.len();
+    let at = FaceProperties::new(element, path)?;
     let mut uvs: Vec<f32> = Vec::new();
+    let mut nameless = None;
     for face in 0..element.count {
         let first = frame.faces.vertices.len();
-        let (mut bad, mut material) = (None, 0);
+        let (mut bad, mut material) = (None, 0.0);
         uvs.clear();
-        for (at, property) in element.properties.iter().enumerate() {
+        for (k, property) in element.properties.iter().enumerate() {
             body.property(property, &mut |_, value| {
-                if Some(at) == indices_at {
-                    if !(value >= 0.0 && value < vertex_count as f64) {
-                        bad = Some(value as i64);
+                if k == at.indices {
+                    if !(value >= 0.0 && value < vertex_count as f64 && value.fract() == 0.0) {
+                        bad.get_or_insert(value);
                     }
                     frame.faces.vertices.push(value as u32);
-                } else if Some(at) == uvs_at {
+                } else if Some(k) == at.uvs {
                     uvs.push(value as f32);
-                } else if Some(at) == material_at {
-                    material = value as u32;
+                } else if Some(k) == at.material {
+                    material = value;
                 }
             })?;
         }
         if let Some(index) = bad {
-            let place = format!("face {face}, vertex");
-            return Err(ImportError::IndexRange { path: path.to_owned(), place, index, count: vertex_count });
+            if index.fract() != 0.0 {
+                return Err(body.wrong(format!("face {face}: the index {index} is no whole number")));
+            }
+            let (place, count) = (format!("face {face}, vertex"), vertex_count as usize);
+            return Err(ImportError::IndexRange { path: path.to_owned(), place, index: index as i64, count });
         }
         let size = frame.faces.vertices.len() - first;
         if size < 3 {
             return Err(body.wrong(format!("face {face} has {size} corners and needs three")));
         }
         frame.faces.sizes.push(size as u32);
-        if material_at.is_some() {
-            frame.material_of_face.push(material.min(frame.material_textures.len().saturating_sub(1) as u32));
-        }
-        if uvs_at.is_some() {
-            let pairs = uvs.chunks_exact(2).map(|uv| [uv[0], uv[1]]);
-            if uvs.is_empty() {
-                frame.uvs.resize(frame.uvs.len() + size, [0.0, 0.0]);
-            } else if uvs.len() == 2 * size {
-                for uv in pairs {
-                    frame.uvs.push(texture_coordinate(uv, || format!("face {face}"), path)?);
-                }
-            } else {
-                return Err(body.wrong(format!("face {face} has {size} corners but {} texcoord numbers", uvs.len())));
+        if at.material.is_some() {
+            let textures = frame.material_textures.len().max(1);
+            if !(material >= 0.0 && material < textures as f64) {
+                nameless.get_or_insert((face, material));
+                material = 0.0;
             }
+            frame.material_of_face.resize(frame.faces.sizes.len() - 1, 0);
+            frame.material_of_face.push(material as u32);
+        }
+        if at.uvs.is_some() {
+            frame.uvs.resize(first, [0.0, 0.0]);
+            read_corner_uvs(body, face, &uvs, size, frame, path)?;
         }
     }
-    if uvs_at.is_none() && !vertex_uvs.is_empty() {
-        let corners = frame.faces.vertices.iter();
-        frame.uvs = corners.map(|&v| vertex_uvs.get(v as usize).copied().unwrap_or_default()).collect();
+    if !frame.uvs.is_empty() {
+        frame.uvs.resize(frame.faces.vertices.len(), [0.0, 0.0]);
+    }
+    if !frame.material_of_face.is_empty() {
+        frame.material_of_face.resize(frame.faces.sizes.len(), 0);
+    }
+    if let Some((face, number)) = nameless {
+        let message =
+            format!("face {face} wears texture {number}, which the header does not name: it wears the first one");
+        frame.notes.push(Note::new("W_TEXTURE_NUMBER", message));
+    }
+    if at.coloured {
+        let message = "the faces have colours, which are left aside: give the vertices colours, or a texture";
+        frame.notes.push(Note::new("W_FACE_COLOURS", message));
+    }
+    Ok(())
+}
+
+/// Appends the texture coordinates of the `size` corners of a face; none at all are zeros.
+fn read_corner_uvs(
+    body: &Body<'_>,
+    face: u64,
+    uvs: &[f32],
+    size: usize,
+    frame: &mut Frame,
+    path: &Path,
+) -> Result<(), ImportError> {
+    if uvs.is_empty() {
+        frame.uvs.resize(frame.uvs.len() + size, [0.0, 0.0]);
+        frame.bare_corners.resize(1, 0);
+        frame.bare_corners[0] += size;
+        return Ok(());
+    }
+    if uvs.len() != 2 * size {
+        return Err(body.wrong(format!("face {face} has {size} corners but {} texcoord numbers", uvs.len())));
+    }
+    for uv in uvs.chunks_exact(2) {
+        frame.uvs.push(texture_coordinate([uv[0], uv[1]], || format!("face {face}"), path)?);
     }
     Ok(())
 }
@@ -219,7 +333,7 @@ mod tests {
     fn reads_colours_quads_and_corner_texture_coordinates() {
         let body = "0 0 0 255 0 0\n1 0 0 0 255 0\n1 1 0 0 0 255\n0 1 0 9 9 9\n4 0 1 2 3 8 0 0 1 0 1 1 0 1\n1 5\n0\n";
         let frame = read(&format!("{HEAD}{body}")).unwrap();
-        assert_eq!(frame.positions[2], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(frame.positions[2], DVec3::new(1.0, 1.0, 0.0));
         assert_eq!(frame.faces.sizes, [4]);
         assert_eq!(frame.uvs, [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]);
         assert_eq!(frame.colours[1], [0, 255, 0, 255]);
@@ -251,5 +365,77 @@ mod tests {
              property float z\nelement face 1\nproperty list int int vertex_indices\nend_header\n\
              aaaabbbbcccc\x7f\x7f\x7f\x7f";
         assert_eq!(read(text).unwrap_err().code(), "E_TRUNCATED");
+    }
+
+    const PLAIN: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+    #[test]
+    fn lines_end_in_whatever_a_system_writes() {
+        let expected = read(PLAIN).unwrap();
+        for text in [PLAIN.replace('\n', "\r"), PLAIN.replace('\n', "\r\n"), format!("\u{feff}{PLAIN}")] {
+            assert_eq!(read(&text).unwrap(), expected);
+        }
+        // A binary body may begin with the byte of a line feed.
+        let head = PLAIN.split_once("end_header\n").unwrap().0.replace("ascii", "binary_little_endian");
+        for end in ["\n", "\r", "\r\n"] {
+            let mut bytes = format!("{head}end_header\n").replace('\n', end).into_bytes();
+            bytes.extend(f32::from_bits(0x3f80_000a).to_le_bytes());
+            bytes.extend([0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|c| c.to_le_bytes()));
+            bytes.extend([3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
+            let frame = parse(&bytes, Path::new("t.ply")).unwrap();
+            assert_eq!(frame.positions[0].x, f64::from(f32::from_bits(0x3f80_000a)));
+            assert_eq!((frame.faces.vertices, frame.notes), (vec![0, 1, 2], vec![]));
+        }
+    }
+
+    #[test]
+    fn faces_may_come_before_vertices() {
+        let text = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nelement vertex 3\n\
+            property double x\nproperty double y\nproperty double z\nproperty float s\nproperty float t\nend_header\n\
+            3 2 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0.5 1\n";
+        let frame = read(text).unwrap();
+        assert_eq!(frame.faces.vertices, [2, 1, 0]);
+        assert_eq!(frame.uvs, [[0.5, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        assert_eq!(read(&text.replace("3 2 1 0", "3 2 1 3")).unwrap_err().code(), "E_INDEX_RANGE");
+    }
+
+    #[test]
+    fn numbers_that_do_not_fit_the_header_are_not_misread() {
+        // A number too many in a line shifts all that follow.
+        assert_eq!(read(&PLAIN.replace("3 0 1 2", "3 0 1 2 9")).unwrap().notes[0].code, "W_PLY_REST");
+        assert_eq!(read(&PLAIN.replace("0 1 0\n", "0 1 0 0.5\n")).unwrap_err().code(), "E_SYNTAX");
+        assert_eq!(read(&PLAIN.replace("3 0 1 2", "3 0 1 1.5")).unwrap_err().code(), "E_SYNTAX");
+        assert_eq!(read(&PLAIN.replace("3 0 1 2\n", "3 0 1 2\n\0")).unwrap().notes, []);
+    }
+
+    #[test]
+    fn colours_are_read_in_the_range_that_they_have() {
+        let of = |kind: &str, red: &str| {
+            let text = PLAIN.replace("property float z\n", &format!("property float z\nproperty {kind} red\n"));
+            let frame = read(
+                &text
+                    .replace("1 0 0\n", &format!("1 0 0 {red}\n"))
+                    .replace("0 0 0\n", "0 0 0 0\n")
+                    .replace("0 1 0\n", "0 1 0 0\n"),
+            );
+            let frame = frame.unwrap();
+            (frame.colours[1][0], frame.notes.iter().map(|note| note.code).collect::<Vec<_>>())
+        };
+        assert_eq!(of("uchar", "120"), (120, vec![]));
+        assert_eq!(of("char", "-56"), (200, vec![]));
+        assert_eq!(of("ushort", "30840"), (120, vec![]));
+        assert_eq!(of("ushort", "120"), (120, vec!["W_COLOUR_RANGE"]));
+        assert_eq!(of("int", "120"), (120, vec![]));
+        assert_eq!(of("float", "0.2"), (51, vec![]));
+        assert_eq!(of("float", "120"), (120, vec!["W_COLOUR_RANGE"]));
+    }
+
+    #[test]
+    fn what_faces_say_in_vain_is_told() {
+        let text = PLAIN.replace("vertex_indices\n", "vertex_indices\nproperty uchar red\nproperty int texnumber\n");
+        let frame = read(&text.replace("3 0 1 2", "3 0 1 2 9 -1")).unwrap();
+        let codes: Vec<_> = frame.notes.iter().map(|note| note.code).collect();
+        assert_eq!((codes, frame.material_of_face), (vec!["W_TEXTURE_NUMBER", "W_FACE_COLOURS"], vec![0]));
     }
 }
