@@ -1,4 +1,4 @@
-//! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis 4.4.2, 4.4.3, 4.6.2).
+//! Eigen textures and Eigen warps from aligned textures, and what they rebuild (thesis sections 4.4.2, 4.4.3, 4.6.2).
 
 use bundle::StoredAppearance;
 use job::Job;

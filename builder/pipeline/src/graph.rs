@@ -18,7 +18,7 @@ use crate::transitions::{TransitionError, TransitionOptions};
 pub struct GraphOptions {
     /// How transitions are chosen.
     pub transition: TransitionOptions,
-    /// Weight of a frame's duration against surface deformation (thesis 3.3.2).
+    /// Weight of a frame's duration against surface deformation (thesis section 3.3.2).
     pub alpha: f64,
     /// Whether transitions keep still what stands on the ground on both sides; else they follow the papers alone.
     pub hold_contacts: bool,
