@@ -12,8 +12,10 @@ use kernels::align::{Placement, align_heading, centre_of_mass};
 const FEWEST: usize = 8;
 /// A wrap may be this many times as long as all but one of ten steps are at most.
 const LONGEST: f64 = 1.25;
-/// A wrap may change speed this many times as much as all but one of ten frames do at most.
-const MOST_SUDDEN: f64 = 1.5;
+/// A wrap may change speed this many times as much as all but one of ten frames do at most...
+const MOST_SUDDEN: f64 = 2.0;
+/// ...or this many times where the last frame is the first once more, as only loops are written.
+const MOST_SUDDEN_REPEAT: f64 = 3.0;
 
 /// Steps shorter than this part of the body's size are rounding.
 const STILL: f64 = 1e-5;
@@ -48,7 +50,7 @@ pub(super) fn meets(frames: &[Vec3], vertex_count: usize, weights: &[f32], repea
         return Meets::No;
     }
     let changes = poses.windows(3).map(|three| measure.change([three[0], three[1], three[2]]));
-    let sudden = MOST_SUDDEN * nine_tenths(changes);
+    let sudden = nine_tenths(changes) * if repeats { MOST_SUDDEN_REPEAT } else { MOST_SUDDEN };
     let around = [[count - 2, count - 1, 0], [count - 1, 0, 1]];
     let in_step = around.iter().all(|three| measure.change(three.map(|k| poses[k])) <= sudden);
     if in_step { Meets::InStep } else { Meets::InPlace }

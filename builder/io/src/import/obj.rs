@@ -315,6 +315,7 @@ mod tests {
 
     #[test]
     fn comments_stand_behind_data_but_not_in_names() {
+        assert_eq!(read("v 0 0 1.#QNAN\n").unwrap_err().to_string(), "t.obj, line 1: \"1.#QNAN\" is not a number");
         let text = "v 0 0 0 # a\nv 1 0 0#b\nv 0 1 0 # D:\\c\\\nvt 0 0 # d\nusemtl Material #25\nf 1/1 2/1 3/1 # e\n";
         let frame = read(text).unwrap();
         assert_eq!((frame.positions.len(), frame.faces.vertices), (3, vec![0, 1, 2]));

@@ -89,10 +89,12 @@ pub(super) fn named(
         ));
     }
     if found < files.len() {
+        let unused = files.iter().zip(&image_numbers).find(|(_, number)| !frame_numbers.contains(number));
+        let unused = unused.map(|(path, _)| path.display().to_string()).unwrap_or_default();
         warnings.push(Warning::new(
             "W_TEXTURES_UNUSED",
             format!(
-                "{} of {} textures have numbers that no frame of sequence \"{}\" has",
+                "{} of {} textures have numbers that no frame of sequence \"{}\" has, the first of them {unused}",
                 files.len() - found,
                 files.len(),
                 sequence.name

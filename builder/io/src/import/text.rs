@@ -122,9 +122,11 @@ pub(super) fn keyword_and_rest(text: &str) -> (&str, &str) {
     (keyword, rest.trim())
 }
 
-/// What stands before a `#` in a statement that holds numbers only.
+/// What stands before a `#` in a statement that holds numbers only. What follows a point is a number that is none, as some
+/// systems write it (`1.#QNAN`).
 pub(super) fn without_comment(text: &str) -> &str {
-    text.split_once('#').map_or(text, |(data, _)| data.trim_end())
+    let start = text.match_indices('#').map(|(at, _)| at).find(|&at| !text[..at].ends_with('.'));
+    start.map_or(text, |at| text[..at].trim_end())
 }
 
 /// An error about line `line` of `path`.
