@@ -41,6 +41,9 @@ const RED: Option<[u8; 3]> = Some([200, 0, 0]);
 const BLUE: Option<[u8; 3]> = Some([0, 0, 200]);
 const WHITE: [f32; 4] = [1.0; 4];
 
+/// A material, the colour and the texture that stand for it, and the code of what is said about it.
+type Case = (Value, [f32; 4], Option<[u8; 3]>, Option<&'static str>);
+
 #[test]
 fn every_kind_of_material_gives_its_colours() {
     let older = |inner: Value| json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": inner}});
@@ -54,8 +57,6 @@ fn every_kind_of_material_gives_its_colours() {
     both["pbrMetallicRoughness"] = red.clone();
     let mut bright = older(json!({"diffuseTexture": {"index": 1}}));
     bright["pbrMetallicRoughness"] = red.clone();
-    /// What a material says, its base colour, its texture's colour, and what is warned of.
-    type Case = (Value, [f32; 4], Option<[u8; 3]>, Option<&'static str>);
     let cases: [Case; 12] = [
         (json!({"pbrMetallicRoughness": red}), WHITE, RED, None),
         (json!({"pbrMetallicRoughness": red, "extensions": {"KHR_materials_unlit": {}}}), WHITE, RED, None),

@@ -346,6 +346,27 @@ fn meshes_in_turn_are_one_that_moves() {
 }
 
 #[test]
+fn mirrored_pages_keep_their_outside() {
+    let mut file = flip_book(6, Turning::Scale("STEP", 0.0));
+    // The same pages, in a file that is mirrored as a whole by the very scales that turn them.
+    for page in 0..6 {
+        let positions: Vec<Vec3> = moved(page as f32).iter().map(|p| Vec3::new(-p.x, p.y, p.z)).collect();
+        let inside_out: Vec<[u32; 3]> = body().1.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let index = mesh(&mut file, &positions, &inside_out);
+        file.json["nodes"][page]["mesh"] = json!(index);
+        let values: Vec<f32> = (0..6).flat_map(|key| if key == page { [-1.0, 1.0, 1.0] } else { [0.0; 3] }).collect();
+        let output = file.floats("VEC3", &values);
+        file.json["animations"][0]["samplers"][page]["output"] = json!(output);
+    }
+    let imported = read_glb(&file, 24.0);
+    assert_eq!(imported.warnings.len(), 1, "{:?}", imported.warnings);
+    for k in 0..6 {
+        assert_pose(&imported, k, &moved(k as f32));
+        assert!(volume(imported.capture.poses.frame(k), imported.capture.topology.triangles()) > 0.05);
+    }
+}
+
+#[test]
 fn a_lasting_mesh_stands_beside_the_pages() {
     let mut file = flip_book(6, Turning::Scale("STEP", 0.0));
     let hat: Vec<Vec3> = body().0.iter().map(|&p| 0.2 * p + 2.0 * Vec3::Y).collect();
@@ -430,10 +451,17 @@ fn meshes_that_are_hidden_at_times_are_said() {
         assert!(warning(&imported, "W_GLTF_HIDDEN").contains("\"sword\""));
         assert_pose(&imported, 10, &[shifted(Vec3::Z), sword].concat());
     }
-    // What is never shown is not drawn at all.
+    // What is never shown is not drawn at all, however often.
     let mut file = standing();
     file.scene_node(json!({"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": false}}}));
-    file.scene_node(json!({"mesh": 0, "scale": [0.0, 0.0, 0.0]}));
+    for _ in 0..3 {
+        file.scene_node(json!({"mesh": 0, "scale": [0.0, 0.0, 0.0]}));
+    }
+    clip(
+        &mut file,
+        "Walk",
+        vec![Moves(json!({"node": 0, "path": "translation"}), "LINEAR", &[0.0, 1.0], vec![0.0; 6])],
+    );
     file.json["extensionsUsed"] = json!(["KHR_node_visibility"]);
     let imported = read_glb(&file, 10.0);
     assert_pose(&imported, 0, &body().0);

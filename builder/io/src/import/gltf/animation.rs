@@ -1,7 +1,5 @@
 //! Animation clips: which channels a file's animations have, and what they make of its nodes at any time.
 
-use std::collections::HashSet;
-
 use glam::{Vec3, Vec4};
 use gltf::json::Value;
 
@@ -26,7 +24,7 @@ pub(super) struct Clip {
     /// What it moves.
     pub channels: Vec<Channel>,
     /// Whether the file names it.
-    named: bool,
+    pub named: bool,
 }
 
 /// What a clip says about the nodes at one time.
@@ -70,42 +68,6 @@ pub(super) fn clips(
         ));
     }
     Ok(clips)
-}
-
-/// Several animations that are the pieces of one clip, because none has a name and no two move the same thing, become
-/// one, `stem`; clips with names that look like such pieces are told.
-pub(super) fn join(clips: Vec<Clip>, document: &Document, stem: &str, warnings: &mut Vec<Warning>) -> Vec<Clip> {
-    let path = document.path().display();
-    let moved = |clip: &Clip| -> HashSet<(usize, Property)> {
-        clip.channels.iter().map(|channel| (channel.node, channel.property)).collect()
-    };
-    let mut together = HashSet::new();
-    let apart = clips.iter().flat_map(moved).all(|target| together.insert(target));
-    if clips.len() > 1 && apart && clips.iter().all(|clip| !clip.named) {
-        warnings.push(Warning::new(
-            "W_GLTF_CLIPS_JOINED",
-            format!(
-                "{path}: {} unnamed animations move a node each: they are read as one clip, \"{stem}\"",
-                clips.len()
-            ),
-        ));
-        let channels = clips.into_iter().flat_map(|clip| clip.channels).collect();
-        return vec![Clip::new(stem.to_owned(), channels, false)];
-    }
-    let pair = clips.iter().enumerate().flat_map(|(k, a)| clips[k + 1..].iter().map(move |b| (a, b)));
-    let same_time = |a: &Clip, b: &Clip| (a.start - b.start).abs() < 1e-3 && (a.end - b.end).abs() < 1e-3;
-    let mut pieces = pair.filter(|(a, b)| same_time(a, b) && a.end > a.start && moved(a).is_disjoint(&moved(b)));
-    if let Some((a, b)) = pieces.next() {
-        warnings.push(Warning::new(
-            "W_GLTF_CLIPS_APART",
-            format!(
-                "{path}: \"{}\" and \"{}\" last equally long and move different things: if they belong together, export \
-                 them as one animation (in Blender: tracks of one name)",
-                a.name, b.name
-            ),
-        ));
-    }
-    clips
 }
 
 /// The channels of animation `index` that move nodes; what the others move goes to `left_out`.
@@ -204,7 +166,7 @@ fn read_channel(
 }
 
 impl Clip {
-    fn new(name: String, channels: Vec<Channel>, named: bool) -> Self {
+    pub fn new(name: String, channels: Vec<Channel>, named: bool) -> Self {
         let ends = channels.iter().filter_map(|c| Some((*c.times.first()?, *c.times.last()?)));
         let (start, end) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), (c, d)| (a.min(c), b.max(d)));
         let (start, end) = if start <= end { (f64::from(start), f64::from(end)) } else { (0.0, 0.0) };

@@ -171,11 +171,12 @@ impl Survey {
         Ok((Self { candidates, looks }, largest))
     }
 
-    /// Candidates in groups of the same triangles.
+    /// Candidates in groups of the same triangles, without those that are never shown.
     fn of_same_triangles(&self, drawn: &[Drawn]) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         let mut known = HashMap::new();
-        for (candidate, &d) in self.candidates.iter().enumerate() {
+        let ever_shown = |(candidate, _): &(usize, &usize)| self.looks.iter().any(|(_, _, look)| look[*candidate]);
+        for (candidate, &d) in self.candidates.iter().enumerate().filter(ever_shown) {
             let pieces = drawn[d].pieces.iter();
             let shape: Vec<_> = pieces.map(|piece| (piece.shape.len(), piece.triangles.as_slice())).collect();
             let group = *known.entry(shape).or_insert(groups.len());

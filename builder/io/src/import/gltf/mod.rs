@@ -19,6 +19,7 @@ mod accessor;
 mod animation;
 mod animation_json;
 mod channel;
+mod clips;
 mod container;
 mod document;
 mod drawn;
@@ -41,9 +42,8 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use self::animation::Clip;
-use self::channel::Property;
 use self::document::Document;
-use self::drawn::{Drawn, Reader};
+use self::drawn::Reader;
 use self::flipbook::Shown;
 use self::inflate::inflate_all;
 use self::instance::{Instances, Turn, assemble, assemble_scenes};
@@ -88,8 +88,8 @@ impl GltfFile {
         let mut reader = Reader::new(&document, &skins);
         let still = clips.iter().all(|clip| clip.channels.is_empty());
         let mut scenes = scenes::read(&document, &nodes, &mut reader, still, &mut warnings)?;
-        let clips = moving(clips, &document, &nodes, &skins, scenes.iter().flatten(), &mut warnings)?;
-        let mut clips = animation::join(clips, &document, &stem, &mut warnings);
+        let clips = clips::moving(clips, &document, &nodes, &skins, scenes.iter().flatten(), &mut warnings)?;
+        let mut clips = clips::join(clips, &document, &stem, &mut warnings);
         for drawn in &mut scenes {
             if let Some(node) = orientation::settle(&nodes, &skins, &clips, drawn) {
                 warnings.push(Warning::new(
@@ -205,66 +205,4 @@ impl GltfFile {
         }
         Ok(pose)
     }
-}
-
-/// The clips that move something that is drawn; sentences about the others.
-fn moving<'d>(
-    clips: Vec<Clip>,
-    document: &Document,
-    nodes: &Nodes,
-    skins: &[Joints],
-    drawn: impl Iterator<Item = &'d Drawn>,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<Clip>, ImportError> {
-    // What moves a mesh: its node and those above, or, where it is skinned, the joints and those above.
-    let mut movers = vec![false; nodes.rest.len()];
-    let mut targets = vec![0; nodes.rest.len()];
-    for Drawn { node, skin, pieces, .. } in drawn {
-        targets[*node] = pieces.iter().map(|piece| piece.shape.target_count()).fold(targets[*node], usize::max);
-        let joints = skin.and_then(|skin| skins.get(skin)).map_or(&[][..], Joints::nodes);
-        // A mesh that is skinned ignores its node, but is hidden with it; so the node counts for all.
-        let ends = joints.iter().copied().chain([*node]);
-        ends.flat_map(|end| nodes.upwards(end)).for_each(|node| movers[node] = true);
-    }
-    let mut kept = Vec::new();
-    for clip in clips {
-        if let Some(channel) =
-            clip.channels.iter().find(|c| c.property == Property::Weights && c.width < targets[c.node])
-        {
-            let reason = format!(
-                "clip \"{}\" has {} weights for the {} morph targets of {}",
-                clip.name,
-                channel.width,
-                targets[channel.node],
-                nodes.name(channel.node)
-            );
-            return Err(document.wrong(reason));
-        }
-        let moves =
-            |property, node: usize| if property == Property::Weights { targets[node] > 0 } else { movers[node] };
-        if clip.channels.iter().any(|channel| moves(channel.property, channel.node)) {
-            kept.push(clip);
-            continue;
-        }
-        warnings.push(Warning::new(
-            "W_GLTF_CLIP_EMPTY",
-            format!(
-                "{}: clip \"{}\" moves nothing that is drawn and is left out",
-                document.path().display(),
-                clip.name
-            ),
-        ));
-    }
-    let sheared = |channel: &&channel::Channel| nodes.rest[channel.node].is_sheared() && movers[channel.node];
-    if let Some(channel) = kept.iter().flat_map(|clip| &clip.channels).find(sheared) {
-        warnings.push(Warning::new(
-            "W_GLTF_MATRIX",
-            format!(
-                "{}: {} is animated although it has a matrix with a shear: the shear is left out where it moves",
-                document.path().display(),
-                nodes.name(channel.node)
-            ),
-        ));
-    }
-    Ok(kept)
 }

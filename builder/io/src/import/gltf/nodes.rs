@@ -39,19 +39,19 @@ impl Transform {
         Self { translation, rotation, scale, visible, matrix }
     }
 
-    fn matrix_of_parts(&self) -> Mat4 {
+    fn made_of_parts(&self) -> Mat4 {
         Mat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 
     fn parent_from_node(&self) -> Mat4 {
-        self.matrix.unwrap_or_else(|| self.matrix_of_parts())
+        self.matrix.unwrap_or_else(|| self.made_of_parts())
     }
 
     /// Whether the node has a matrix that its parts do not make up: a shear.
     pub fn is_sheared(&self) -> bool {
         self.matrix.is_some_and(|matrix| {
             let largest = matrix.to_cols_array().iter().fold(0.0_f32, |largest, x| largest.max(x.abs()));
-            !matrix.abs_diff_eq(self.matrix_of_parts(), 1e-4 * largest)
+            !matrix.abs_diff_eq(self.made_of_parts(), 1e-4 * largest)
         })
     }
 

@@ -1,7 +1,10 @@
 //! Which triangles a mirroring transform turns inside out (glTF specification, section 3.7.4), so that they can be
 //! turned back: one list of triangles serves all frames.
 
+use glam::Vec3;
+
 use super::animation::Clip;
+use super::channel::Property;
 use super::drawn::Drawn;
 use super::nodes::Nodes;
 use super::shape::Joints;
@@ -52,5 +55,17 @@ fn looks(nodes: &Nodes, clips: &[Clip]) -> Vec<Vec<bool>> {
         return vec![nodes.mirrored(&nodes.rest)];
     }
     let times = clips.iter().flat_map(|clip| TIMES.map(|part| (clip, clip.start + part * (clip.end - clip.start))));
-    times.map(|(clip, time)| nodes.mirrored(&clip.apply(time, 0.0, &nodes.rest).transforms)).collect()
+    let look = |(clip, time): (&Clip, f64)| {
+        let mut transforms = clip.apply(time, 0.0, &nodes.rest).transforms;
+        // A scale of 0 has no sign: that of the keyframe where the node is largest counts.
+        for channel in clip.channels.iter().filter(|channel| channel.property == Property::Scale) {
+            let scale = &mut transforms[channel.node].scale;
+            if scale.min_element() == 0.0 || scale.max_element() == 0.0 {
+                let keys = (0..channel.times.len()).map(|key| Vec3::from_slice(channel.value(key)));
+                *scale = keys.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(*scale);
+            }
+        }
+        nodes.mirrored(&transforms)
+    };
+    times.map(look).collect()
 }
