@@ -8,6 +8,7 @@
 
 import { Browser } from './browser.mjs';
 import { tests as modules } from './tests/modules.mjs';
+import { tests as joined } from './tests/joined.mjs';
 import { tests as native } from './tests/native.mjs';
 import { tests as loading } from './tests/loading.mjs';
 import { tests as appearance } from './tests/appearance.mjs';
@@ -15,11 +16,12 @@ import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
 import { tests as element } from './tests/element.mjs';
+import { tests as lives } from './tests/lives.mjs';
 import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, native, loading, appearance, walking, errors, page, element, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 

@@ -69,6 +69,16 @@ class Testing {
     return { ...search.slices, running: Boolean(search.task && !search.task.done) };
   }
 
+  /** Whether an actor is being loaded, or has been. */
+  loads() {
+    return this.core.session !== null;
+  }
+
+  /** Whether there is nothing to do in the next display frame. */
+  rests() {
+    return this.core.loop.handle === 0;
+  }
+
   /** Where on the screen a place on the ground is. */
   placeOnGround(x, z) {
     const { stage } = this.core.view;

@@ -5,6 +5,7 @@
 //! cargo xtask test     everything that continuous integration runs
 //! cargo xtask bench    every measured figure beside its mark
 //! cargo xtask web      build the page alone into dist/
+//! cargo xtask scripts  the page's scripts and styles alone, beside the WebAssembly that is in dist/
 //! cargo xtask serve    serve dist/ as it is
 //! ```
 #![allow(clippy::print_stdout, reason = "a task runner speaks to its terminal")]
@@ -31,6 +32,7 @@ usage: cargo xtask <command>
   test                           everything that continuous integration runs
   bench                          every measured figure beside its mark
   web                            build the page alone into dist/
+  scripts                        its scripts and styles alone, beside the WebAssembly that is in dist/
   serve [--port N]               serve dist/ as it is";
 
 fn main() -> ExitCode {
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["bench"] => bench::bench(),
         ["web"] => web::build().map(|_| ()),
+        ["scripts"] => web::scripts().map(|_| ()),
         ["serve", rest @ ..] => serve::serve_command(rest),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");

@@ -223,6 +223,114 @@ export const tests = {
     await player.close();
   },
 
+  'null and undefined are no words': async (browser) => {
+    const player = await bare(browser);
+    const found = await player.page.evaluate(() => {
+      const given = { src: '/a.reprise', poster: '/a.png', alt: 'a', loading: 'lazy', controls: true, autoplay: true, loop: true, tint: true, theme: 'dark', speed: 2, camera: '1deg 2deg', originals: 'a', tool: 'path' };
+      // Not in the page, where an address would be fetched.
+      const element = document.createElement('reprise-player');
+      const fresh = Object.fromEntries(Object.keys(given).map((name) => [name, element[name]]));
+      return [null, undefined].flatMap((nothing) =>
+        Object.entries(given).map(([name, value]) => {
+          element[name] = value;
+          const [there, before] = [element.hasAttribute(name), element[name]];
+          element[name] = nothing;
+          return { name, there, taken: before === value, left: element.getAttribute(name), same: element[name] === fresh[name] };
+        }),
+      );
+    });
+    assert.equal(found.length, 26);
+    for (const one of found) assert.deepEqual(one, { name: one.name, there: true, taken: true, left: null, same: true });
+    await player.close();
+  },
+
+  'properties that were set before the class was there count': async (browser) => {
+    const player = await browser.open({ path: 'examples/empty.html' });
+    const found = await player.page.evaluate(async () => {
+      const given = { src: '/demo.reprise', alt: 'somebody', controls: true, loop: false, tint: true, speed: 2, theme: 'dark', camera: '90deg 20deg 1.5', poster: null };
+      const direction = { version: 1, target: { place: { x: 0.5, z: 0.25 } } };
+      const parsed = document.createElement('div');
+      parsed.setHTMLUnsafe?.('<reprise-player loop></reprise-player>');
+      if (!parsed.firstChild) parsed.append(document.createElement('reprise-player'));
+      const [inPage, later] = [parsed.firstChild, document.createElement('reprise-player')];
+      document.body.append(parsed);
+      for (const element of [inPage, later]) Object.assign(element, given, { direction, info: 'of somebody’s own', about: 'kept' });
+      later.src = null;
+      await import('/reprise-player.js');
+      document.body.append(later);
+      const read = (element) => ({ ...Object.fromEntries(Object.keys(given).map((name) => [name, element[name]])), own: Object.keys(element), info: element.info, about: element.about });
+      window.given = [inPage, later];
+      return { inPage: read(inPage), later: read(later), html: inPage.outerHTML };
+    });
+    const expected = { src: '/demo.reprise', alt: 'somebody', controls: true, loop: false, tint: true, speed: 2, theme: 'dark', camera: '90deg 20deg 1.5', poster: '', own: ['about'], info: null, about: 'kept' };
+    assert.deepEqual(found.inPage, expected);
+    assert.deepEqual(found.later, { ...expected, src: '' });
+    assert.doesNotMatch(found.html, /null|undefined|loop/);
+    // The first one has an actor: it looks that way, and is asked for that place.
+    await player.event('load');
+    await player.until('an answer', () => window.given[0].answer !== null);
+    const shown = await player.page.evaluate(() => {
+      const [element] = window.given;
+      return { direction: element.direction.target, tool: element.tool, camera: Array.from(element.testing.stage.camera()).at(-1), speed: element.shadowRoot.querySelector('.speed').value };
+    });
+    assert.deepEqual(shown.direction, { place: { x: 0.5, z: 0.25 } });
+    assert.deepEqual([shown.tool, shown.speed], ['place', '2']);
+    // Asked for nothing, as a framework does that takes a property away.
+    await player.page.evaluate(() => {
+      for (const nothing of [null, undefined]) window.given[0].direction = nothing;
+    });
+    assert.equal(await player.page.evaluate(() => window.given[0].direction), null);
+    await player.close();
+  },
+
+  'the script of the tools is fetched when the first of them is needed, and only then': async (browser) => {
+    const player = await bare(browser);
+    const fetched = () => player.page.evaluate(() => performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/reprise-tools.js')).length);
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise' }));
+    await player.loaded();
+    // What pages ask for needs no tools.
+    const answer = await player.run((element) => element.goTo({ x: element.state.x + 0.5, z: element.state.z + 0.5 }));
+    assert.ok(answer.place.distance < 0.5);
+    await player.run((element) => {
+      element.queue(20, { behaviour: element.behaviours[0], hold: 1 });
+      element.cancel();
+      element.goTo(40);
+    });
+    assert.deepEqual((await player.run((element) => element.direction)).target, { pose: 40 });
+    assert.equal(await fetched(), 0);
+    assert.equal(await player.run((element) => element.shadowRoot.querySelector('.tools')), null);
+    // One that is asked for on the ground is drawn by its tool.
+    await player.run((element) => (element.direction = { version: 1, target: { place: { x: 1, z: 1 } } }));
+    assert.equal(await player.run((element) => element.tool), 'place');
+    assert.deepEqual((await player.run((element) => element.direction)).target, { place: { x: 1, z: 1 } });
+    await player.until('the tools', (element) => element.shadowRoot.querySelector('.place-dock'));
+    assert.equal(await fetched(), 1);
+    await player.until('an answer', (element) => element.answer !== null);
+    await player.run((element) => (element.controls = true));
+    await player.until('all tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 5);
+    assert.equal(await player.part('.place-dock').isVisible(), true);
+    assert.equal(await fetched(), 1);
+    await player.close();
+  },
+
+  'tools that do not come are told, and asked for again': async (browser) => {
+    let refused = 2;
+    const before = (page) => page.route('**/reprise-tools.js', (route) => (refused-- > 0 ? route.abort() : route.continue()));
+    const player = await bare(browser, { before, forgive: [/Failed to load resource/] });
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise', controls: '' }));
+    await player.event('error');
+    assert.deepEqual((await player.heard('error')).map(({ kind }) => kind), ['engine']);
+    // The actor is there all the same.
+    await player.loaded();
+    assert.ok((await player.run((element) => element.testing.picture())).drawn > 0.01);
+    assert.match(await player.part('.error .happened').textContent(), /program could not be loaded/);
+    await player.run((element) => (element.tool = 'path'));
+    await player.until('the second trouble', () => window.heard.filter(({ type }) => type === 'error').length === 2);
+    await player.run((element) => (element.tool = 'timing'));
+    await player.until('the tools', (element) => element.shadowRoot.querySelector('.timing-dock'));
+    await player.close();
+  },
+
   'controls are off unless asked for': async (browser) => {
     const player = await loaded(browser);
     for (const [on, shown] of [[false, false], [true, true]]) {
@@ -240,8 +348,10 @@ export const tests = {
       document.body.append(space);
       window.make({ src: '/demo.reprise', loading: 'lazy' });
     });
-    await player.page.waitForTimeout(600);
-    assert.deepEqual(await player.heard('progress'), []);
+    // What is near is told with a display frame.
+    await player.until('a look inside', (element) => Boolean(element.testing));
+    await player.frames(3);
+    assert.equal(await player.run((element) => element.testing.loads()), false);
     await player.run((element) => element.scrollIntoView());
     await player.event('load');
     await player.close();
@@ -269,9 +379,11 @@ export const tests = {
 
   'the poster is there until the first pose is': async (browser) => {
     const player = await bare(browser);
-    await player.page.evaluate(() => window.make({ src: '/slow.reprise', poster: '/favicon.svg', alt: 'A dancer' }));
+    await player.page.evaluate(() => window.make({ src: '/held.reprise', poster: '/favicon.svg', alt: 'A dancer' }));
     assert.equal(await player.part('.poster').isVisible(), true);
     assert.equal(await player.part('.poster').getAttribute('alt'), 'A dancer');
+    await player.event('progress');
+    await player.page.evaluate(() => fetch('/rest'));
     await player.event('ready');
     assert.equal(await player.part('.poster').isVisible(), false);
     await player.until('the words', (element) => /^A dancer, /.test(element.shadowRoot.querySelector('.view').getAttribute('aria-label')));
@@ -384,10 +496,10 @@ export const tests = {
     moments.forEach((one) => assert.deepEqual(Object.keys(one), ['frame', 'mode', 'x', 'z', 'heading']));
     assert.ok(new Set(moments.map(({ frame }) => frame)).size > 4);
     await player.run((element) => element.pause());
-    await player.page.waitForTimeout(200);
+    await player.until('rest', (element) => element.testing.rests());
     const count = () => player.page.evaluate(() => window.moments.length);
     const rest = await count();
-    await player.page.waitForTimeout(300);
+    await player.frames(10);
     assert.equal(await count(), rest, 'frames are told while nothing moves');
     await player.close();
   },
@@ -427,6 +539,7 @@ export const tests = {
   'the frame loop waits where it stalls, and says so': async (browser) => {
     const player = await browser.open({ search: 'src=faults/broken-off.reprise', forgive: [/Failed to load resource/] });
     await player.event('ready');
+    await player.page.evaluate(() => fetch('/rest'));
     await player.event('error');
     await player.until('the test hook', (element) => Boolean(element.testing));
     await player.run((element) => {
@@ -461,7 +574,7 @@ export const tests = {
     });
     assert.deepEqual(frames, [10, 30]);
     await player.page.evaluate(() => document.querySelector('reprise-player').remove());
-    await player.page.waitForTimeout(100);
+    await player.frames(3);
     assert.equal(await player.page.evaluate(() => document.querySelector('reprise-player').state.frame), 30);
     await player.close();
   },

@@ -108,7 +108,7 @@ export class PlaceTool extends Tool {
 
   draw(marks, colour) {
     const place = this.goal;
-    this.box.drawTrack(marks, colour);
+    this.drawTrack(marks, colour);
     if (!place) return;
     const centre = [place.x, place.z];
     marks.disc(centre, 0.24, colour('accent', 0.16));

@@ -7,6 +7,8 @@ export const VERSION = 1;
 
 /** What the tools hold when nothing has been asked. */
 export const EMPTY = Object.freeze({
+  /** Where the actor was sent from the score, as a request's target. */
+  pose: null,
   place: null,
   /** Points are x and z, or x, z and a height; `vertices`, where there are any, follow it in place of the body's middle. */
   path: { points: [], stretches: [], shape: 'spline' },
