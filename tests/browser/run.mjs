@@ -2,8 +2,8 @@
  * Runs the browser tests: `node run.mjs [part of a name]`.
  *
  * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise),
- * REPRISE_NATIVE the folder that `native_walk` wrote from it, REPRISE_DRESSED the one that `dress` wrote, CHROMIUM the
- * browser (default: /usr/bin/chromium). Pictures go to out/.
+ * REPRISE_NATIVE the folder that `native_walk` wrote from it, REPRISE_DRESSED the one that `dress` wrote, REPRISE_FRAMEWORKS
+ * the one that `frameworks/build.mjs` wrote, CHROMIUM the browser (default: /usr/bin/chromium). Pictures go to out/.
  */
 
 import { Browser } from './browser.mjs';
@@ -17,11 +17,12 @@ import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
 import { tests as element } from './tests/element.mjs';
 import { tests as lives } from './tests/lives.mjs';
+import { tests as frameworks } from './tests/frameworks.mjs';
 import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, frameworks, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 

@@ -26,8 +26,8 @@ const MODULES = {
 const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
 
-/** Folders that native programs made for the tests, by their place on the server. */
-const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED };
+/** Folders that other programs made for the tests, by their place on the server. */
+const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED, frameworks: process.env.REPRISE_FRAMEWORKS };
 
 /** Bundles that went wrong on their way, made from the good one. */
 const FAULTS = {

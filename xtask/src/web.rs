@@ -56,7 +56,8 @@ pub fn scripts() -> Result<PathBuf> {
     Ok(dist)
 }
 
-fn dist() -> PathBuf {
+/// The folder that the page is built into.
+pub fn dist() -> PathBuf {
     root().join("dist")
 }
 

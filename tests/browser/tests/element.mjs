@@ -92,7 +92,7 @@ export const tests = {
     const named = (list) => list.map(({ name }) => name).sort();
     assert.deepEqual(named(player.attributes), [...ReprisePlayer.observedAttributes, 'autoplay'].sort());
     const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
-    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
+    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'adoptedCallback', 'attributeChangedCallback'];
     assert.deepEqual(named(player.members), own.filter((name) => !inner.includes(name)).sort());
     const map = types.slice(types.indexOf('interface ReprisePlayerEventMap'), types.indexOf('declare global'));
     assert.deepEqual(named(player.events), [...map.matchAll(/^ {2}(\w+): CustomEvent/gm)].map(([, name]) => name).sort());
@@ -462,6 +462,24 @@ export const tests = {
     const { sequence, behaviour } = walks;
     assert.ok(behaviour.to >= sequence.first && behaviour.to < sequence.first + sequence.count);
     assert.ok(walks.behaviours.length > 0);
+    // Nearest is what costs least of all frames that show it.
+    const nearest = await player.run((element) => {
+      const { info } = element;
+      const cost = (frame) => {
+        try {
+          return element.plan(frame).cost;
+        } catch {
+          return Infinity;
+        }
+      };
+      return element.behaviours.slice(0, 3).map((behaviour) => {
+        const labelled = info.sequences.filter(({ labels }) => labels.includes(behaviour));
+        const shows = labelled.length > 0 ? labelled : info.sequences.filter(({ name }) => name === behaviour);
+        const all = shows.flatMap(({ first, count }) => Array.from({ length: count }, (_, at) => cost(first + at)));
+        return [element.plan({ behaviour }).cost, Math.min(...all)];
+      });
+    });
+    nearest.forEach(([found, least]) => assert.equal(found, least));
     for (const bad of ['-1', '1e9', '0.5', '"walk"', 'null', '{}', '{ behaviour: "flying" }', '{ sequence: "nowhere" }']) {
       assert.equal(await kindOf(player, `(element) => element.goTo(${bad})`), 'bad-argument', bad);
       assert.equal(await kindOf(player, `(element) => element.queue(${bad})`), 'bad-argument', bad);
@@ -517,7 +535,12 @@ export const tests = {
     assert.equal(picture.stage[2], picture.stage[0] * picture.stage[1] * 4);
     assert.deepEqual([picture.pose, picture.bitmap, picture.types], [[90, 120], [90, 120], ['image/png', 'image/jpeg']]);
     assert.ok(picture.clear > 2000 && picture.drawn > 500, JSON.stringify(picture));
-    for (const bad of ['{ frame: 1e9 }', '{ frame: 2, width: 0 }', '{ frame: 2, height: 1e6 }', '{ frame: 2, width: 1.5 }']) {
+    const largest = await player.run(async (element) => {
+      const { width, height, data } = await element.snapshot({ frame: 20, width: 1024, height: 600 });
+      return [width, height, data.length];
+    });
+    assert.deepEqual(largest, [1024, 600, 4 * 1024 * 600]);
+    for (const bad of ['{ frame: 1e9 }', '{ frame: 2, width: 0 }', '{ frame: 2, height: 1e6 }', '{ frame: 2, width: 1.5 }', '{ frame: 2, width: 1025 }']) {
       assert.equal(await kindOf(player, `(element) => element.snapshot(${bad})`), 'bad-argument', bad);
     }
     await player.close();

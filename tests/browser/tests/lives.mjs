@@ -4,103 +4,17 @@
  */
 
 import assert from 'node:assert/strict';
+import { countLives, nothingLeft } from '../lives.mjs';
 
 /** Megabytes that the page's heap, and pages of 64 KB that the module's memory, may grow by while players come and go. */
-const HEAP = 4;
+const HEAP = 2;
 const MEMORY = 16;
 /** Players that come and go. */
 const CYCLES = 50;
 
-/** Runs in the page before anything else: keeps count of all that lives on by itself. Moments of opening a device are told. */
-function countLives() {
-  const lives = { devices: new Set(), timers: new Set(), frames: new Set(), observers: new Set(), listeners: new Set(), memories: [] };
-  window.lives = lives;
-  window.moment = () => {};
-  window.count = () => Object.fromEntries(['devices', 'timers', 'frames', 'observers', 'listeners'].map((what) => [what, lives[what].size]));
-
-  const { requestAdapter } = GPU.prototype;
-  GPU.prototype.requestAdapter = function (...values) {
-    window.moment('adapter');
-    return requestAdapter.apply(this, values);
-  };
-  const { requestDevice } = GPUAdapter.prototype;
-  GPUAdapter.prototype.requestDevice = async function (...values) {
-    window.moment('device');
-    const device = await requestDevice.apply(this, values);
-    lives.devices.add(device);
-    device.lost.then(() => lives.devices.delete(device));
-    window.moment('opened');
-    return device;
-  };
-
-  // A timer or a frame that is over, or taken back, is none any more.
-  const once = (set, take, drop) => {
-    const [original, cancel] = [window[take], window[drop]];
-    window[take] = (work, ...rest) => {
-      const handle = original.call(window, (...values) => {
-        set.delete(handle);
-        work(...values);
-      }, ...rest);
-      set.add(handle);
-      return handle;
-    };
-    window[drop] = (handle) => {
-      set.delete(handle);
-      cancel.call(window, handle);
-    };
-  };
-  once(lives.timers, 'setTimeout', 'clearTimeout');
-  once(lives.frames, 'requestAnimationFrame', 'cancelAnimationFrame');
-  const { setInterval: begin, clearInterval: end } = window;
-  window.setInterval = (...values) => {
-    const handle = begin.apply(window, values);
-    lives.timers.add(`interval ${handle}`);
-    return handle;
-  };
-  window.clearInterval = (handle) => {
-    lives.timers.delete(`interval ${handle}`);
-    end.call(window, handle);
-  };
-
-  for (const name of ['IntersectionObserver', 'ResizeObserver']) {
-    const { observe, disconnect } = window[name].prototype;
-    window[name].prototype.observe = function (...values) {
-      lives.observers.add(this);
-      return observe.apply(this, values);
-    };
-    window[name].prototype.disconnect = function () {
-      lives.observers.delete(this);
-      return disconnect.call(this);
-    };
-  }
-
-  // Listeners of what outlives an element. Ours all come with a signal.
-  const { addEventListener } = EventTarget.prototype;
-  EventTarget.prototype.addEventListener = function (type, listener, options) {
-    if (this === window || this === document || this instanceof MediaQueryList) {
-      const entry = { type, listener };
-      lives.listeners.add(entry);
-      addEventListener.call(options?.signal ?? new EventTarget(), 'abort', () => lives.listeners.delete(entry));
-    }
-    return addEventListener.call(this, type, listener, options);
-  };
-
-  for (const name of ['instantiate', 'instantiateStreaming']) {
-    const original = WebAssembly[name];
-    WebAssembly[name] = async (...values) => {
-      const made = await original.apply(WebAssembly, values);
-      const { memory } = (made.instance ?? made).exports;
-      if (memory) lives.memories.push(memory);
-      return made;
-    };
-  }
-}
-
 /** An empty page of the site that counts, with what it has of itself. */
 async function counting(browser, options = {}) {
   const player = await browser.open({ path: 'examples/empty.html', before: (page) => page.addInitScript(countLives), ...options });
-  const errors = [];
-  player.page.on('pageerror', (error) => errors.push(error));
   await player.page.evaluate(async () => {
     await import('/reprise-player.js');
     window.make = (attributes = {}, parent = document.body) => {
@@ -115,13 +29,6 @@ async function counting(browser, options = {}) {
     window.turn = () => new Promise((resolve) => setTimeout(resolve));
   });
   return { player, alone: await player.page.evaluate(() => window.count()) };
-}
-
-/** Waits until nothing is left that was not there before. */
-async function nothingLeft(player, alone, what) {
-  await player.until(`nothing left behind: ${what}`, (_, before) => JSON.stringify(window.count()) === JSON.stringify(before), alone).catch(async (error) => {
-    throw new Error(`${error.message}\nbefore: ${JSON.stringify(alone)}\nafter: ${JSON.stringify(await player.page.evaluate(() => window.count()))}`);
-  });
 }
 
 /** Moments of a player's life, and how the page finds them: each takes the element out itself, in that very moment. */
@@ -178,20 +85,21 @@ export const tests = {
   'players that come and go fifty times leave no memory behind': async (browser) => {
     const { player, alone } = await counting(browser);
     const session = await measuring(player);
-    const cycle = async (again) => {
-      await player.page.evaluate(async (wanted) => {
+    const cycle = async (again, all) => {
+      await player.page.evaluate(async ([wanted, whole]) => {
         const element = wanted ? document.body.appendChild(window.kept) : window.make({ controls: '' });
         window.kept = element;
-        await new Promise((resolve) => element.addEventListener('ready', resolve, { once: true }));
+        await (whole ? window.there(element) : new Promise((resolve) => element.addEventListener('ready', resolve, { once: true })));
         element.remove();
         await window.turn();
-      }, again);
+      }, [again, all]);
       await nothingLeft(player, alone, 'a player that was ready');
     };
     const taken = [];
     for (let at = 0; at < CYCLES; at += 1) {
-      // The same one again, and another one, in turn.
-      await cycle(at % 2 === 1);
+      // The same one again, and another one, in turn. The first ones get all of the actor, so that the module's memory, which
+      // never shrinks, is as large as one player makes it; later ones get as much of it as has come before the first picture.
+      await cycle(at % 2 === 1, at < 4);
       if (at === 9 || at === CYCLES - 1) taken.push(await memory(player, session));
     }
     const [before, after] = taken;

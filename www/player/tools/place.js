@@ -52,8 +52,8 @@ export class PlaceTool extends Tool {
 
   /** @param {{x?: number, z?: number, heading?: number | null}} part */
   set(part, merge = null) {
-    const { x, z, heading } = { ...this.goal, ...part };
-    this.box.edit({ place: { x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
+    const { x, z, heading, ...rest } = { ...this.goal, ...part };
+    this.box.edit({ place: { ...rest, x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
   }
 
   moved(index, [x, z], merge) {
