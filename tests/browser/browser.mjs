@@ -120,6 +120,11 @@ export class Player {
     }
   }
 
+  /** The same for what a search has to find first; it is helped along. */
+  untilFound(what, work, argument) {
+    return this.until(what, `(element, argument) => { element.testing.searchOn(30); return (${work})(element, argument); }`, argument);
+  }
+
   /** Waits until so many display frames have been made: whatever was asked for before them is done. */
   frames(count) {
     return this.page.evaluate(async (wanted) => {

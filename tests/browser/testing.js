@@ -69,6 +69,12 @@ class Testing {
     return { ...search.slices, running: Boolean(search.task && !search.task.done) };
   }
 
+  /** Searches on without the page's rests, so many slices at most: where others have the processor, rests are all that there is. */
+  searchOn(slices) {
+    const { search } = this.core.toolbox;
+    for (let slice = 0; slice < slices && search.task && !search.task.done; slice += 1) search.step();
+  }
+
   /** Whether an actor is being loaded, or has been. */
   loads() {
     return this.core.session !== null;

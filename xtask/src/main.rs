@@ -45,7 +45,7 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["bench"] => bench::bench(),
         ["web"] => web::build().map(|_| ()),
-        ["scripts"] => web::scripts().map(|_| ()),
+        ["scripts"] => web::scripts().and_then(|dist| size::check(&dist)),
         ["frameworks"] => browser::test_frameworks(&web::dist()),
         ["serve", rest @ ..] => serve::serve_command(rest),
         ["help" | "--help" | "-h"] => {

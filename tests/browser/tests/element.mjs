@@ -146,7 +146,7 @@ export const tests = {
       element.direction = { version: 1, target: { place: { x: 0.5, z: 0.5 } } };
     });
     assert.deepEqual((await player.heard('change')).map(({ tool }) => tool), ['place']);
-    await player.until('an answer', () => window.answers.length > 0);
+    await player.untilFound('an answer', () => window.answers.length > 0);
     assert.equal((await player.page.evaluate(() => window.answers)).at(-1), true);
     assert.ok((await player.heard('answer')).length > 0);
     await player.close();
@@ -268,7 +268,7 @@ export const tests = {
     assert.doesNotMatch(found.html, /null|undefined|loop/);
     // The first one has an actor: it looks that way, and is asked for that place.
     await player.event('load');
-    await player.until('an answer', () => window.given[0].answer !== null);
+    await player.untilFound('an answer', () => window.given[0].answer !== null);
     const shown = await player.page.evaluate(() => {
       const [element] = window.given;
       return { direction: element.direction.target, tool: element.tool, camera: Array.from(element.testing.stage.camera()).at(-1), speed: element.shadowRoot.querySelector('.speed').value };
@@ -305,7 +305,7 @@ export const tests = {
     assert.deepEqual((await player.run((element) => element.direction)).target, { place: { x: 1, z: 1 } });
     await player.until('the tools', (element) => element.shadowRoot.querySelector('.place-dock'));
     assert.equal(await fetched(), 1);
-    await player.until('an answer', (element) => element.answer !== null);
+    await player.untilFound('an answer', (element) => element.answer !== null);
     await player.run((element) => (element.controls = true));
     await player.until('all tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 5);
     assert.equal(await player.part('.place-dock').isVisible(), true);
@@ -328,6 +328,17 @@ export const tests = {
     await player.until('the second trouble', () => window.heard.filter(({ type }) => type === 'error').length === 2);
     await player.run((element) => (element.tool = 'timing'));
     await player.until('the tools', (element) => element.shadowRoot.querySelector('.timing-dock'));
+    await player.close();
+  },
+
+  'tools of another build are refused': async (browser) => {
+    const other = { contentType: 'text/javascript', body: 'export const build00000000 = () => ({ Tools: class {} });' };
+    const player = await bare(browser, { before: (page) => page.route('**/reprise-tools.js', (route) => route.fulfill(other)) });
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise', controls: '' }));
+    await player.event('error');
+    assert.deepEqual((await player.heard('error')).map(({ kind }) => kind), ['engine']);
+    assert.match(await player.part('.error .todo').textContent(), /reload the page/);
+    await player.loaded();
     await player.close();
   },
 
@@ -493,7 +504,7 @@ export const tests = {
     await player.until('three arrivals', () => window.heard.filter(({ type }) => type === 'arrive').length === 3);
     assert.deepEqual((await player.heard('arrive')).map(({ frame: at }) => at), [frame, other, frame]);
     assert.deepEqual(await player.run((element) => element.queue({ behaviour: element.behaviours[1], hold: 1 }) ?? element.queued), []);
-    await player.until('the way to a behaviour', (element) => element.state.target !== null);
+    await player.untilFound('the way to a behaviour', (element) => element.state.target !== null);
     await player.run((element, targets) => {
       element.queue(...targets);
       element.cancel();

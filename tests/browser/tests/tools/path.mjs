@@ -54,7 +54,7 @@ export const tests = {
 
     await found(player);
     await player.part('.go').click();
-    await player.until('the actor on its way', (element) => element.state.target !== null);
+    await player.untilFound('the actor on its way', (element) => element.state.target !== null);
     await player.run((element) => (element.speed = 4));
     await player.event('arrive');
     const walked = await player.run((element) => [element.state.x, element.state.z]);

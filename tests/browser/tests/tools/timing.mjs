@@ -19,7 +19,7 @@ export const tests = {
     const keys = async () => (await asked(player)).target.keys.poses;
     assert.equal((await keys()).length, 2);
     assert.ok(Math.abs((await keys())[1].time - 4.8) < 0.2, JSON.stringify(await keys()));
-    await player.until('both', (element) => element.answer?.keys.length === 2);
+    await player.untilFound('both', (element) => element.answer?.keys.length === 2);
     const { keys: rows } = await player.run((element) => element.answer);
     assert.deepEqual(rows.map(({ wanted }) => wanted.toFixed(1)), (await keys()).map(({ time }) => time.toFixed(1)));
     await player.until('the table', (element) => element.shadowRoot.querySelectorAll('.times tbody tr').length === 2);
