@@ -3,7 +3,7 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
-use shared::appearance::{basis, dealign};
+use texture::{basis, dealign};
 use web::gpu::appearance::basis::LayerUniform;
 use web::gpu::appearance::dealign::Motion;
 use web::gpu::frame::FrameUniform;

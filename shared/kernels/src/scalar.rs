@@ -4,7 +4,7 @@
 //! compiled for one anyway. All are short enough for loops over lanes to become vector instructions
 //! ([`crate::lanes`]).
 //!
-//! The polynomials of [`exp`], [`ln`], [`quarter_atan2`] and [`quarter_sin_cos`] are those of Moshier's Cephes library
+//! The polynomials of [`exp`], [`ln`], [`quarter_atan2`] and `quarter_sin_cos` are those of Moshier's Cephes library
 //! (single precision, about one unit in the last place).
 
 use std::f64::consts::{FRAC_PI_2, PI};

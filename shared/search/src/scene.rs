@@ -13,7 +13,7 @@ use super::ways::Ways;
 /// Most steps of an answer.
 pub(crate) const MOST_STEPS: u32 = 1 << 20;
 
-/// What searches read. It must be the same for all calls of a [`Direction`].
+/// What searches read. It must be the same for all calls of a [`crate::Direction`].
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     /// The graph.
