@@ -20,6 +20,7 @@ mod graphs;
 pub mod hidden_paths;
 pub mod html;
 mod interpolation;
+mod motion;
 pub mod plot;
 mod poses;
 mod scaling;
@@ -32,6 +33,7 @@ mod trajectories;
 mod transitions;
 pub mod truth;
 mod walks;
+mod wandering;
 
 use thiserror::Error;
 
@@ -63,11 +65,15 @@ pub enum Section {
     Scaling,
     /// 8: eigen appearance maps.
     Appearance,
+    /// 9: what walks look like.
+    Motion,
+    /// 10: wandering.
+    Wandering,
 }
 
 impl Section {
     /// All sections, in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Poses,
         Self::Transitions,
         Self::Graphs,
@@ -76,6 +82,8 @@ impl Section {
         Self::Walks,
         Self::Scaling,
         Self::Appearance,
+        Self::Motion,
+        Self::Wandering,
     ];
 
     /// Its number.
@@ -96,6 +104,8 @@ impl Section {
             Self::Walks => "Walks",
             Self::Scaling => "Size and speed",
             Self::Appearance => "Appearance",
+            Self::Motion => "What walks look like",
+            Self::Wandering => "Wandering",
         }
     }
 }
@@ -157,6 +167,9 @@ pub enum EvaluateError {
     /// Poses could not be interpolated: a fault of ours.
     #[error("poses cannot be interpolated: {0}")]
     Interpolation(#[from] shared::cholesky::CholeskyError),
+    /// A picture could not be encoded: a fault of ours.
+    #[error("a picture cannot be encoded: {0}")]
+    Picture(image::ImageError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] shared::pose_source::PoseError),
@@ -166,7 +179,7 @@ impl EvaluateError {
     /// Whether the input, not the builder, is at fault.
     #[must_use]
     pub fn is_input(&self) -> bool {
-        !matches!(self, Self::Build(_) | Self::Interpolation(_) | Self::Pose(_))
+        !matches!(self, Self::Build(_) | Self::Interpolation(_) | Self::Picture(_) | Self::Pose(_))
     }
 }
 
@@ -185,6 +198,8 @@ pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateE
             Section::Walks => walks::section(subject, report),
             Section::Scaling => scaling::section(subject, report),
             Section::Appearance => appearance::section(subject, report),
+            Section::Motion => motion::section(subject, report),
+            Section::Wandering => wandering::section(subject, report),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

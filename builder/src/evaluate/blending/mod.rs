@@ -113,7 +113,7 @@ fn walks_table(skates: &[(LengthChoice, Walks, Skate)], fps: f64) -> Table {
     for (choice, walks, _) in skates {
         let [cost, deformation, duration, transitions] = walks.moments;
         table.rows.push(vec![
-            lengths_by(*choice).into(),
+            choice.word().into(),
             Cell::Count(cost.count),
             Cell::Number(cost.mean, 3),
             Cell::Number(deformation.mean, 3),
@@ -123,8 +123,4 @@ fn walks_table(skates: &[(LengthChoice, Walks, Skate)], fps: f64) -> Table {
         ]);
     }
     table
-}
-
-fn lengths_by(choice: LengthChoice) -> &'static str {
-    if choice == LengthChoice::Total { "sum" } else { "mean" }
 }
