@@ -2,13 +2,15 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{Module, TypeInner};
-use web::gpu::appearance::basis::LayerUniform;
-use web::gpu::appearance::dealign::Motion;
-use web::gpu::frame::FrameUniform;
+use naga::{Expression, Literal, Module, TypeInner};
+use texture::mask::NEIGHBOURS;
+use texture::{basis, dealign, transform};
+use web::gpu::appearance::basis::{GROUP, LayerUniform, ROW};
+use web::gpu::appearance::dealign::{Motion, TILE};
+use web::gpu::frame::{FrameUniform, linear};
 use web::gpu::mesh::MaterialUniform;
-use web::gpu::pose::ActorUniform;
-use web::gpu::shadow::BlurUniform;
+use web::gpu::pose::{ActorUniform, NUMBERS};
+use web::gpu::shadow::{BlurUniform, TAPS_PER_DEVIATION};
 use web::shaders;
 
 const ALL: [(&str, &str); 9] = [
@@ -106,4 +108,86 @@ fn uniforms_have_the_layout_of_their_twins() {
     let material = layout!(MaterialUniform, base_colour, captured);
     check_layout(shaders::ACTOR, "Material", material, size_of::<MaterialUniform>());
     check_layout(shaders::BLUR, "Blur", layout!(BlurUniform, red, green), size_of::<BlurUniform>());
+}
+
+/// The value of constant `name` of `source`.
+fn constant(source: &str, name: &str) -> f64 {
+    let module = parse(name, source);
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let Some((_, constant)) = found else { panic!("there is no constant {name}") };
+    match module.global_expressions[constant.init] {
+        Expression::Literal(Literal::AbstractFloat(value) | Literal::F64(value)) => value,
+        Expression::Literal(Literal::F32(value)) => f64::from(value),
+        Expression::Literal(Literal::U32(value)) => f64::from(value),
+        ref other => panic!("{name} is {other:?}"),
+    }
+}
+
+#[test]
+fn constants_have_the_values_of_their_twins() {
+    let (basis_pass, cycle, motion) =
+        (shaders::APPEARANCE_BASIS, shaders::APPEARANCE_CYCLE, shaders::APPEARANCE_TEXTURE);
+    for (source, name, twin) in [
+        (basis_pass, "ONE", f64::from(basis::ONE)),
+        (basis_pass, "PADDING", f64::from(dealign::PADDING)),
+        (basis_pass, "SIDE", transform::SIDE as f64),
+        (basis_pass, "AREA", transform::AREA as f64),
+        (basis_pass, "WAVES", 3.0 * transform::AREA as f64),
+        (basis_pass, "ROW", f64::from(ROW)),
+        (cycle, "LAMBDA", f64::from(dealign::LAMBDA)),
+        (cycle, "OMEGA", f64::from(dealign::OMEGA)),
+        (cycle, "LEAST", f64::from(dealign::LEAST)),
+        (motion, "KNOWN", f64::from(dealign::KNOWN)),
+        (shaders::BLUR, "FALL", 0.5 / f64::from(TAPS_PER_DEVIATION).powi(2)),
+        (shaders::ACTOR, "NUMBERS", NUMBERS as f64),
+    ] {
+        let own = constant(source, name);
+        // Written in decimals, both become the same 32 bits.
+        assert_eq!(own as f32, twin as f32, "{name}");
+    }
+}
+
+#[test]
+fn neighbours_come_in_the_order_of_their_flags() {
+    let places = NEIGHBOURS.map(|(_, [x, y])| format!("vec2i({x}, {y})")).join(", ");
+    let wanted = format!("const NEIGHBOURS = array({places});");
+    assert!(shaders::APPEARANCE_CYCLE.contains(&wanted), "{wanted}");
+    // The shader's flag of neighbour k is 2 << k.
+    assert_eq!(NEIGHBOURS.map(|(flag, _)| flag), [0, 1, 2, 3].map(|k| 2 << k));
+}
+
+#[test]
+fn workgroups_are_as_large_as_they_are_dispatched() {
+    let area = transform::AREA as u32;
+    for (source, wanted) in [
+        (shaders::APPEARANCE_BASIS, vec![[GROUP, 1, 1], [area, 1, 1], [area, 1, 1]]),
+        (shaders::APPEARANCE_RESIDUAL, vec![[TILE, TILE, 1]]),
+        (shaders::APPEARANCE_CYCLE, vec![[TILE, TILE, 1]; 2]),
+    ] {
+        let module = parse("workgroups", source);
+        let sizes: Vec<_> = module.entry_points.iter().map(|entry| entry.workgroup_size).collect();
+        assert_eq!(sizes, wanted);
+    }
+}
+
+/// The numbers of function `linear_from_srgb` in `source`, in order.
+fn numbers_of_srgb(source: &str) -> Vec<f32> {
+    let (_, function) = source.split_once("fn linear_from_srgb").unwrap();
+    let (body, _) = function.split_once('}').unwrap();
+    let (_, body) = body.split_once("return").unwrap();
+    let words = body.split(|c: char| !(c.is_ascii_digit() || c == '.'));
+    // `vec3f` and its like leave a lone digit.
+    words.filter(|word| word.contains('.')).map(|word| word.parse().unwrap()).collect()
+}
+
+#[test]
+fn srgb_is_decoded_as_on_the_processor() {
+    for source in [shaders::ACTOR, shaders::APPEARANCE_TEXTURE] {
+        let [shift, scale, power, slope, end] = numbers_of_srgb(source)[..] else { panic!("{source}") };
+        for byte in 0..=255 {
+            let srgb = byte as f32 / 255.0;
+            let own = if srgb <= end { srgb / slope } else { ((srgb + shift) / scale).powf(power) };
+            assert_eq!(own, linear(srgb), "{byte}");
+        }
+    }
 }

@@ -9,6 +9,7 @@
 //! ```
 #![allow(clippy::print_stdout, reason = "a task runner speaks to its terminal")]
 
+mod adapter;
 mod bench;
 mod browser;
 mod bundle;

@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::command::{cargo, run};
-use crate::{browser, demo, size, web};
+use crate::{adapter, browser, demo, size, web};
 
 /// Everything that continuous integration runs, cheapest first.
 pub fn test() -> Result<()> {
@@ -21,6 +21,7 @@ pub fn test() -> Result<()> {
     let mut docs = cargo();
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
+    adapter::install();
     run("tests", &mut tests())?;
     demo::pack(&dist.join("demo.reprise"), &|| browser::helper("builder"))?;
     browser::test(&dist)

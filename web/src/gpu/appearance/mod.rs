@@ -19,7 +19,7 @@ use self::basis::Basis;
 use self::dealign::{Dealign, Motion};
 use self::pace::Pace;
 pub use self::pace::Setting;
-use super::context::{Gpu, extent};
+use super::context::{Gpu, extent, named};
 use super::mesh::Mesh;
 use super::texture::Textures;
 
@@ -154,7 +154,7 @@ impl Looks {
     }
 
     fn rebuild(&mut self, gpu: &Gpu, weights: &Weights, opacity: f32, setting: Setting) {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.encoder("reprise.texture.commands");
         let half = setting == Setting::Half;
         self.layers[0].rebuild(gpu, &mut encoder, &weights[0], half);
         self.layers[1].rebuild(gpu, &mut encoder, &weights[1], false);
@@ -174,16 +174,22 @@ impl Looks {
 /// A mask's level as a texture.
 fn flags(gpu: &Gpu, level: &texture::mask::Level) -> wgpu::Texture {
     let size = [level.width as u32, level.height as u32];
-    let texture = storage(gpu, size, TextureFormat::R8Uint, wgpu::TextureUsages::COPY_DST);
+    let texture = storage(gpu, "reprise.cycle.mask", size, TextureFormat::R8Uint, wgpu::TextureUsages::COPY_DST);
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0]), rows_per_image: None };
     gpu.queue.write_texture(texture.as_image_copy(), &level.flags, layout, extent(size));
     texture
 }
 
 /// A texture of one level that passes read, and write or fill as `usage` says.
-fn storage(gpu: &Gpu, size: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+fn storage(
+    gpu: &Gpu,
+    label: &'static str,
+    size: [u32; 2],
+    format: TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
+        label: named(label),
         size: extent(size),
         mip_level_count: 1,
         sample_count: 1,
