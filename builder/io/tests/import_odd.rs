@@ -529,3 +529,16 @@ fn the_result_does_not_depend_on_threads() {
     assert_eq!(codes(&one), ["W_MATERIAL_MISSING", "W_TEXTURE_LOST"]);
     let _: Option<Vec<PathBuf>> = one.frame_textures;
 }
+
+#[test]
+fn paths_may_be_written_as_on_another_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    (0..3).for_each(|k| write(f, &[(&format!("m/f{k}.obj"), &obj(k))]));
+    (0..3).for_each(|k| write_bytes(f, &format!("t/s{k}.png"), &png(1, [k; 3])));
+    write(f, &[("c.toml", "fps = 25\n[[sequence]]\ninput = 'm\f%d.obj'\ntexture = 't\s*.png'\n")]);
+    assert_eq!(worn(&read(f, &["c.toml"], &ImportOptions::default())), ["s0.png", "s1.png", "s2.png"]);
+    write(f, &[("c.toml", "[[sequence]]\ninput = \"m\\Users\"\n")]);
+    let (code, message) = refusal(f, &["c.toml"]);
+    assert!(code == "E_MANIFEST" && message.contains("write / for \\ in paths"), "{message}");
+}

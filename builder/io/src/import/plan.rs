@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::ImportError;
 use super::formats::unread_image;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, ending, list, name_of_folder, stem};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, ending, list, name_of_folder, stem, with_slashes};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
 use super::pairing::folder_of;
 use super::warning::Warning;
@@ -190,6 +190,7 @@ fn manifest_sequence(
 
 /// The image files that a texture input names: a file, a folder, a glob or a pattern.
 fn images_of(input: &str, base: &Path) -> Result<NamedImages, ImportError> {
+    let input = &*with_slashes(input, base);
     let path = base.join(input);
     if path.is_file() {
         return Ok(NamedImages { files: vec![path], in_order: false });
