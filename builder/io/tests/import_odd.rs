@@ -536,7 +536,7 @@ fn paths_may_be_written_as_on_another_system() {
     let f = folder.path();
     (0..3).for_each(|k| write(f, &[(&format!("m/f{k}.obj"), &obj(k))]));
     (0..3).for_each(|k| write_bytes(f, &format!("t/s{k}.png"), &png(1, [k; 3])));
-    write(f, &[("c.toml", "fps = 25\n[[sequence]]\ninput = 'm\f%d.obj'\ntexture = 't\s*.png'\n")]);
+    write(f, &[("c.toml", "fps = 25\n[[sequence]]\ninput = 'm\\f%d.obj'\ntexture = 't\\s*.png'\n")]);
     assert_eq!(worn(&read(f, &["c.toml"], &ImportOptions::default())), ["s0.png", "s1.png", "s2.png"]);
     write(f, &[("c.toml", "[[sequence]]\ninput = \"m\\Users\"\n")]);
     let (code, message) = refusal(f, &["c.toml"]);
