@@ -56,10 +56,11 @@ export class ReprisePlayer extends HTMLElement {
   readonly queued: (Target | Held)[];
   /**
    * What is asked with the tool in use, or null. Setting it takes the tool that shows it and searches, without leaving; it
-   * takes what links and files hold, too. Throws a `PlayerError` with a sentence.
+   * takes what links and files hold, too. Set to null, nothing is asked with the tool in use any more; a walk under way goes on.
+   * Throws a `PlayerError` with a sentence.
    */
   get direction(): Request | null;
-  set direction(request: Request | Shared);
+  set direction(request: Request | Shared | null | undefined);
   /** The best answer of the tool in use so far. */
   readonly answer: Answer | null;
   /** The direction as the part of an address behind `#`. */
@@ -135,7 +136,7 @@ export type Held = { behaviour: string; hold: number };
 
 export interface PictureOptions {
   frame?: number;
-  /** Pixels, for a picture of a frame; 512 by default. */
+  /** Pixels, for a picture of a frame; 512 by default, 1024 at most. */
   width?: number;
   height?: number;
 }
@@ -223,7 +224,7 @@ export interface Answer {
   };
   /** Seconds; `null` where a key pose is not reached. */
   keys?: { frame: number; wanted: number; reached: number | null }[];
-  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada and others, 7.1). */
+  /** Frames that are visited, and how far from what is wanted the spread of the poses is (Prada 2016, section 7.1). */
   wander?: { frames: number; objective: number; objectives: [number, number, number] };
 }
 
@@ -314,7 +315,7 @@ export interface ReprisePlayerEventMap {
   progress: CustomEvent<{ loaded: number; total: number }>;
   /** The first pose is drawn; the rest may still be on its way. */
   ready: CustomEvent<{ info: ActorInfo }>;
-  /** All of the bundle has arrived. */
+  /** All of the bundle has arrived, and the script of the tools where they are wanted. */
   load: CustomEvent<{ info: ActorInfo }>;
   /** The page shows a sentence too. */
   error: CustomEvent<{ kind: ErrorKind; message: string }>;

@@ -111,7 +111,7 @@ function searching(element) {
 /** Waits until everything is loaded and every thumbnail is drawn. */
 async function allThere(player) {
   await player.loaded();
-  await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0, null, 120_000);
+  await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0);
 }
 
 /** The longest turns of the main thread, by its own time and by the clock, while the path tool searches and the actor moves. */
@@ -122,7 +122,7 @@ async function turns(browser) {
   const target = { path: { points: [[0, 0], [2, 1], [0, 3], [-2, 1], [0, 0], [3, 3]], shape: 'spline' } };
   const found = await turnsDuring(browser.chromium, player.page, async () => {
     await player.run((element, direction) => (element.direction = direction), { version: 1, target });
-    await player.until('the end of the search', (element) => element.testing.search().count > 20 && !element.testing.search().running, null, 60_000);
+    await player.until('the end of the search', (element) => element.testing.search().count > 20 && !element.testing.search().running);
   });
   await player.close();
   const most = (values) => Math.max(...values);

@@ -25,6 +25,12 @@ const FLAGS = [
   '--use-angle=gl-egl',
 ];
 
+/**
+ * Milliseconds after which an event that is waited for will not come any more. Nothing takes nearly as long, on a machine
+ * that does much else besides and draws in software; it is no measure of anything.
+ */
+const LIMIT = 300_000;
+
 /** Small, for every pixel is drawn by the processor. */
 const SMALL = { width: 800, height: 600 };
 
@@ -64,6 +70,7 @@ export class Browser {
    */
   async open({ path = '', search = '', hash = '', forgive = [], before, ...context } = {}) {
     const session = await this.chromium.newContext({ viewport: SMALL, ...context });
+    session.setDefaultTimeout(LIMIT);
     const page = await session.newPage();
     const complaints = [];
     const complain = (text) => forgive.some((pattern) => pattern.test(text)) || complaints.push(text);
@@ -105,12 +112,34 @@ export class Player {
   }
 
   /** Waits until `work(player, argument)` is true in the page. Playwright's own waiting needs eval, which the policy forbids. */
-  async until(what, work, argument, timeout = 30_000) {
-    const end = Date.now() + timeout;
+  async until(what, work, argument) {
+    const end = Date.now() + LIMIT;
     while (!(await this.run(work, argument))) {
-      if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain: ${what}\n${await this.circumstances()}`);
+      if (Date.now() > end) throw new Error(`waited ${LIMIT / 1000} s in vain: ${what}\n${await this.circumstances()}`);
       await this.page.waitForTimeout(20);
     }
+  }
+
+  /** The same for what a search has to find first; it is helped along. */
+  untilFound(what, work, argument) {
+    return this.until(what, `(element, argument) => { element.testing.searchOn(30); return (${work})(element, argument); }`, argument);
+  }
+
+  /** Waits until so many display frames have been made: whatever was asked for before them is done. */
+  frames(count) {
+    return this.page.evaluate(async (wanted) => {
+      for (let frame = 0; frame < wanted; frame += 1) await new Promise((resolve) => requestAnimationFrame(resolve));
+    }, count);
+  }
+
+  /** Waits until the style sheets' own motion has come to its end. */
+  async calm() {
+    await this.page.evaluate(async () => {
+      const roots = [document, ...[...document.querySelectorAll('reprise-player')].map(({ shadowRoot }) => shadowRoot)];
+      const ending = roots.flatMap((root) => root?.getAnimations() ?? []).filter(({ effect }) => effect.getComputedTiming().iterations !== Infinity);
+      // One that is taken away meanwhile has ended as well.
+      await Promise.allSettled(ending.map(({ finished }) => finished));
+    });
   }
 
   /** What may explain a wait in vain. */
@@ -123,8 +152,8 @@ export class Player {
   }
 
   /** Waits for an event of the player. */
-  event(type, timeout) {
-    return this.until(`the event ${type}`, (_, wanted) => window.heard.some(({ type: one }) => one === wanted), type, timeout);
+  event(type) {
+    return this.until(`the event ${type}`, (_, wanted) => window.heard.some(({ type: one }) => one === wanted), type);
   }
 
   heard(type) {
@@ -172,7 +201,8 @@ export class Player {
   /** Saves a picture of the whole page. */
   async picture(name) {
     await this.run((player) => player.testing?.stage && player.testing.keepDrawing());
-    await this.page.waitForTimeout(300);
+    await this.frames(3);
+    await this.calm();
     await this.page.screenshot({ path: join(out, `${name}.png`) });
     await this.run((player) => player.testing?.keepDrawing(false));
   }

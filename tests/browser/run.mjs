@@ -2,12 +2,13 @@
  * Runs the browser tests: `node run.mjs [part of a name]`.
  *
  * REPRISE_DIST is the folder to serve (default: dist/), REPRISE_BUNDLE the actor (default: its demo.reprise),
- * REPRISE_NATIVE the folder that `native_walk` wrote from it, REPRISE_DRESSED the one that `dress` wrote, CHROMIUM the
- * browser (default: /usr/bin/chromium). Pictures go to out/.
+ * REPRISE_NATIVE the folder that `native_walk` wrote from it, REPRISE_DRESSED the one that `dress` wrote, REPRISE_FRAMEWORKS
+ * the one that `frameworks/build.mjs` wrote, CHROMIUM the browser (default: /usr/bin/chromium). Pictures go to out/.
  */
 
 import { Browser } from './browser.mjs';
 import { tests as modules } from './tests/modules.mjs';
+import { tests as joined } from './tests/joined.mjs';
 import { tests as native } from './tests/native.mjs';
 import { tests as loading } from './tests/loading.mjs';
 import { tests as appearance } from './tests/appearance.mjs';
@@ -15,11 +16,13 @@ import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
 import { tests as element } from './tests/element.mjs';
+import { tests as lives } from './tests/lives.mjs';
+import { tests as frameworks } from './tests/frameworks.mjs';
 import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, native, loading, appearance, walking, errors, page, element, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, frameworks, tools, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 

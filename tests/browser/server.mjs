@@ -26,8 +26,8 @@ const MODULES = {
 const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
 
-/** Folders that native programs made for the tests, by their place on the server. */
-const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED };
+/** Folders that other programs made for the tests, by their place on the server. */
+const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED, frameworks: process.env.REPRISE_FRAMEWORKS };
 
 /** Bundles that went wrong on their way, made from the good one. */
 const FAULTS = {
@@ -70,10 +70,11 @@ async function answer(root, bundle, request, response) {
   const { pathname } = new URL(request.url, 'http://localhost');
   response.setHeader('content-security-policy', POLICY);
   if (pathname === '/demo.reprise') return send(response, bundle, '.reprise');
-  if (pathname === '/slow.reprise') return trickle(response, bundle, false);
-  if (pathname === '/half.reprise') return half(response, bundle);
+  if (pathname === '/slow.reprise') return trickle(response, bundle);
+  if (pathname === '/half.reprise') return held(response, bundle, 0.6);
+  if (pathname === '/held.reprise') return held(response, bundle, 0.0001);
   if (pathname === '/rest') return send(response, (goOn?.(), ''), '.json');
-  if (pathname === '/faults/broken-off.reprise') return trickle(response, bundle, true);
+  if (pathname === '/faults/broken-off.reprise') return held(response, bundle, 0.1, true);
   if (pathname in FAULTS) return send(response, FAULTS[pathname](bundle), '.reprise');
   if (Object.hasOwn(MODULES, pathname)) return send(response, await readFile(join(here, MODULES[pathname])), '.js');
   const made = Object.entries(MADE).find(([name, folder]) => folder && pathname.startsWith(`/${name}/`));
@@ -95,28 +96,23 @@ const PAUSE = 100;
 
 let goOn = null;
 
-/** A good half, and the rest when somebody asks for `/rest`. */
-async function half(response, bundle) {
+/** A share of it, and the rest when somebody asks for `/rest`; or no rest, for the line goes dead then. */
+async function held(response, bundle, share, breaks = false) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
-  const middle = Math.ceil(bundle.length * 0.6);
+  const middle = Math.ceil(bundle.length * share);
   response.write(bundle.subarray(0, middle));
   await new Promise((resolve) => (goOn = resolve));
-  response.end(bundle.subarray(middle));
+  if (breaks) response.destroy();
+  else response.end(bundle.subarray(middle));
 }
 
-/** In twenty pieces with pauses; or only the first two, and then the line goes dead. */
-async function trickle(response, bundle, breaks) {
+/** In twenty pieces with pauses. */
+async function trickle(response, bundle) {
   response.writeHead(200, { 'content-type': TYPES['.reprise'], 'content-length': bundle.length });
   const piece = Math.ceil(bundle.length / 20);
   for (let at = 0; at < bundle.length; at += piece) {
     response.write(bundle.subarray(at, at + piece));
     await new Promise((resolve) => setTimeout(resolve, PAUSE));
-    if (breaks && at > 0) {
-      // What a busy page has not read yet would be lost with the line.
-      await new Promise((resolve) => setTimeout(resolve, 20 * PAUSE));
-      response.destroy();
-      return;
-    }
   }
   response.end();
 }

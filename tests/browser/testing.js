@@ -69,6 +69,22 @@ class Testing {
     return { ...search.slices, running: Boolean(search.task && !search.task.done) };
   }
 
+  /** Searches on without the page's rests, so many slices at most: where others have the processor, rests are all that there is. */
+  searchOn(slices) {
+    const { search } = this.core.toolbox;
+    for (let slice = 0; slice < slices && search.task && !search.task.done; slice += 1) search.step();
+  }
+
+  /** Whether an actor is being loaded, or has been. */
+  loads() {
+    return this.core.session !== null;
+  }
+
+  /** Whether there is nothing to do in the next display frame. */
+  rests() {
+    return this.core.loop.handle === 0;
+  }
+
   /** Where on the screen a place on the ground is. */
   placeOnGround(x, z) {
     const { stage } = this.core.view;

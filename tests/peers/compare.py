@@ -1,7 +1,7 @@
 """Runs the peers beside ours: the same input, one run after the other, medians of the pairs.
 
     python3 -m venv venv && venv/bin/pip install -r tests/peers/requirements.txt
-    cargo build --release -p reprise-builder --example peer
+    cargo build --release -p reprise-evaluate --example peer
     venv/bin/python tests/peers/compare.py target/release/examples/peer actor.reprise [--rounds 5] [--only dtw,paths]
 
 Prints a table in Markdown. Each comparison also checks that both sides found the same, where they solve the same problem.

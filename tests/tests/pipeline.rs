@@ -1,35 +1,26 @@
 //! The whole pipeline: files to a bundle, a bundle to a walk.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use actor::graph::DEFAULT_ALPHA;
 use actor::pose_source::PoseSource;
 use bundle::{BundleReader, Severity, validate};
-use capture_io::import::ImportOptions;
 use std::path::Path;
 
 use fixtures::unpacked;
 use glam::Vec3;
-use job::progress::silent;
+use job::Job;
 use performer::{PerformerOptions, write_performer};
-use pipeline::distance::DistanceOptions;
-use pipeline::transitions::TransitionOptions;
 use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 
 fn options(fps: Option<f32>) -> PackOptions {
-    PackOptions {
-        import: ImportOptions { fps, ..ImportOptions::default() },
-        distance: DistanceOptions::default(),
-        transition: TransitionOptions::default(),
-        alpha: DEFAULT_ALPHA,
-        hold_contacts: true,
-        max_error: None,
-        appearance: AppearanceChoice::Static,
-    }
+    let mut options = PackOptions::default();
+    options.import.fps = fps;
+    options.appearance = AppearanceChoice::Static;
+    options
 }
 
 fn pack_with_threads(threads: usize, inputs: &[String], options: &PackOptions) -> (Vec<u8>, PackReport) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| pack(inputs, options, &silent)).unwrap()
+    pool.install(|| pack(inputs, options, &Job::silent())).unwrap()
 }
 
 /// The performer, small enough to be packed twice in a test.
@@ -66,7 +57,7 @@ fn the_performer_becomes_an_actor() {
 fn the_real_capture_becomes_an_actor() {
     let folder = |name| unpacked(name)[0].parent().unwrap().to_str().unwrap().to_owned();
     let inputs = ["crane", "jumping"].map(folder);
-    let (bytes, report) = pack(&inputs, &options(Some(25.0)), &silent).unwrap();
+    let (bytes, report) = pack(&inputs, &options(Some(25.0)), &Job::silent()).unwrap();
     assert_eq!((report.capture.frames, report.capture.vertices, report.capture.triangles), (325, 10_002, 20_000));
     assert!(validate(&bytes).iter().all(|finding| finding.severity < Severity::Error));
     assert!(report.bundle.max_error < 0.000_6, "{:?}", report.bundle);

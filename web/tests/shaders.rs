@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use naga::{Module, TypeInner};
+use naga::{Expression, Literal, Module, TypeInner};
+use texture::{basis, dealign};
 use web::gpu::appearance::basis::LayerUniform;
 use web::gpu::appearance::dealign::Motion;
 use web::gpu::frame::FrameUniform;
@@ -106,4 +107,42 @@ fn uniforms_have_the_layout_of_their_twins() {
     let material = layout!(MaterialUniform, base_colour, captured);
     check_layout(shaders::ACTOR, "Material", material, size_of::<MaterialUniform>());
     check_layout(shaders::BLUR, "Blur", layout!(BlurUniform, red, green), size_of::<BlurUniform>());
+}
+
+/// The number that a constant of `source` is.
+fn constant(source: &str, name: &str) -> f64 {
+    let module = parse(name, source);
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let Some((_, constant)) = found else { panic!("there is no constant {name}") };
+    match module.global_expressions[constant.init] {
+        Expression::Literal(Literal::F32(value)) => value.into(),
+        Expression::Literal(Literal::AbstractFloat(value)) => value,
+        ref other => panic!("{name} is no number: {other:?}"),
+    }
+}
+
+#[test]
+fn constants_are_those_of_their_twins() {
+    // As the shader has them: single precision.
+    for (source, name, twin) in [
+        (shaders::APPEARANCE_BASIS, "ONE", basis::ONE),
+        (shaders::APPEARANCE_BASIS, "PADDING", dealign::PADDING),
+        (shaders::APPEARANCE_CYCLE, "LAMBDA", dealign::LAMBDA),
+    ] {
+        assert_eq!(constant(source, name) as f32, twin, "{name}");
+    }
+}
+
+#[test]
+fn workgroups_have_the_size_that_they_are_dispatched_by() {
+    // One invocation for each block of a mode (`blocks.div_ceil(64)`), a workgroup for each restored block of 16 x 16 texels,
+    // and 8 x 8 texels for each workgroup of a pass over a texture (`side.div_ceil(8)`).
+    for (source, sizes) in [
+        (shaders::APPEARANCE_BASIS, &[[64, 1, 1], [256, 1, 1], [256, 1, 1]][..]),
+        (shaders::APPEARANCE_RESIDUAL, &[[8, 8, 1]]),
+        (shaders::APPEARANCE_CYCLE, &[[8, 8, 1], [8, 8, 1]]),
+    ] {
+        let found: Vec<_> = parse("shader", source).entry_points.iter().map(|entry| entry.workgroup_size).collect();
+        assert_eq!(found, sizes);
+    }
 }

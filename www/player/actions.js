@@ -38,7 +38,6 @@ export function actionsOf(core, host) {
     compare: () => core.view.looks.toggle(),
     poses: () => core.togglePoses(),
     loop: () => (host.loop = !host.loop),
-    help: () => view.keys.toggle(),
     drawer: () => view.toggleDrawer(),
   };
 }

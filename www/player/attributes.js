@@ -13,7 +13,7 @@ export class AttributeElement extends Base {
   }
 
   set speed(value) {
-    this.setAttribute('speed', String(value));
+    reflect(this, 'speed', value);
   }
 }
 
@@ -30,12 +30,18 @@ export function parseCamera(text) {
   return numbers.every(Number.isFinite) && numbers[2] > 0 ? numbers : null;
 }
 
+/** Frameworks set what they do not have to null or to undefined: that is no attribute, not one with these words. */
+function reflect(element, name, value) {
+  if (value === null || value === undefined) element.removeAttribute(name);
+  else element.setAttribute(name, String(value));
+}
+
 function define(name, get, set) {
   Object.defineProperty(AttributeElement.prototype, name, { get, set, configurable: true, enumerable: true });
 }
 
 for (const name of ['src', 'poster', 'alt', 'camera', 'originals']) {
-  define(name, function () { return this.getAttribute(name) ?? ''; }, function (value) { this.setAttribute(name, value); });
+  define(name, function () { return this.getAttribute(name) ?? ''; }, function (value) { reflect(this, name, value); });
 }
 
 for (const name of ['controls', 'autoplay', 'loop', 'tint']) {
@@ -49,9 +55,6 @@ for (const [name, words] of Object.entries(WORDS)) {
       const word = this.getAttribute(name);
       return words.includes(word) ? word : words[0];
     },
-    function (value) {
-      if (value) this.setAttribute(name, value);
-      else this.removeAttribute(name);
-    },
+    function (value) { reflect(this, name, value || null); },
   );
 }

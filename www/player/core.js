@@ -34,13 +34,14 @@ export class Core {
 
   start(view) {
     this.view = view;
-    this.loop = new FrameLoop((seconds) => this.guard(() => this.step(seconds)) ?? false);
+    this.loop = new FrameLoop(view.window, (seconds) => this.guard(() => this.step(seconds)) ?? false);
   }
 
   stop() {
     this.unload();
     this.loop?.stop();
     this.loop = null;
+    this.view.leave();
   }
 
   // ---- the actor ------------------------------------------------------------------------------------------------
@@ -91,13 +92,15 @@ export class Core {
         if (first) this.dispatch('ready', { info: this.director.info });
         this.loop?.request();
       },
-      complete: () => {
-        const { player, info } = this.director;
+      complete: async () => {
+        const { session, director: { player, info } } = this;
         view.score.setArcs(player.arcs(info.transitions));
         view.progress.hide();
         this.toolbox.open(this.director);
-        this.dispatch('load', { info });
         this.loop?.request();
+        // Tools that are wanted are a part of what loads.
+        await this.toolbox.coming;
+        if (!session.closed) this.dispatch('load', { info });
       },
       failed: (error) => this.fail(error),
       devicelost: () => this.dispatch('devicelost', {}),

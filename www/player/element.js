@@ -12,7 +12,7 @@ import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
 import { behavioursOf, frameAt, frameOfTarget, soughtTarget } from './targets.js';
 import { VERSION, requestOf } from './tools/request.js';
-import { fromHash, toHash } from './tools/share.js';
+import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
 
 export class ReprisePlayer extends AttributeElement {
@@ -22,13 +22,31 @@ export class ReprisePlayer extends AttributeElement {
   #actions = null;
   #unwatch = null;
   #near = false;
+  /** A direction that was given before there was anything to take it. */
+  #wanted;
 
   // ---- life -----------------------------------------------------------------------------------------------------
 
+  constructor() {
+    super();
+    // What was set before this class was there lies on the element itself and would hide what the class has.
+    for (const name of Object.keys(this)) {
+      const { get, set } = inherited(name) ?? {};
+      if (!get) continue;
+      const value = this[name];
+      delete this[name];
+      if (set) this[name] = value;
+    }
+  }
+
   connectedCallback() {
+    // A document that no window shows (a template's, a parser's) is no place to play in.
+    const window = this.ownerDocument.defaultView;
+    if (!window) return;
     this.#core ??= this.#build();
     if (this.#core.loop) return;
     const { view } = this.#core;
+    view.enter(window);
     this.#core.start(view);
     this.#unwatch = watchSurroundings(this, [this, view.stage.root], {
       visible: (visible) => this.#core.loop?.setVisible(visible),
@@ -43,17 +61,27 @@ export class ReprisePlayer extends AttributeElement {
     this.#applyOptions();
     view.showPoster(this.poster);
     this.#core.toolbox.choose(this.tool);
+    this.#take();
     if (this.src && this.loading !== 'lazy') this.#load();
   }
 
   disconnectedCallback() {
     // Moving the element within the page disconnects it for a moment only.
     queueMicrotask(() => {
-      if (this.isConnected) return;
-      this.#core.stop();
-      this.#unwatch?.();
-      this.#near = false;
+      if (!this.isConnected) this.#leave();
     });
+  }
+
+  /** Another document has other frames, another taste and another screen: there it begins anew. */
+  adoptedCallback() {
+    this.#leave();
+  }
+
+  #leave() {
+    if (!this.#core?.loop) return;
+    this.#core.stop();
+    this.#unwatch();
+    this.#near = false;
   }
 
   attributeChangedCallback(name, before, after) {
@@ -63,6 +91,13 @@ export class ReprisePlayer extends AttributeElement {
     else if (name === 'tool') this.#core.toolbox.choose(this.tool);
     else if (name === 'camera') this.#aim();
     else this.#applyOptions();
+  }
+
+  /** Hands on what was asked before there was anything to take it. */
+  #take() {
+    const wanted = this.#wanted;
+    this.#wanted = undefined;
+    if (wanted !== undefined) this.#core.toolbox.load(wanted);
   }
 
   #build() {
@@ -117,6 +152,7 @@ export class ReprisePlayer extends AttributeElement {
     view.transport.setSpeed(this.speed);
     director?.tell('set_loop', this.loop);
     director?.tell('set_speed', this.speed);
+    if (this.controls) this.#core.toolbox.fetch();
     view.relay();
   }
 
@@ -186,7 +222,10 @@ export class ReprisePlayer extends AttributeElement {
   get direction() { return this.#core?.toolbox.request ?? null; }
 
   set direction(request) {
-    this.#core?.toolbox.load(request);
+    const nothing = request === null || request === undefined;
+    if (!this.#core) this.#wanted = nothing ? undefined : request;
+    else if (nothing) this.#core.toolbox.forget();
+    else this.#core.toolbox.load(request);
     this.#core?.loop?.request();
   }
 
@@ -211,10 +250,10 @@ export class ReprisePlayer extends AttributeElement {
   }
 
   openLink(address) {
-    const { toolbox } = this.#core;
+    if (!this.#core) return false;
     return this.#core.attempt(() => {
       const direction = fromHash(new URL(address, location.href).hash);
-      if (direction !== undefined) toolbox.load(direction);
+      if (direction !== undefined) this.#core.toolbox.load(direction);
       return direction !== undefined;
     }) ?? false;
   }
@@ -239,8 +278,9 @@ export class ReprisePlayer extends AttributeElement {
   }
 
   pressKey(event) {
+    if (!this.#core) return false;
     const { view, toolbox } = this.#core;
-    if (view.keys.root.open) return false;
+    if (toolbox.kit?.keys.root.open) return false;
     if (toolbox.key(event)) return true;
     if (event.composedPath()[0] === view.stage.root && view.stage.key(event.key)) {
       event.preventDefault();
@@ -258,4 +298,10 @@ export class ReprisePlayer extends AttributeElement {
     if (!this.info) throw new PlayerError('not-loaded', 'There is no actor yet; wait for the ready event.');
     return this.#core.director;
   }
+}
+
+/** What the class itself says of a property. */
+function inherited(name) {
+  const { prototype } = ReprisePlayer;
+  return Object.getOwnPropertyDescriptor(prototype, name) ?? Object.getOwnPropertyDescriptor(Object.getPrototypeOf(prototype), name);
 }

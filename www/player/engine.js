@@ -1,23 +1,28 @@
-/** Loads the WebAssembly module once for all players of a page. */
+/** Loads what is not in the first script, once for all players of a page: the WebAssembly module, and the tools. */
 
 import { PlayerError } from './errors.js';
 
-let loading = null;
-
-/**
- * The module that wasm-bindgen wrote: `Player` and `create_stage`.
- * A failure is forgotten, so that a second try fetches again.
- */
-export function loadEngine() {
-  loading ??= load().catch((cause) => {
-    loading = null;
-    throw new PlayerError('engine', 'The player’s WebAssembly module could not be loaded.', { cause });
-  });
-  return loading;
+/** A failure is forgotten, so that a second try fetches again. */
+function once(load, message) {
+  let loading = null;
+  return () => {
+    loading ??= load().catch((cause) => {
+      loading = null;
+      throw new PlayerError('engine', message, { cause });
+    });
+    return loading;
+  };
 }
 
-async function load() {
+/** The module that wasm-bindgen wrote: `Player` and `create_stage`. */
+export const loadEngine = once(async () => {
   const engine = await import('../pkg/web.js');
   await engine.default({ module_or_path: new URL('../pkg/web_bg.wasm', import.meta.url) });
   return engine;
-}
+}, 'The player’s WebAssembly module could not be loaded.');
+
+/** The module `tools/tools.js`, a script of its own once it is built. */
+export const loadTools = once(async () => {
+  const tools = await import('./tools/tools.js');
+  return tools;
+}, 'The script of the tools could not be loaded.');

@@ -4,8 +4,12 @@
 const LONGEST_STEP = 0.25;
 
 export class FrameLoop {
-  /** @param {(seconds: number) => boolean} step does one frame; true asks for the next */
-  constructor(step) {
+  /**
+   * @param {Window} window whose display frames count
+   * @param {(seconds: number) => boolean} step does one frame; true asks for the next
+   */
+  constructor(window, step) {
+    this.window = window;
     this.step = step;
     this.visible = false;
     this.handle = 0;
@@ -20,11 +24,11 @@ export class FrameLoop {
 
   request() {
     if (!this.visible || this.handle) return;
-    this.handle = requestAnimationFrame((now) => this.run(now));
+    this.handle = this.window.requestAnimationFrame((now) => this.run(now));
   }
 
   stop() {
-    cancelAnimationFrame(this.handle);
+    this.window.cancelAnimationFrame(this.handle);
     this.handle = 0;
     this.last = 0;
   }

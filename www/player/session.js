@@ -90,7 +90,7 @@ export class Session {
     player.finish();
     this.complete = true;
     this.arrived(player.phase());
-    this.owner.complete();
+    await this.owner.complete();
   }
 
   /** More of the bundle is there: show what can be shown. */

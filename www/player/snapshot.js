@@ -2,7 +2,8 @@
 
 import { PlayerError } from './errors.js';
 
-const LARGEST = 4096;
+/** The stage draws no pose larger. */
+const LARGEST = 1024;
 
 /**
  * @param {import('./core.js').Core} core

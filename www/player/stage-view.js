@@ -93,13 +93,16 @@ export class StageView {
    */
   async open(engine, player) {
     this.close();
+    const opening = Symbol('opening');
+    this.opening = opening;
     const canvas = h('canvas');
     this.canvas.replaceWith(canvas);
     this.canvas = canvas;
     this.measure();
     this.setBacking();
     const stage = await engine.create_stage(canvas, player);
-    if (this.canvas !== canvas) {
+    // Closed, or opened anew, while the device was on its way: nobody else would give it back.
+    if (this.opening !== opening) {
       stage.free?.();
       return;
     }
@@ -111,6 +114,7 @@ export class StageView {
   }
 
   close() {
+    this.opening = null;
     clearInterval(this.watch);
     const { stage } = this;
     this.stage = null;

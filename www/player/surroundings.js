@@ -14,23 +14,25 @@ const NEAR = '300px';
  * @returns {() => void} stops watching
  */
 export function watchSurroundings(host, boxes, on) {
+  const document = host.ownerDocument;
+  const window = document.defaultView;
   const stop = new AbortController();
   const { signal } = stop;
   let inView = true;
   const visibility = () => on.visible(inView && document.visibilityState === 'visible');
-  const seen = new IntersectionObserver((entries) => {
+  const seen = new window.IntersectionObserver((entries) => {
     inView = entries[entries.length - 1].isIntersecting;
     visibility();
   });
-  const near = new IntersectionObserver((entries) => entries.some((one) => one.isIntersecting) && on.near(), { rootMargin: NEAR });
-  const sized = new ResizeObserver(on.resized);
+  const near = new window.IntersectionObserver((entries) => entries.some((one) => one.isIntersecting) && on.near(), { rootMargin: NEAR });
+  const sized = new window.ResizeObserver(on.resized);
   seen.observe(host);
   near.observe(host);
   boxes.forEach((box) => sized.observe(box));
   document.addEventListener('visibilitychange', visibility, { signal });
-  watchDensity(on.resized, signal);
+  watchDensity(window, on.resized, signal);
   for (const query of ['(prefers-color-scheme: dark)', '(prefers-reduced-motion: reduce)']) {
-    matchMedia(query).addEventListener('change', on.taste, { signal });
+    window.matchMedia(query).addEventListener('change', on.taste, { signal });
   }
   visibility();
   return () => {
@@ -40,10 +42,10 @@ export function watchSurroundings(host, boxes, on) {
 }
 
 /** Another screen, another density: the size in CSS pixels stays, so no observer of sizes tells. */
-function watchDensity(changed, signal) {
+function watchDensity(window, changed, signal) {
   const again = () => {
     changed();
-    watchDensity(changed, signal);
+    watchDensity(window, changed, signal);
   };
-  matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', again, { once: true, signal });
+  window.matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`).addEventListener('change', again, { once: true, signal });
 }

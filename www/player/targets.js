@@ -3,7 +3,7 @@
 import { PlayerError } from './errors.js';
 import { poseName, words } from './format.js';
 
-/** Frames between those that are tried as the way into a behaviour. */
+/** Of so many frames of a behaviour, the last one is planned in any case. */
 const STEP = 5;
 
 const wrong = (message) => new PlayerError('bad-argument', message);
@@ -64,22 +64,47 @@ export function behavioursOf(info) {
   return [...new Set([...labels, ...info.sequences.map(({ name }) => name)])];
 }
 
-/** The frame of a behaviour that is reached at the least cost. */
+/** The sequences that show a behaviour. As in the search, a label wins over a sequence of the same name. */
+export function shownBy({ sequences }, behaviour) {
+  const labelled = sequences.filter(({ labels }) => labels.includes(behaviour));
+  return labelled.length > 0 ? labelled : sequences.filter(({ name }) => name === behaviour);
+}
+
+/**
+ * The frame of a behaviour that is reached at the least cost. One in a few frames is planned, and those before it only where
+ * they may be cheaper: from each of them the recording leads to it, at the cost of so many frames.
+ */
 function nearestOf(director, behaviour) {
-  const shows = director.info.sequences.filter(({ name, labels }) => name === behaviour || labels.includes(behaviour));
+  const { info } = director;
+  const shows = shownBy(info, behaviour);
   if (shows.length === 0) throw wrong(`There is no behaviour named “${behaviour}”.`);
-  let [best, least, trouble] = [-1, Infinity, null];
-  for (const { first, count } of shows) {
-    for (let frame = first; frame < first + count; frame += STEP) {
+  const costs = new Map();
+  let trouble = null;
+  const costOf = (frame) => {
+    if (!costs.has(frame)) {
+      let cost = Infinity;
       try {
-        const { cost } = director.plan(frame);
-        if (cost < least) [best, least] = [frame, cost];
+        ({ cost } = director.plan(frame));
       } catch (error) {
         trouble = error;
       }
+      costs.set(frame, cost);
+    }
+    return costs.get(frame);
+  };
+  const gaps = shows.flatMap(({ first, count }) => {
+    const ends = Array.from({ length: Math.ceil(count / STEP) }, (_, at) => Math.min(first + count - 1, first + at * STEP + STEP - 1));
+    return ends.map((end, at) => ({ start: at === 0 ? first : ends[at - 1] + 1, end }));
+  });
+  const least = () => Math.min(...costs.values());
+  gaps.forEach(({ end }) => costOf(end));
+  for (const { start, end } of gaps) {
+    for (let frame = start; frame < end; frame += 1) {
+      if (costOf(end) - (end - frame) * info.alpha < least()) costOf(frame);
     }
   }
-  if (best < 0) throw trouble;
+  const [best, cost] = [...costs].reduce((one, other) => (other[1] < one[1] ? other : one));
+  if (cost === Infinity) throw trouble;
   return best;
 }
 

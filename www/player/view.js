@@ -4,28 +4,16 @@ import { button, h } from './dom.js';
 import { ErrorCard } from './errors.js';
 import { Facts } from './facts.js';
 import { title } from './format.js';
-import { KeysDialog } from './keyboard.js';
 import { ProgressBar } from './loading.js';
 import { Looks } from './looks.js';
 import { Preview } from './preview.js';
 import { Score } from './score.js';
 import { StageView } from './stage-view.js';
 import { Transport } from './transport.js';
+import { Styles } from './styles/sheets.js';
 import { scoreStyles } from './styles/score.js';
 import { stageStyles } from './styles/stage.js';
 import { tokens } from './styles/tokens.js';
-import { toolStyles } from './styles/tools.js';
-
-let sheet = null;
-
-/** One constructed style sheet for all players: no style element that a content security policy would refuse. */
-function styles() {
-  if (!sheet) {
-    sheet = new CSSStyleSheet();
-    sheet.replaceSync(tokens + stageStyles + scoreStyles + toolStyles);
-  }
-  return sheet;
-}
 
 /** What the page may say before the first click. */
 const HINT = 'Click a pose: the actor goes there.';
@@ -36,16 +24,14 @@ const HINT = 'Click a pose: the actor goes there.';
  * @param {Record<string, (event: Event) => void>} act the actions by name
  */
 export function buildView(host, core, act) {
-  const root = host.attachShadow({ mode: 'open' });
-  root.adoptedStyleSheets = [styles()];
-  return new View(host, root, core, act);
+  return new View(host, host.attachShadow({ mode: 'open' }), core, act);
 }
 
 class View {
   constructor(host, root, core, act) {
     this.host = host;
-    this.dark = matchMedia('(prefers-color-scheme: dark)');
-    this.calm = matchMedia('(prefers-reduced-motion: reduce)');
+    this.root = root;
+    this.styles = new Styles(root, tokens + stageStyles + scoreStyles);
 
     this.stage = new StageView(() => core.director?.player ?? null, {
       moved: () => core.redraw(),
@@ -77,7 +63,6 @@ class View {
       },
     });
     this.facts = new Facts();
-    this.keys = new KeysDialog();
 
     this.factsChip = button('facts', 'Cost, duration, deformation, frame time (F)', act.facts, { 'aria-expanded': 'false' });
     this.posesChip = button('poses', 'Poses the actor can reach, shown around it (P)', act.poses, { 'aria-pressed': 'false' });
@@ -87,7 +72,7 @@ class View {
     this.dock = h('div', { class: 'dock', part: 'dock' });
     this.scoreBox = h('div', { class: 'score' }, this.score.root, this.dock, this.transport.root);
     this.handles = h('div', { class: 'handles' });
-    this.bar = h('div', { class: 'bar', part: 'bar' }, slot('bar'), core.toolbox.bar.root);
+    this.bar = h('div', { class: 'bar', part: 'bar' }, slot('bar'));
 
     const stageBox = h(
       'div',
@@ -103,9 +88,27 @@ class View {
       slot('error', this.error.root),
     );
     this.player = h('div', { class: 'player', part: 'player', 'data-state': 'loading' }, this.bar, stageBox, this.scoreBox, this.preview.tooltip.root);
-    root.append(this.player, this.keys.root);
+    root.append(this.player);
     // Clicks on the stage leave the arrow keys with the score.
     this.stage.root.addEventListener('pointerdown', () => this.focusScore());
+  }
+
+  /** The element is in a page: that of this window. */
+  enter(window) {
+    this.window = window;
+    this.dark = window.matchMedia('(prefers-color-scheme: dark)');
+    this.calm = window.matchMedia('(prefers-reduced-motion: reduce)');
+    this.styles.adopt(window);
+  }
+
+  /** It is in none any more. */
+  leave() {
+    this.window.cancelAnimationFrame(this.relaying);
+    this.relaying = 0;
+  }
+
+  addStyles(text) {
+    this.styles.add(text, this.window);
   }
 
   focusScore() {
@@ -166,7 +169,7 @@ class View {
   /** Lays the score out anew in the next frame, once, however many reasons there are. */
   relay() {
     if (this.relaying) return;
-    this.relaying = requestAnimationFrame(() => {
+    this.relaying = this.window.requestAnimationFrame(() => {
       this.relaying = 0;
       this.score.relay();
     });

@@ -1,9 +1,10 @@
 //! What the browser tests need: node with playwright-core, and a Chromium with WebGPU.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 
 use crate::command::{root, run, succeeds, target};
 
@@ -16,7 +17,34 @@ pub fn test(dist: &Path) -> Result<()> {
     let bundle = dist.join("demo.reprise");
     run("walks, natively", helper("native_walk")?.arg(&bundle).arg(&walks))?;
     run("textures, natively", helper("dress")?.arg(&bundle).arg(&dressed).arg("512"))?;
-    run("browser tests", node("run.mjs", dist)?.env("REPRISE_NATIVE", walks).env("REPRISE_DRESSED", dressed))
+    let mut tests = node("run.mjs", dist)?;
+    tests.env("REPRISE_NATIVE", walks).env("REPRISE_DRESSED", dressed).env("REPRISE_FRAMEWORKS", frameworks(dist)?);
+    run("browser tests", &mut tests)
+}
+
+/// `cargo xtask frameworks`: the tests of the page in `dist` within frameworks' components, alone.
+pub fn test_frameworks(dist: &Path) -> Result<()> {
+    if !dist.join("demo.reprise").is_file() {
+        bail!("{} holds no page with the demo; build it with: cargo xtask demo --no-serve", dist.display());
+    }
+    let pages = frameworks(dist)?;
+    run("browser tests", node("run.mjs", dist)?.arg("framework:").env("REPRISE_FRAMEWORKS", pages))
+}
+
+/// Builds the pages of `tests/browser/frameworks`, with the player in `dist` as a package, and returns their folder. What
+/// they are built with is installed in a folder of its own: nothing of it is part of the project.
+fn frameworks(dist: &Path) -> Result<PathBuf> {
+    let (pages, folder) = (root().join("tests/browser/frameworks"), target().join("frameworks"));
+    fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    for name in ["package.json", "package-lock.json", "build.mjs", "linker.mjs"] {
+        fs::copy(pages.join(name), folder.join(name)).with_context(|| format!("cannot copy {name}"))?;
+    }
+    npm_ci("packages of the frameworks", &folder)?;
+    let out = folder.join("out");
+    let mut build = Command::new("node");
+    build.arg("build.mjs").arg(&pages).arg(dist).arg(&out).current_dir(&folder);
+    run("pages of the frameworks", &mut build)?;
+    Ok(out)
 }
 
 /// A program that was built along with the tests: to ask cargo for it alone would build its dependencies anew, with other
@@ -43,10 +71,13 @@ pub fn node_packages() -> Result<PathBuf> {
         bail!("the browser tests need node 20 or newer with npm; get it from nodejs.org or your package manager");
     }
     let folder = root().join("tests/browser");
-    let mut install = Command::new("npm");
-    install.args(["ci", "--no-audit", "--no-fund"]).current_dir(&folder);
-    run("node packages", &mut install)?;
+    npm_ci("node packages", &folder)?;
     Ok(folder)
+}
+
+/// Installs what the lock file in `folder` says.
+fn npm_ci(what: &str, folder: &Path) -> Result<()> {
+    run(what, Command::new("npm").args(["ci", "--no-audit", "--no-fund"]).current_dir(folder))
 }
 
 /// The Chromium to test in: `CHROMIUM`, an installed one, or Debian's package where that can be installed.

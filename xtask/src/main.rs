@@ -1,11 +1,13 @@
 //! Builds, serves and checks Reprise.
 //!
 //! ```text
-//! cargo xtask demo     build the page, pack the built-in performer, serve it and say where
-//! cargo xtask test     everything that continuous integration runs
-//! cargo xtask bench    every measured figure beside its mark
-//! cargo xtask web      build the page alone into dist/
-//! cargo xtask serve    serve dist/ as it is
+//! cargo xtask demo         build the page, pack the built-in performer, serve it and say where
+//! cargo xtask test         everything that continuous integration runs
+//! cargo xtask bench        what is measured, each figure beside its mark
+//! cargo xtask web          build the page alone into dist/
+//! cargo xtask scripts      the page's scripts and styles alone, beside the WebAssembly that is in dist/
+//! cargo xtask frameworks   the tests of the page in dist/ within React, Vue, Svelte and Angular, alone
+//! cargo xtask serve        serve dist/ as it is
 //! ```
 #![allow(clippy::print_stdout, reason = "a task runner speaks to its terminal")]
 
@@ -31,6 +33,8 @@ usage: cargo xtask <command>
   test                           everything that continuous integration runs
   bench                          every measured figure beside its mark
   web                            build the page alone into dist/
+  scripts                        its scripts and styles alone, beside the WebAssembly that is in dist/
+  frameworks                     the tests of the page in dist/ within React, Vue, Svelte and Angular, alone
   serve [--port N]               serve dist/ as it is";
 
 fn main() -> ExitCode {
@@ -41,6 +45,8 @@ fn main() -> ExitCode {
         ["test"] => test::test(),
         ["bench"] => bench::bench(),
         ["web"] => web::build().map(|_| ()),
+        ["scripts"] => web::scripts().and_then(|dist| size::check(&dist)),
+        ["frameworks"] => browser::test_frameworks(&web::dist()),
         ["serve", rest @ ..] => serve::serve_command(rest),
         ["help" | "--help" | "-h"] => {
             println!("{HELP}");

@@ -21,6 +21,8 @@ pub fn test() -> Result<()> {
     let mut docs = cargo();
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;
+    // In the profile that it runs in: in another one all that it is made of would be compiled again.
+    run("tests of the task runner", cargo().args(["test", "-q", "-p", "xtask", "--profile", "xtask"]))?;
     run("tests", &mut tests())?;
     demo::pack(&dist.join("demo.reprise"), &|| browser::helper("builder"))?;
     browser::test(&dist)

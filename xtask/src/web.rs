@@ -7,15 +7,17 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::bundle::bundle;
+use crate::bundle::{Script, bundle};
 use crate::command::{cargo, root, run, succeeds, target};
 use crate::names::shorten;
 use crate::strip::strip;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// The script that a page imports, and the folder of the modules that are joined into it.
+/// The script that a page imports, and the folder of the modules that are joined into it and into those beside it.
 const PLAYER: &str = "reprise-player.js";
 const PARTS: &str = "player";
+/// What a page fetches only when the first tool is needed.
+pub const LATER: &str = "reprise-tools.js";
 
 /// Builds the page and returns the folder that holds it.
 pub fn build() -> Result<PathBuf> {
@@ -28,20 +30,35 @@ pub fn build() -> Result<PathBuf> {
     command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     run("player to WebAssembly", &mut command)?;
 
-    let (www, dist) = (root().join("www"), root().join("dist"));
-    let package = dist.join("pkg");
+    let package = dist().join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
     let wasm = target().join(TARGET).join("wasm/web.wasm");
     bind(&wasm, &package).with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
+    scripts()
+}
+
+/// Copies the page into the folder and joins its scripts; WebAssembly and bindings stay what they are.
+pub fn scripts() -> Result<PathBuf> {
+    let (www, dist) = (root().join("www"), dist());
     copy_folder(&www, &dist)?;
     // Modules of a build before this one.
     let parts = dist.join(PARTS);
     if parts.is_dir() {
         fs::remove_dir_all(&parts).with_context(|| format!("cannot remove {}", parts.display()))?;
     }
-    let player = dist.join(PLAYER);
-    fs::write(&player, bundle(&www, PLAYER)?).with_context(|| format!("cannot write {}", player.display()))?;
+    for Script { name, text } in bundle(&www, PLAYER)? {
+        if name != PLAYER && name != LATER {
+            bail!("{name} is neither {PLAYER} nor {LATER}: www/package.json and the page's weight do not know it");
+        }
+        let path = dist.join(name);
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
     Ok(dist)
+}
+
+/// The folder that the page is built into.
+pub fn dist() -> PathBuf {
+    root().join("dist")
 }
 
 /// Writes the WebAssembly that browsers load and its bindings.

@@ -1,7 +1,7 @@
 //! Components of textures, and flow between two.
 //!
-//! `cargo bench -p reprise-builder --bench appearance`. `RAYON_NUM_THREADS=1` for one thread. What rebuilding a texture
-//! costs is in the bench of the same name in `shared`.
+//! `cargo bench -p reprise-appearance --bench appearance`. `RAYON_NUM_THREADS=1` for one thread. What rebuilding a
+//! texture costs is in the bench of the same name of `reprise-bundle`.
 
 #![allow(clippy::unwrap_used, missing_docs, reason = "nothing to recover in a benchmark")]
 

@@ -1,4 +1,6 @@
-//! Aligning all textures to the reference, and the warps back (thesis 4.4.1, figure 4.3).
+//! Aligning all textures to the reference, and the warps back (thesis section 4.4.1, figure 4.3).
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
@@ -11,7 +13,8 @@ use super::reference;
 use super::store::Store;
 use super::textures::{Texture, TextureSource};
 use super::warp::{Warper, Warping};
-use job::progress::{Progress, Report};
+use job::Job;
+use job::work::{Key, WorkFolder};
 
 /// Colours of aligned textures may overshoot 0 to 1 a little.
 const COLOUR_RANGE: f32 = 2.0;
@@ -46,7 +49,12 @@ pub struct Aligned {
     pub incomplete: Vec<Incomplete>,
     /// What was not seen.
     pub gaps: Gaps,
+    /// Where results are kept, and what this was made from.
+    pub kept: Option<(WorkFolder, Key)>,
 }
+
+/// Changes whenever textures are aligned otherwise.
+const VERSION: u32 = 1;
 
 impl Aligned {
     /// Active texels that are unknown in a frame's texture.
@@ -70,6 +78,39 @@ pub struct Incomplete {
     pub unseen_aligned: Vec<u32>,
 }
 
+impl Incomplete {
+    /// As it is kept, without its frame.
+    fn to_bytes(&self) -> Vec<u8> {
+        let count = [self.unseen.len() as u32];
+        count.iter().chain(&self.unseen).chain(&self.unseen_aligned).flat_map(|number| number.to_le_bytes()).collect()
+    }
+
+    fn from_bytes(frame: usize, bytes: &[u8]) -> Option<Self> {
+        let mut numbers = bytes.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+        let count = numbers.next()? as usize;
+        let unseen: Vec<u32> = numbers.by_ref().take(count).collect();
+        (unseen.len() == count).then(|| Self { frame, unseen, unseen_aligned: numbers.collect() })
+    }
+}
+
+/// The frame that the others are aligned to, as it was found before or is now.
+fn chosen_reference(
+    source: &(impl TextureSource + ?Sized),
+    charts: &Charts,
+    complete: &[usize],
+    kept: Option<&(WorkFolder, Key)>,
+) -> Result<usize, AppearanceError> {
+    let Some((work, key)) = kept else { return reference::choose(source, charts, complete) };
+    let key = key.part("reference", 0);
+    let known = work.get(&key).and_then(|bytes| bytes.try_into().ok()).map(|bytes| u64::from_le_bytes(bytes) as usize);
+    if let Some(known) = known.filter(|known| complete.contains(known)) {
+        return Ok(known);
+    }
+    let reference = reference::choose(source, charts, complete)?;
+    work.put(&key, &(reference as u64).to_le_bytes()).map_err(|source| AppearanceError::Work { source })?;
+    Ok(reference)
+}
+
 /// Aligns the textures of `source`, a frame at a time on each thread.
 ///
 /// # Errors
@@ -78,31 +119,61 @@ pub fn align(
     source: &(impl TextureSource + ?Sized),
     charts: &Charts,
     options: &AlignOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<Aligned, AppearanceError> {
     let frames = source.frame_count();
-    report(Progress { what: "reading textures", done: 0, total: 0 });
+    job.begin("reading textures")?;
     let gaps = Gaps::find(source, charts)?;
     let complete = gaps.complete();
     if complete.is_empty() {
         return Err(AppearanceError::NoCompleteFrames { frames });
     }
-    report(Progress { what: "reference texture", done: 0, total: 0 });
-    let reference = reference::choose(source, charts, &complete)?;
+    job.begin("reference texture")?;
+    let kept = match job.work() {
+        Some(work) => {
+            let labels = charts.labels.iter().flat_map(|label| label.to_le_bytes()).collect::<Vec<u8>>();
+            let key = Key::new("appearance", VERSION).told(options).told(&(charts.width, charts.height)).of(&labels);
+            Some((work.clone(), source.named(key)?))
+        }
+        None => None,
+    };
+    let reference = chosen_reference(source, charts, &complete, kept.as_ref())?;
     let grid = FlowGrid::new(charts, options.flow);
     let warper = Warper::new(charts);
-    let textures = Store::new(frames, 3 * warper.texel_count(), COLOUR_RANGE)?;
-    let warps = Store::new(frames, 2 * warper.texel_count(), WARP_RANGE)?;
+    let part = |name, number| kept.as_ref().map(|(work, key)| (work, key.part(name, number)));
+    let opened = |name, columns, range| {
+        let place = part(name, 0);
+        Store::kept(place.as_ref().map(|(work, key)| (*work, key)), frames, columns, range)
+    };
+    let textures = opened("aligned textures", 3 * warper.texel_count(), COLOUR_RANGE)?;
+    let warps = opened("backward warps", 2 * warper.texel_count(), WARP_RANGE)?;
     let template = grid.prepare(&prepare(&source.read(reference)?, &charts.labels), None);
-    let done = std::sync::atomic::AtomicU64::new(0);
+    let done = AtomicU64::new(0);
     let one = |frame: usize| -> Result<Option<Incomplete>, AppearanceError> {
+        let done = || job.tell("aligning textures", 1 + done.fetch_add(1, Ordering::Relaxed), frames as u64);
+        let of_frame = part("incomplete", frame as u64);
+        if textures.has(frame) && warps.has(frame) {
+            let known = match (gaps.of(frame), &of_frame) {
+                (None, _) => Some(None),
+                (Some(_), Some((work, key))) => {
+                    work.get(key).and_then(|bytes| Incomplete::from_bytes(frame, &bytes)).map(Some)
+                }
+                (Some(_), None) => None,
+            };
+            if let Some(known) = known {
+                done()?;
+                return Ok(known);
+            }
+        }
         let mut texture = source.read(frame)?;
         texture.hidden = gaps.of(frame).cloned();
         let moved = Moved::new(&texture, charts, &grid, &warper, &template, options.warping);
         textures.write(frame, &moved.aligned)?;
         warps.write(frame, &moved.backward)?;
-        let done = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        report(Progress { what: "aligning textures", done, total: frames as u64 });
+        if let (Some(incomplete), Some((work, key))) = (&moved.incomplete, &of_frame) {
+            work.put(key, &incomplete.to_bytes()).map_err(|source| AppearanceError::Work { source })?;
+        }
+        done()?;
         Ok(moved.incomplete.map(|incomplete| Incomplete { frame, ..incomplete }))
     };
     let results: Vec<_> = (0..frames).into_par_iter().map(one).collect();
@@ -110,7 +181,7 @@ pub fn align(
     for result in results {
         incomplete.extend(result?);
     }
-    Ok(Aligned { charts: charts.clone(), warper, reference, textures, warps, complete, incomplete, gaps })
+    Ok(Aligned { charts: charts.clone(), warper, reference, textures, warps, complete, incomplete, gaps, kept })
 }
 
 /// One texture, aligned.

@@ -1,7 +1,8 @@
 //! Which texels of the texture the surface uses, and to which chart of the atlas each belongs.
 //!
 //! A texel is active where bilinear filtering anywhere in a triangle can touch it: the triangles' own texels and a border
-//! of one. Nothing in this folder looks across the border of a chart: the texel beside it shows another part of the body.
+//! of one. Nothing in this crate looks across the border of a chart: the texel beside it shows another part of the
+//! body.
 
 use actor::surface::Surface;
 use glam::Vec2;

@@ -1,4 +1,5 @@
-//! Coefficients of frames that were not seen in full (thesis 4.6.2): the modes that explain what was seen.
+//! Coefficients of frames that were not seen in full (thesis section 4.6.2): the modes that explain what was
+//! seen.
 
 use super::AppearanceError;
 use super::pca::Components;

@@ -9,6 +9,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AppearanceError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] job::Stopped),
     /// There is no frame.
     #[error("there is no texture to build an appearance from")]
     NoFrames,
@@ -56,6 +59,12 @@ pub enum AppearanceError {
     /// The models cannot be stored.
     #[error("the appearance cannot be stored: {0}")]
     Stored(#[from] bundle::EncodeError),
+    /// The work folder failed.
+    #[error("cannot use the work folder: {source}")]
+    Work {
+        /// What the operating system says.
+        source: io::Error,
+    },
     /// The scratch file failed.
     #[error("cannot use a scratch file in {folder}: {source}. Make room, or set TMPDIR to another folder")]
     Scratch {

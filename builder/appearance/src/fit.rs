@@ -15,16 +15,19 @@
 //! registration*, 1991), added to what the model has, and principal components of that are the next model. The warps are
 //! those that a bundle stores, smaller and in steps, so that what this does to them is made good as well.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::AppearanceError;
 use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
-use super::build::combine;
 use super::completion;
 use super::pca::{Components, components};
+use super::rebuilt::combine;
 use super::store::Store;
 use super::textures::TextureSource;
 use super::warp::Warping;
+use job::Job;
 
 /// Times that what is missing is added. More come closer before storing (SSIM 0.9944 after four, 0.9933 after two, 0.9907 after
 /// one, at 1024 x 1024), but what they add is fine detail that costs more bytes than it is worth (docs/appearance.md).
@@ -32,7 +35,20 @@ pub const STEPS: usize = 2;
 /// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
 const STEP: f32 = 1.4;
 
-/// Eigen textures of the frames `training`, `count` of them at most, which each frame's `warp` turns into the textures of
+/// What is fitted.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitting<'a> {
+    /// The frames that are learnt from.
+    pub training: &'a [usize],
+    /// Eigen textures at most.
+    pub textures: usize,
+    /// Eigen warps of the way back.
+    pub warps: usize,
+    /// Times that what is missing is added, [`STEPS`] where nothing else is tried.
+    pub steps: usize,
+}
+
+/// Eigen textures which each frame's `warp` turns into the textures of
 /// `source`; all frames get coefficients, incomplete ones from what was seen.
 ///
 /// # Errors
@@ -41,24 +57,42 @@ pub fn fit(
     source: &(impl TextureSource + ?Sized),
     aligned: &Aligned,
     warp: &(impl Fn(usize) -> Vec<f32> + Sync),
-    training: &[usize],
-    count: usize,
-    steps: usize,
+    fitting: &Fitting,
+    job: &Job,
 ) -> Result<Components, AppearanceError> {
+    let Fitting { training, textures: count, warps, steps } = *fitting;
     let mut textures = learn(aligned, &aligned.textures, training, count)?;
     if steps == 0 {
         return Ok(textures);
     }
-    let rows = Store::new(aligned.textures.rows(), aligned.textures.columns(), aligned.textures.range())?;
+    let part = |step: usize| {
+        let (work, key) = aligned.kept.as_ref()?;
+        Some((work, key.part("fit", step as u64).told(&(training, count, warps))))
+    };
+    let opened = |step| {
+        let (place, aligned) = (part(step), &aligned.textures);
+        Store::kept(place.as_ref().map(|(work, key)| (*work, key)), aligned.rows(), aligned.columns(), aligned.range())
+    };
     let ways = Store::new(aligned.warps.rows(), aligned.warps.columns(), WARP_RANGE)?;
+    let done = AtomicU64::new(0);
+    let total = (steps * aligned.textures.rows()) as u64;
     for step in 0..steps {
+        let rows = opened(step)?;
         let improve = |frame: usize| -> Result<(), AppearanceError> {
+            job.tell("eigen textures", 1 + done.fetch_add(1, Ordering::Relaxed), total)?;
+            if rows.has(frame) {
+                return Ok(());
+            }
             let warp = warp(frame);
             let way = if step == 0 {
                 let way = aligned.warper.inverse(&warp);
                 ways.write(frame, &way)?;
                 way
             } else {
+                // The step before was done before this program was started.
+                if !ways.has(frame) {
+                    ways.write(frame, &aligned.warper.inverse(&warp))?;
+                }
                 ways.row(frame)?
             };
             let mut model = combine(&textures, frame, textures.modes.len());

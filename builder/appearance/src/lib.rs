@@ -9,6 +9,7 @@
 //! number of threads nor on the processor.
 
 pub mod align;
+pub mod basis;
 pub mod build;
 pub mod charts;
 mod coarsest;
@@ -17,11 +18,13 @@ mod error;
 pub mod fit;
 pub mod flow;
 pub mod gaps;
+pub mod learn;
 mod level;
 pub mod naive;
 pub mod pca;
 pub mod prepare;
 mod reach;
+pub mod rebuilt;
 pub mod reference;
 mod sampling;
 mod screened;
@@ -31,6 +34,7 @@ pub mod symmetric;
 pub mod textures;
 pub mod warp;
 
-pub use self::build::{AppearanceOptions, AppearanceSummary, build};
+pub use self::build::{AppearanceOptions, build};
 pub use self::charts::Charts;
 pub use self::error::AppearanceError;
+pub use self::learn::AppearanceSummary;

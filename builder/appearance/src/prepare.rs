@@ -1,9 +1,9 @@
 //! What flows are found on: brightness, equalised and smoothed between edges.
 //!
-//! Thesis 4.4.1 equalises the histogram of each texture and filters it bilaterally (diameter 80, colours 15 of 255, space
-//! 80, for textures of 4096 texels), so that light that changes matters less than edges that move. We do so with
-//! brightness alone, and filter by the bilateral grid of Chen, Paris, Durand, *Real-time edge-aware image processing with
-//! the bilateral grid*, 2007, at a width that follows the texture's size.
+//! Thesis section 4.4.1 equalises the histogram of each texture and filters it bilaterally (diameter 80, colours 15 of
+//! 255, space 80, for textures of 4096 texels), so that light that changes matters less than edges that move. We do so
+//! with brightness alone, and filter by the bilateral grid of Chen, Paris, Durand, *Real-time edge-aware image
+//! processing with the bilateral grid*, 2007, at a width that follows the texture's size.
 
 use super::textures::Texture;
 

@@ -9,11 +9,11 @@ use bundle::AppearanceQuality;
 use texture::AppearanceModel;
 
 use super::AppearanceError;
-use super::build::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
 use super::coarsest::coarsest;
+use super::learn::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
 use super::stored::{StoredQuality, WARP_STEP, stored_quality};
 use super::textures::TextureSource;
-use job::progress::{Progress, Report};
+use job::Job;
 
 /// Components in all that are tried where fewer do not reach what is wanted.
 const MORE: [usize; 3] = [75, 110, MOST_COMPONENTS];
@@ -34,12 +34,12 @@ pub(super) fn reach<S: TextureSource + ?Sized>(
     learner: &Learner<S>,
     wanted: f64,
     (components, any): (usize, bool),
-    report: Report,
+    job: &Job,
 ) -> Result<Attempt, AppearanceError> {
     let [usual, fewer @ ..] = splits(components, learner);
-    report(Progress { what: "splits of components", done: 0, total: 1 + fewer.len() as u64 });
+    job.tell("splits of components", 0, 1 + fewer.len() as u64)?;
     let best = attempt(learner, wanted, usual, None)?;
-    let mut search = Search { learner, wanted, report, tried: vec![usual], best };
+    let mut search = Search { learner, wanted, job, tried: vec![usual], best };
     search.descend(&fewer, Some(search.best.1.stored))?;
     for more in MORE.into_iter().filter(|&more| any && more > components) {
         if search.best.1.stored.ssim >= wanted {
@@ -85,7 +85,7 @@ fn attempt<S: TextureSource + ?Sized>(
 struct Search<'a, S: ?Sized> {
     learner: &'a Learner<'a, S>,
     wanted: f64,
-    report: Report<'a>,
+    job: &'a Job<'a>,
     tried: Vec<Split>,
     best: Attempt,
 }
@@ -95,7 +95,7 @@ impl<S: TextureSource + ?Sized> Search<'_, S> {
     fn descend(&mut self, splits: &[Split], mut before: Option<StoredQuality>) -> Result<(), AppearanceError> {
         for (&split, left) in splits.iter().zip((1..=splits.len() as u64).rev()) {
             let done = self.tried.len() as u64;
-            (self.report)(Progress { what: "splits of components", done, total: done + left });
+            self.job.tell("splits of components", done, done + left)?;
             if self.tried.contains(&split) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The reference texture, by iterative medoid shift (thesis 4.4.1, algorithm 4).
+//! The reference texture, by iterative medoid shift (thesis section 4.4.1, algorithm 4).
 //!
 //! The algorithm runs at a lower resolution and over evenly spread frames: it only has to choose one of them. The medoid
 //! is the frame whose aligned texture has the least sum of squared distances to all others, which is the one nearest

@@ -1,41 +1,60 @@
-//! Many long rows of numbers in a scratch file, read back a stripe of columns at a time.
+//! Many long rows of numbers on disk, read back a stripe of columns at a time.
 //!
 //! A row is what one frame gives (a texture, a warp), a stripe the same columns of all rows. Whatever an analysis over
 //! frames needs, it gets from one stripe at a time: memory stays flat however many frames there are. Numbers are kept in
 //! 16 bits of a fixed range.
 
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::sync::Mutex;
+use std::io;
+
+use job::rows::Rows;
+use job::work::{Key, WorkFolder};
 
 use super::AppearanceError;
 
 /// Columns of a stripe.
 pub const STRIPE: usize = 8192;
 
-/// Rows of numbers in a scratch file, which vanishes with this.
+/// Rows of numbers in a scratch file, or in a work folder.
 #[derive(Debug)]
 pub struct Store {
-    file: Mutex<File>,
-    rows: usize,
+    file: Rows,
     columns: usize,
     range: f32,
 }
 
 impl Store {
-    /// Room for `rows` of `columns` numbers, each from `-range` to `range`.
+    /// Room for `rows` of `columns` numbers, each from `-range` to `range`, in a scratch file that vanishes with this.
     ///
     /// # Errors
     /// Where no scratch file can be made.
     pub fn new(rows: usize, columns: usize, range: f32) -> Result<Self, AppearanceError> {
-        let file = tempfile::tempfile().map_err(scratch)?;
-        Ok(Self { file: Mutex::new(file), rows, columns, range })
+        Self::kept(None, rows, columns, range)
+    }
+
+    /// The same with the rows that `work` holds for a key, and kept there; a scratch file where there is no work folder.
+    ///
+    /// # Errors
+    /// Where the file cannot be made or read.
+    pub fn kept(
+        work: Option<(&WorkFolder, &Key)>,
+        rows: usize,
+        columns: usize,
+        range: f32,
+    ) -> Result<Self, AppearanceError> {
+        let file = Rows::open(work, rows, 2 * columns, 2 * STRIPE).map_err(scratch)?;
+        Ok(Self { file, columns, range })
+    }
+
+    /// Whether a row was written.
+    #[must_use]
+    pub fn has(&self, row: usize) -> bool {
+        self.file.has(row)
     }
 
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.rows
+        self.file.rows()
     }
 
     /// Number of columns.
@@ -63,12 +82,7 @@ impl Store {
     pub fn write(&self, row: usize, values: &[f32]) -> Result<(), AppearanceError> {
         let scale = f32::from(i16::MAX) / self.range;
         let numbers: Vec<i16> = values.iter().map(|value| (value * scale).round() as i16).collect();
-        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        for (stripe, numbers) in numbers.chunks(STRIPE).enumerate() {
-            file.seek(SeekFrom::Start(self.offset(stripe, row))).map_err(scratch)?;
-            file.write_all(bytemuck::cast_slice(numbers)).map_err(scratch)?;
-        }
-        Ok(())
+        self.file.write(row, bytemuck::cast_slice(&numbers)).map_err(scratch)
     }
 
     /// The columns of a stripe, row after row.
@@ -76,12 +90,8 @@ impl Store {
     /// # Errors
     /// Where the file cannot be read.
     pub fn stripe(&self, stripe: usize) -> Result<Vec<f32>, AppearanceError> {
-        let mut numbers = vec![0_i16; self.rows * self.width(stripe)];
-        {
-            let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            file.seek(SeekFrom::Start(self.offset(stripe, 0))).map_err(scratch)?;
-            file.read_exact(bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
-        }
+        let mut numbers = vec![0_i16; self.rows() * self.width(stripe)];
+        self.file.read_stripe(stripe, bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
         let scale = self.range / f32::from(i16::MAX);
         Ok(numbers.into_iter().map(|number| f32::from(number) * scale).collect())
     }
@@ -92,11 +102,7 @@ impl Store {
     /// Where the file cannot be read.
     pub fn row(&self, row: usize) -> Result<Vec<f32>, AppearanceError> {
         let mut numbers = vec![0_i16; self.columns];
-        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        for (stripe, numbers) in numbers.chunks_mut(STRIPE).enumerate() {
-            file.seek(SeekFrom::Start(self.offset(stripe, row))).map_err(scratch)?;
-            file.read_exact(bytemuck::cast_slice_mut(numbers)).map_err(scratch)?;
-        }
+        self.file.read(row, bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
         let scale = self.range / f32::from(i16::MAX);
         Ok(numbers.into_iter().map(|number| f32::from(number) * scale).collect())
     }
@@ -105,10 +111,6 @@ impl Store {
     #[must_use]
     pub fn width(&self, stripe: usize) -> usize {
         STRIPE.min(self.columns - stripe * STRIPE)
-    }
-
-    fn offset(&self, stripe: usize, row: usize) -> u64 {
-        2 * (stripe * STRIPE * self.rows + row * self.width(stripe)) as u64
     }
 }
 

@@ -3,15 +3,15 @@
 
 use bundle::{AppearanceInput, AppearanceQuality, StoredAppearance, store_appearance};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use texture::AppearanceModel;
 use texture::quality::{Similarity, psnr};
 
 use super::AppearanceError;
 use super::align::colours;
-use super::build::compared;
 use super::charts::Charts;
 use super::pca::Components;
+use super::rebuilt::compared;
 use super::textures::TextureSource;
 
 /// Multigrid cycles of the player.
@@ -50,7 +50,7 @@ pub fn warps(warps: &Components, charts: &Charts, frame_count: usize) -> Result<
 }
 
 /// How alike textures are that were rebuilt from what is stored, over a sample of complete frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StoredQuality {
     /// Mean structural similarity in texture space.
     pub ssim: f64,

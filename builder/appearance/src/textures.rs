@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use image::{DynamicImage, ImageReader};
+use job::work::Key;
 
 use super::AppearanceError;
 
@@ -45,6 +46,12 @@ pub trait TextureSource: Sync {
     /// # Errors
     /// A file that cannot be read as a texture of this size.
     fn read(&self, frame: usize) -> Result<Texture, AppearanceError>;
+
+    /// `key`, made from all textures too: what is kept of them is theirs alone.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    fn named(&self, key: Key) -> Result<Key, AppearanceError>;
 }
 
 impl TextureSource for [Texture] {
@@ -58,6 +65,13 @@ impl TextureSource for [Texture] {
 
     fn read(&self, frame: usize) -> Result<Texture, AppearanceError> {
         self.get(frame).cloned().ok_or(AppearanceError::NoFrames)
+    }
+
+    fn named(&self, key: Key) -> Result<Key, AppearanceError> {
+        let one = |key: Key, texture: &Texture| {
+            key.told(&(texture.width, texture.height, &texture.hidden)).of(bytemuck::cast_slice(&texture.colours))
+        };
+        Ok(self.iter().fold(key, one))
     }
 }
 
@@ -133,5 +147,19 @@ impl TextureSource for TextureFiles {
             hidden.iter_mut().zip(mask.pixels()).for_each(|(hidden, mask)| *hidden |= mask.0[0] >= HIDDEN);
         }
         Ok(Texture { width: self.width, height: self.height, colours, hidden })
+    }
+
+    fn named(&self, mut key: Key) -> Result<Key, AppearanceError> {
+        let masks = self.masks.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+        for (frame, (path, mask)) in self.paths.iter().zip(masks).enumerate() {
+            for path in [Some(path), mask] {
+                let bytes = path.map_or(Ok(Vec::new()), std::fs::read).map_err(|error| {
+                    let path = path.cloned().unwrap_or_default();
+                    AppearanceError::Image { path, frame, reason: error.to_string() }
+                })?;
+                key = key.of(&bytes);
+            }
+        }
+        Ok(key)
     }
 }

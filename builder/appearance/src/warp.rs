@@ -1,9 +1,9 @@
 //! Moving a texture by a warp within its charts: directly, or by Poisson reconstruction.
 //!
-//! Thesis 4.4.1: the warped texture A minimises `sum |laplacian A - div g|^2 + weight^2 |A - c|^2`, c the colours and g
-//! the gradients of the texture, both moved by the warp. The thesis writes the weight once as lambda (equation 4.1) and
-//! once as lambda^2 (4.3, the system that is solved); we take the latter. L is the Laplacian of the graph that links active
-//! texels of one chart: the border of a chart is natural and nothing flows across it.
+//! Thesis section 4.4.1: the warped texture A minimises `sum |laplacian A - div g|^2 + weight^2 |A - c|^2`, c the
+//! colours and g the gradients of the texture, both moved by the warp. The weight is once lambda (thesis equation 4.1)
+//! and once lambda^2 (thesis equation 4.3, the system that is solved); we take the latter. L is the Laplacian of the
+//! graph that links active texels of one chart: the border of a chart is natural and nothing flows across it.
 //!
 //! With A = c + e and r = div g - L c the normal equations are `(L^2 + weight^2) e = L r`, and L / (L^2 + weight^2) is the
 //! real part of 1 / (L - i weight): one complex system of the Laplacian's own stencil, whose condition is the root of
@@ -18,7 +18,7 @@ use super::sampling::{Places, Plane, sample};
 use super::screened::{self, Stretches};
 use kernels::simd::Level as Instructions;
 
-/// Weight of colours against gradients (thesis 4.4.1).
+/// Weight of colours against gradients, lambda of thesis equations 4.1 to 4.3.
 pub const COLOUR_WEIGHT: f32 = 0.02;
 /// Steps of the fixed-point iteration for the inverse of a warp.
 const INVERSE_STEPS: usize = 8;

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use appearance::align::{AlignOptions, align};
-use appearance::build::Basis;
+use appearance::basis::Basis;
 use appearance::completion::complete;
+use appearance::fit::Fitting;
 use appearance::naive::naive;
 use appearance::pca::components;
 use appearance::store::Store;
@@ -18,7 +19,7 @@ use appearance::textures::{Texture, TextureFiles, TextureSource};
 use appearance::{AppearanceError, AppearanceOptions, AppearanceSummary, Charts, build};
 use bundle::AppearanceQuality;
 use common::{FRAMES, aligned, capture, charts, texture};
-use job::progress::silent;
+use job::Job;
 use texture::AppearanceModel;
 
 #[test]
@@ -26,7 +27,8 @@ fn fitted_textures_show_the_recorded_ones_better() {
     let textures = capture();
     let aligned = aligned(&textures);
     let of = |steps: usize| {
-        let basis = Basis::fitted(&textures[..], &aligned, &aligned.complete, (6, 3), steps).unwrap();
+        let fitting = Fitting { training: &aligned.complete, textures: 6, warps: 3, steps };
+        let basis = Basis::fitted(&textures[..], &aligned, &fitting, &Job::silent()).unwrap();
         basis.quality(&textures[..], &aligned, &aligned.complete, 6, 3).unwrap()
     };
     let ((before, error_before), (after, error_after)) = (of(0), of(5));
@@ -41,7 +43,7 @@ fn gaps_are_completed_from_other_frames() {
     let aligned = aligned(&textures);
     assert_eq!(aligned.complete.len(), FRAMES - 2);
     assert!(aligned.unseen(9).len() >= 25 * 20);
-    let basis = Basis::new(&textures[..], &aligned, &aligned.complete, 6, 3).unwrap();
+    let basis = Basis::new(&textures[..], &aligned, &aligned.complete, (6, 3), &Job::silent()).unwrap();
     let (ssim, error) = basis.quality(&whole[..], &aligned, &[3, 9], 6, 3).unwrap();
     println!("what was not seen: similarity {ssim}, error {error}");
     assert!(ssim > 0.8, "{ssim}");
@@ -101,7 +103,7 @@ fn threads_do_not_change_a_bit() {
     let options = AppearanceOptions { components: 9, ..AppearanceOptions::default() };
     let made = [1, 2, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(&textures[..], &charts(), &options, &silent).unwrap())
+        pool.install(|| build(&textures[..], &charts(), &options, &Job::silent()).unwrap())
     });
     assert!(made[0] == made[1] && made[0] == made[2]);
     assert_eq!(made[0].1.completed_frames, [3, 9]);
@@ -117,7 +119,7 @@ fn reaching(ssim: f64, components: Option<usize>) -> (AppearanceModel, Appearanc
         any_components: components.is_none(),
         ..AppearanceOptions::default()
     };
-    build(&capture()[..], &charts(), &options, &silent).unwrap()
+    build(&capture()[..], &charts(), &options, &Job::silent()).unwrap()
 }
 
 #[test]
@@ -141,7 +143,7 @@ fn a_similarity_after_storing_is_reached_in_few_bytes() {
 
     // The plain way: two thirds textures, in finer and finer steps.
     let options = AppearanceOptions { components: 9, ..AppearanceOptions::default() };
-    let (model, usual) = build(&textures[..], &charts(), &options, &silent).unwrap();
+    let (model, usual) = build(&textures[..], &charts(), &options, &Job::silent()).unwrap();
     assert_eq!((usual.textures, usual.warps), (6, 3));
     let plain = (0..400).map(|k| 0.25 * 0.98_f32.powi(k)).find_map(|texture_step| {
         let quality = AppearanceQuality { texture_step, ..found[1].quality };
@@ -174,7 +176,7 @@ fn threads_do_not_change_what_reaches_a_similarity() {
 fn storing_is_measured_and_keeps_to_its_bytes() {
     let textures = capture();
     let options = AppearanceOptions { components: 9, ..AppearanceOptions::default() };
-    let (model, summary) = build(&textures[..], &charts(), &options, &silent).unwrap();
+    let (model, summary) = build(&textures[..], &charts(), &options, &Job::silent()).unwrap();
     println!("before {} {}, stored {:?}", summary.ssim, summary.mean_square_error, summary.stored);
     assert!(summary.stored.ssim <= summary.ssim + 0.01 && summary.stored.least_ssim <= summary.stored.ssim);
     assert!(summary.stored.bytes_per_frame <= 8192.0 && summary.ssim - summary.stored.ssim < 0.05);
@@ -272,7 +274,7 @@ fn a_capture_without_a_complete_frame_is_refused() {
     let mut textures = capture();
     let hidden = textures[3].hidden.clone();
     textures.iter_mut().for_each(|texture| texture.hidden = hidden.clone());
-    let error = align(&textures[..], &charts(), &AlignOptions::default(), &silent).unwrap_err();
+    let error = align(&textures[..], &charts(), &AlignOptions::default(), &Job::silent()).unwrap_err();
     assert!(matches!(error, AppearanceError::NoCompleteFrames { frames: FRAMES }), "{error}");
 }
 

@@ -1,4 +1,5 @@
-//! Writes prepared texture pairs with their true flow and ours, for `benches/opencv_dis.py` to compare with OpenCV.
+//! Writes prepared texture pairs with their true flow and ours, for `builder/appearance/benches/opencv_dis.py` to
+//! compare with OpenCV.
 //!
 //! A measuring tool: it stops at the first thing that is amiss.
 

@@ -96,6 +96,7 @@ impl Kernel for Difference<'_> {
 #[cfg(test)]
 mod tests {
     use actor::timeline::Sequence;
+    use job::Job;
 
     use super::*;
     use pipeline::distance::{DistanceOptions, measure};
@@ -122,7 +123,7 @@ mod tests {
         };
         let timeline = Timeline::new(10.0, vec![sequence(0), sequence(6)]).unwrap();
         let topology = kernels::topology::Topology::new(3, vec![[0, 1, 2]], vec![1.0; 3]).unwrap();
-        let measured = measure(&topology, &poses, &DistanceOptions::default(), &|_| ()).unwrap();
+        let measured = measure(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
         let matrix = differences(&poses, &timeline, &measured);
         for (i, j) in (0..6).flat_map(|i| (6..12).map(move |j| (i, j))) {
             assert!((matrix.get(i, j) - 3.0).abs() < 1e-3, "{i} {j} {}", matrix.get(i, j));

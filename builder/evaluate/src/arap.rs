@@ -7,7 +7,7 @@
 use std::collections::HashMap;
 
 use glam::{Mat3, Quat, Vec3, Vec4};
-use kernels::cholesky::{CholeskyError, Factor, SymbolicCholesky, Workspace};
+use kernels::cholesky::{CholeskyError, Factor, Symbolic, Workspace};
 use kernels::gradients::TriangleBatches;
 use kernels::laplacian::{Laplacian, LaplacianPattern};
 use kernels::topology::Topology;
@@ -22,7 +22,7 @@ pub struct Arap<'a> {
     topology: &'a Topology,
     triangles: TriangleBatches,
     pattern: LaplacianPattern,
-    symbolic: SymbolicCholesky,
+    symbolic: Symbolic,
 }
 
 /// An in-between and how many iterations it took.
@@ -45,7 +45,7 @@ impl<'a> Arap<'a> {
     pub fn new(topology: &'a Topology, order: &[u32]) -> Result<Self, CholeskyError> {
         let triangles = TriangleBatches::new(topology.triangles());
         let pattern = LaplacianPattern::new(topology, &triangles, order)?;
-        let symbolic = SymbolicCholesky::new(&pattern)?;
+        let symbolic = pattern.symbolic()?;
         Ok(Self { topology, triangles, pattern, symbolic })
     }
 
@@ -56,7 +56,7 @@ impl<'a> Arap<'a> {
     pub fn in_between(&self, source: &[Vec3], destination: &[Vec3], lambda: f32) -> Result<InBetween, CholeskyError> {
         let mut laplacian = Laplacian::default();
         self.pattern.assemble(&self.triangles, source, &mut laplacian);
-        let factor = self.symbolic.factorise(&laplacian, &mut Workspace::default())?;
+        let factor = self.symbolic.factorise_regularised(&laplacian, &mut Workspace::default())?;
         let neighbours = neighbours(self.topology, source);
         let blend: Vec<Vec3> = source.iter().zip(destination).map(|(a, b)| a.lerp(*b, lambda)).collect();
         let mut pose = blend.clone();
@@ -100,7 +100,7 @@ impl<'a> Arap<'a> {
         let order = self.pattern.order();
         let free = self.pattern.free_count();
         let mut x: Vec<Vec4> = order[..free].iter().map(|&vertex| right[vertex as usize].extend(0.0)).collect();
-        self.symbolic.solve(factor, &mut x, &mut Vec::new());
+        self.symbolic.solve_in_order(factor, &mut x, &mut Vec::new());
         let mut pose = vec![Vec3::ZERO; blend.len()];
         for (&vertex, value) in order.iter().zip(&x) {
             pose[vertex as usize] = value.truncate();

@@ -7,7 +7,7 @@ use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::plot::{Kind, Plot, Series};
 use super::statistics::{Moments, fit_line, percentile};
 use super::subject::Subject;
-use job::progress::{Progress, Report};
+use job::Job;
 use kernels::random::mix;
 use kernels::simd::Level;
 use pipeline::essential::hidden_paths::hidden_paths;
@@ -48,14 +48,14 @@ struct Certificate {
 }
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
-    let transitions = subject.transitions(LengthChoice::Total, report)?;
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
+    let transitions = subject.transitions(LengthChoice::Total, job)?;
     let mut rows = Vec::new();
     for (done, alpha) in ALPHAS.into_iter().enumerate() {
-        report(Progress { what: "graphs", done: done as u64, total: ALPHAS.len() as u64 });
+        job.tell("graphs", done as u64, ALPHAS.len() as u64)?;
         rows.push(compare(subject, transitions, alpha)?);
     }
-    let by_mean = subject.transitions(LengthChoice::Mean, report)?;
+    let by_mean = subject.transitions(LengthChoice::Mean, job)?;
     let mean_row = compare(subject, by_mean, subject.options.alpha)?;
     let total_row = compare(subject, transitions, subject.options.alpha)?;
     let dear = ALPHAS[ALPHAS.len() - 1];
@@ -70,7 +70,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let lengths = [("sum", &total_row, rows.last()), ("mean", &mean_row, Some(&mean_dear))];
     section.tables = vec![costs_table(&rows), certificate_table(&rows), lengths_table(lengths)];
     section.tables.push(definitions(subject, transitions, dear)?);
-    section.tables.push(algorithms(subject, transitions, report)?);
+    section.tables.push(algorithms(subject, transitions, job)?);
     section.agreements = agreements(&rows);
     section.plots = plots(&rows);
     Ok(section)
@@ -269,7 +269,7 @@ fn is_least(costs: &Costs, (i, j): (u32, u32), steps: &Steps) -> bool {
 }
 
 /// Blocked Floyd and Warshall against hidden paths: the same edges, and how long each takes.
-fn algorithms(subject: &Subject, transitions: &TransitionMatrix, report: Report) -> Result<Table, EvaluateError> {
+fn algorithms(subject: &Subject, transitions: &TransitionMatrix, job: &Job) -> Result<Table, EvaluateError> {
     let timeline = subject.timeline();
     let mut table = Table::new(
         "algorithms",
@@ -279,7 +279,7 @@ fn algorithms(subject: &Subject, transitions: &TransitionMatrix, report: Report)
     );
     table.timed = true;
     for (done, alpha) in COMPARED_ALPHAS.into_iter().enumerate() {
-        report(Progress { what: "hidden paths", done: done as u64, total: 2 });
+        job.tell("hidden paths", done as u64, 2)?;
         let (mut ours, mut hidden, mut same, mut kept) = (Vec::new(), Vec::new(), true, 0);
         for _ in 0..RUNS {
             let start = Instant::now();

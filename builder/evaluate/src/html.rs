@@ -6,12 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::document::{Agreement, Cell, Document, SectionReport, Table, Verdict};
-
-/// Text that is safe within elements and quoted attributes.
-#[must_use]
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
+use super::escape::escape;
 
 /// The page of a report; where `files`, it links to the tables' CSV files beside it.
 #[must_use]

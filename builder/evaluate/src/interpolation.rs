@@ -15,7 +15,7 @@ use super::plot::{Kind, Plot, Series};
 use super::stage::{Recordings, Stage};
 use super::statistics::Moments;
 use super::subject::{Subject, told};
-use job::progress::Report;
+use job::Job;
 use kernels::random::mix;
 
 /// Pairs of frames, drawn at random.
@@ -36,7 +36,7 @@ pub(super) struct Error {
 }
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let topology = &subject.capture.topology;
     let order = elimination_order(topology);
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
@@ -44,7 +44,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let draw = |index: u64| ((mix(seed, 2 * index) % n) as u32, (mix(seed, 2 * index + 1) % n) as u32);
     let pairs: Vec<(u32, u32)> = (0..PAIRS as u64).map(draw).filter(|(i, j)| i != j).collect();
     let arap = Arap::new(topology, &order)?;
-    let (told, done) = (told(report, "in-betweens"), std::sync::atomic::AtomicUsize::new(0));
+    let (told, done) = (told(job, "in-betweens"), std::sync::atomic::AtomicUsize::new(0));
     let edges = edges(topology);
     let found: Vec<(f64, [Error; 3], usize)> = pairs
         .par_iter()
@@ -56,7 +56,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
             let rigid = arap.in_between(&source, &destination, LAMBDA)?;
             let measure = |pose: &[Vec3]| error(topology, &edges, &source, &destination, pose);
             let errors = [measure(&linear), measure(&poisson), measure(&rigid.pose)];
-            told((1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) as f64 / PAIRS as f64);
+            told((1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) as f64 / PAIRS as f64)?;
             let distance = f64::from(subject.measured.distances.get(i as usize, j as usize));
             Ok((distance, errors, rigid.iterations))
         })

@@ -1,8 +1,9 @@
 //! `builder evaluate`: the papers' evaluations again, on any capture.
 //!
-//! Boukhayma and Boyer, TVCG, figures 7, 9, 11, 12 and table 1; thesis sections 2.3.2, 2.5.5 and 3.3.4. Each section is
-//! a file of its own that takes the [`Subject`] and returns a [`SectionReport`]; the page, CSV and JSON are made from
-//! those. Everything but the times is a function of the capture, the options and the seed.
+//! Boukhayma and Boyer, TVCG, figures 7, 9, 11, 12, 22 and table 1; thesis sections 2.3.2, 2.5.5, 3.3.4, 3.5.2 and 4.5;
+//! Prada and others (2016), section 7.1. Each section is a file or folder of its own that takes the [`Subject`] and
+//! returns a [`SectionReport`]; the page, CSV and JSON are made from those. Everything but the times is a function of
+//! the capture, the options and the seed.
 //!
 //! ```text
 //! capture, truth -> subject -> sections -> document -> page, CSV, JSON
@@ -14,6 +15,7 @@ mod blending;
 pub mod clay;
 mod contacts;
 pub mod document;
+mod escape;
 mod graphs;
 pub mod html;
 mod interpolation;
@@ -38,9 +40,10 @@ pub use self::subject::Subject;
 use appearance::AppearanceError;
 use capture_io::export::ExportError;
 use capture_io::import::ImportError;
-use job::progress::Report;
+use job::Job;
 use pipeline::distance::DistanceError;
 use pipeline::essential::{BuildError, EssentialError};
+use pipeline::graph::GraphError;
 use pipeline::transitions::{TransitionError, TransitionOptions};
 
 /// A section of the evaluation.
@@ -132,6 +135,9 @@ impl Default for EvaluateOptions {
 /// Why a capture could not be evaluated.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] job::Stopped),
     /// The capture cannot be read.
     #[error(transparent)]
     Import(#[from] ImportError),
@@ -150,6 +156,9 @@ pub enum EvaluateError {
     /// The graph could not be built: a fault of ours.
     #[error("the graph cannot be built: {0}")]
     Build(#[from] BuildError),
+    /// There is no graph.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
     /// Textures of frames that no appearance can be made of.
     #[error(transparent)]
     Appearance(#[from] AppearanceError),
@@ -165,10 +174,23 @@ pub enum EvaluateError {
 }
 
 impl EvaluateError {
+    /// Whether it was stopped, in whatever stage.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped(_)
+                | Self::Distance(DistanceError::Stopped(_))
+                | Self::Transition(TransitionError::Stopped(_))
+                | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
+                | Self::Appearance(AppearanceError::Stopped(_))
+        )
+    }
+
     /// Whether the input, not the builder, is at fault.
     #[must_use]
     pub fn is_input(&self) -> bool {
-        !matches!(self, Self::Build(_) | Self::Interpolation(_) | Self::Pose(_))
+        !matches!(self, Self::Build(_) | Self::Graph(GraphError::Build(_)) | Self::Interpolation(_) | Self::Pose(_))
     }
 }
 
@@ -176,17 +198,17 @@ impl EvaluateError {
 ///
 /// # Errors
 /// A capture that has no distances or transitions.
-pub fn evaluate(subject: &Subject, report: Report) -> Result<Document, EvaluateError> {
+pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError> {
     let sections = subject.options.sections.iter().map(|&section| {
         let made = match section {
-            Section::Poses => poses::section(subject, report),
-            Section::Transitions => transitions::section(subject, report),
-            Section::Graphs => graphs::section(subject, report),
-            Section::Blending => blending::section(subject, report),
-            Section::Interpolation => interpolation::section(subject, report),
-            Section::Walks => walks::section(subject, report),
-            Section::Scaling => scaling::section(subject, report),
-            Section::Appearance => textures::section(subject, report),
+            Section::Poses => poses::section(subject, job),
+            Section::Transitions => transitions::section(subject, job),
+            Section::Graphs => graphs::section(subject, job),
+            Section::Blending => blending::section(subject, job),
+            Section::Interpolation => interpolation::section(subject, job),
+            Section::Walks => walks::section(subject, job),
+            Section::Scaling => scaling::section(subject, job),
+            Section::Appearance => textures::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::html::escape;
+use super::escape::escape;
 
 /// A plot of one or more series over two axes.
 #[derive(Clone, Debug, Default)]

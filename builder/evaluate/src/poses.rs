@@ -9,9 +9,9 @@ use super::plot::{Kind, Plot, Series, histogram};
 use super::statistics::{
     Classes, Correlogram, Mantel, distance_correlation, mantel, mantel_correlogram, pearson, upper_triangle,
 };
-use super::subject::{Subject, told};
+use super::subject::Subject;
 use super::truth::Truth;
-use job::progress::{Progress, Report};
+use job::Job;
 use pipeline::distance::{DistanceKind, DistanceMatrix, DistanceOptions, pose_distances};
 
 /// Classes of the correlogram.
@@ -32,7 +32,7 @@ struct Distance {
 }
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let Some(truth) = &subject.truth else {
         return Ok(super::missing("The capture comes without the truth of a skeleton."));
     };
@@ -41,7 +41,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let geodesic = skeleton_distances(truth, n, geodesic_distance);
     let measure = |kind| {
         let options = DistanceOptions { kind, ..DistanceOptions::default() };
-        pose_distances(&subject.capture.topology, &subject.capture.poses, &options, &told(report, "pose distances"))
+        pose_distances(&subject.capture.topology, &subject.capture.poses, &options, job)
     };
     let whole = |matrix: &DistanceMatrix| (0..n).flat_map(|i| matrix.row(i)).copied().collect::<Vec<f32>>();
     let euclidean = whole(&measure(DistanceKind::Euclidean)?);
@@ -51,7 +51,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         Distance { name: "Euclidean, its root", values: euclidean.iter().map(|value| value.max(0.0).sqrt()).collect() },
         Distance { name: "Euclidean", values: euclidean },
     ];
-    report(Progress { what: "Mantel test", done: 0, total: 0 });
+    job.begin("Mantel test")?;
     let values: Vec<&[f32]> = distances.iter().map(|distance| distance.values.as_slice()).collect();
     let test = mantel(n, &euler, &values, subject.options.permutations, subject.options.seed);
     let upper = |matrix: &[f32]| upper_triangle(n, |i, j| matrix[i * n + j]);
@@ -64,7 +64,7 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
             [by_distance, pearson(own, &geodesic_upper), distance_correlation(own, &geodesic_upper)]
         })
         .collect();
-    report(Progress { what: "correlogram", done: 0, total: 0 });
+    job.begin("correlogram")?;
     let classes = Classes::new(&euler_upper, CLASSES);
     let correlogram = |index: usize| {
         let (distance, seed) = (&distances[index].values, subject.options.seed);
@@ -293,7 +293,7 @@ mod tests {
         assert!((euler_distance(&turn(0.3), &turn(0.1)) - 0.2 * 2.0_f32.sqrt()).abs() < 1e-5);
         assert!((geodesic_distance(&turn(0.3), &turn(0.1)) - 0.4).abs() < 1e-5);
         assert!(euler_distance(&turn(0.3), &turn(0.3)).max(geodesic_distance(&turn(0.3), &turn(0.3))) < 1e-3);
-        // Across the cut at pi (equation 2.16).
+        // Across the cut at pi (thesis equation 2.16).
         let (a, b) = ([Quat::from_rotation_x(3.1)], [Quat::from_rotation_x(-3.1)]);
         assert!((euler_distance(&a, &b) - (std::f32::consts::TAU - 6.2)).abs() < 1e-4);
     }

@@ -14,8 +14,8 @@ use super::plot::{Kind, Plot, Series};
 use super::stage::{Recordings, Stage};
 use super::statistics::fit_exponent;
 use super::subject::Subject;
+use job::Job;
 use job::memory;
-use job::progress::{Progress, Report};
 use kernels::random::mix;
 use pipeline::distance::{DistanceOptions, measure};
 use pipeline::essential::essential_edges;
@@ -37,19 +37,19 @@ struct Time {
 }
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let mut times = Vec::new();
     for (done, share) in SHARES.into_iter().enumerate() {
-        report(Progress { what: "scaling in n", done: done as u64, total: SHARES.len() as u64 });
+        job.tell("scaling in n", done as u64, SHARES.len() as u64)?;
         by_frames(subject, share, &mut times)?;
     }
     let mut by_triangles = Vec::new();
     for (done, share) in SHARES.into_iter().enumerate() {
-        report(Progress { what: "scaling in M", done: done as u64, total: SHARES.len() as u64 });
+        job.tell("scaling in M", done as u64, SHARES.len() as u64)?;
         distances_of_part(subject, share, &mut by_triangles)?;
     }
     let in_betweens = in_betweens(subject)?;
-    let (bundle, bundle_time) = encode(subject, report)?;
+    let (bundle, bundle_time) = encode(subject, job)?;
     times.push(bundle_time);
     let mut section = SectionReport::default();
     section.text.push(format!(
@@ -105,14 +105,15 @@ fn by_frames(subject: &Subject, share: f64, times: &mut Vec<Time>) -> Result<(),
     subject.capture.poses.iter().take(frames).for_each(|pose| poses.push(pose));
     let triangles = topology.triangles().len();
     let options = DistanceOptions::default();
-    let (measured, time) = timed("distances", frames, triangles, || measure(topology, &poses, &options, &|_| ()));
+    let (measured, time) =
+        timed("distances", frames, triangles, || measure(topology, &poses, &options, &Job::silent()));
     times.push(time);
     let distances = measured?.distances;
     for (stage, choice) in
         [("transitions, by the mean", LengthChoice::Mean), ("transitions, by the sum", LengthChoice::Total)]
     {
         let options = TransitionOptions { choice, ..subject.options.transition };
-        let search = || optimal_transitions(&distances, &part, &options, &|_| ());
+        let search = || optimal_transitions(&distances, &part, &options, &Job::silent());
         let (transitions, time) = timed(stage, frames, triangles, search);
         times.push(time);
         if choice == LengthChoice::Total {
@@ -139,7 +140,7 @@ fn distances_of_part(subject: &Subject, share: f64, times: &mut Vec<Time>) -> Re
     let mut poses = Poses::new(topology.vertex_count());
     subject.capture.poses.iter().take(frames).for_each(|pose| poses.push(pose));
     let options = DistanceOptions::default();
-    let (measured, time) = timed("distances", frames, count, || measure(&part, &poses, &options, &|_| ()));
+    let (measured, time) = timed("distances", frames, count, || measure(&part, &poses, &options, &Job::silent()));
     times.push(time);
     measured?;
     Ok(())
@@ -163,9 +164,9 @@ fn in_betweens(subject: &Subject) -> Result<f64, EvaluateError> {
     Ok(time.cpu.unwrap_or(time.wall).max(1e-9) / IN_BETWEENS as f64)
 }
 
-fn encode(subject: &Subject, report: Report) -> Result<(Option<bundle::EncodeReport>, Time), EvaluateError> {
-    let graph = subject.graph(LengthChoice::Total, report)?;
-    report(Progress { what: "bundle", done: 0, total: 0 });
+fn encode(subject: &Subject, job: &Job) -> Result<(Option<bundle::EncodeReport>, Time), EvaluateError> {
+    let graph = subject.graph(LengthChoice::Total, job)?;
+    job.begin("bundle")?;
     let order = elimination_order(&subject.capture.topology);
     let input = BundleInput {
         capture: &subject.capture,

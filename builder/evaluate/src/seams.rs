@@ -7,6 +7,7 @@
 use actor::blend::ease;
 use actor::graph::Transition;
 use glam::Vec3;
+use job::Stopped;
 use rayon::prelude::*;
 
 use super::EvaluateError;
@@ -125,7 +126,7 @@ pub fn measure(
     transitions: &[Transition],
     chosen: &[usize],
     ease: Ease,
-    told: &(dyn Fn(f64) + Sync),
+    told: &(dyn Fn(f64) -> Result<(), Stopped> + Sync),
 ) -> Result<Vec<Seams>, EvaluateError> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     // Chunks in order, each with a stage of its own, whose factors of neighbouring frames are of use to each other.
@@ -136,7 +137,7 @@ pub fn measure(
             let seams = chunk.iter().map(|&index| seams_of(&mut stage, index, &transitions[index], ease));
             let seams = seams.collect::<Result<Vec<_>, EvaluateError>>();
             let before = done.fetch_add(chunk.len(), std::sync::atomic::Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / chosen.len() as f64);
+            told((before + chunk.len()) as f64 / chosen.len() as f64)?;
             seams
         })
         .collect::<Result<_, EvaluateError>>()?;

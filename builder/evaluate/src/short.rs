@@ -23,7 +23,7 @@ use super::seams::{self, Change, Ease, Own, SeamSummary, Seams};
 use super::stage::{Recordings, Stage};
 use super::statistics::{Moments, percentile};
 use super::subject::told;
-use job::progress::Report;
+use job::Job;
 use kernels::random::mix;
 use pipeline::essential::{Components, strongly_connected};
 
@@ -72,13 +72,13 @@ struct Actor {
 ///
 /// # Errors
 /// A bundle that cannot be read or whose transitions cannot be made.
-pub fn report_on(bytes: &[u8], report: Report) -> Result<Document, ReportError> {
+pub fn report_on(bytes: &[u8], job: &Job) -> Result<Document, ReportError> {
     let actor = read(bytes)?;
     let edges: Vec<(u32, u32)> = actor.graph.transitions().iter().map(|t| (t.from, t.to)).collect();
     let components = strongly_connected(&actor.timeline, &edges);
     let walks = walks(&actor);
     let mut sections =
-        vec![contents(&actor), quality(&actor, &walks), islands(&actor, &components), seam_section(&actor, report)?];
+        vec![contents(&actor), quality(&actor, &walks), islands(&actor, &components), seam_section(&actor, job)?];
     sections.push(suggestions(&actor, &components, &walks));
     for (index, section) in sections.iter_mut().enumerate() {
         section.number = index as u8 + 1;
@@ -285,7 +285,7 @@ fn islands(actor: &Actor, components: &Components) -> SectionReport {
     section
 }
 
-fn seam_section(actor: &Actor, report: Report) -> Result<SectionReport, ReportError> {
+fn seam_section(actor: &Actor, job: &Job) -> Result<SectionReport, ReportError> {
     let mut section = SectionReport::new(0, "Seams");
     let order = elimination_order(&actor.topology);
     let recordings = actor.recordings();
@@ -296,7 +296,7 @@ fn seam_section(actor: &Actor, report: Report) -> Result<SectionReport, ReportEr
     keyed.sort_unstable();
     let mut chosen: Vec<usize> = keyed.into_iter().take(SEAM_TRANSITIONS).map(|(_, index)| index).collect();
     chosen.sort_unstable();
-    let told = told(report, "seams");
+    let told = told(job, "seams");
     let mut seams = seams::measure(recordings, &order, actor.graph.transitions(), &chosen, Ease::Smooth, &told)?;
     let summary = SeamSummary::of(&seams, limit);
     section.text.push(format!(

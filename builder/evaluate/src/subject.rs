@@ -13,9 +13,9 @@ use kernels::align::centre_of_mass;
 use super::truth::Truth;
 use super::{EvaluateError, EvaluateOptions};
 use capture_io::import::{ImportOptions, Scratch, import};
-use job::progress::{Progress, Report};
+use job::{Job, Stopped};
 use pipeline::distance::{self, DistanceOptions, Measured};
-use pipeline::essential::{self, Findings};
+use pipeline::graph::{GraphOptions, essential_graph};
 use pipeline::transitions::{LengthChoice, TransitionMatrix, TransitionOptions, optimal_transitions};
 
 /// A capture with its pose distances, ready to be evaluated.
@@ -50,11 +50,14 @@ impl Subject {
         inputs: &[String],
         import_options: &ImportOptions,
         options: EvaluateOptions,
-        report: Report,
+        job: &Job,
     ) -> Result<Self, EvaluateError> {
-        let imported = import(inputs, import_options, &|step| report(step))?;
+        let imported = import(inputs, import_options, &|step| {
+            // Reading ends before it is asked again whether to go on.
+            let _ = job.tell(step.what, step.done, step.total);
+        })?;
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
-        let subject = Self::new(imported.capture, truth, options, report)?;
+        let subject = Self::new(imported.capture, truth, options, job)?;
         let (textures, masks, scratch) = (imported.frame_textures, imported.frame_masks, imported.scratch);
         Ok(Self { textures, masks, scratch, ..subject })
     }
@@ -67,10 +70,9 @@ impl Subject {
         capture: Capture,
         truth: Option<Truth>,
         options: EvaluateOptions,
-        report: Report,
+        job: &Job,
     ) -> Result<Self, EvaluateError> {
-        let told = told(report, "pose distances");
-        let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), &told)?;
+        let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), job)?;
         let weights = capture.topology.weights();
         let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
         let contacts = pipeline::contacts::contacts(&capture.topology, &capture.timeline, &capture.poses);
@@ -98,37 +100,26 @@ impl Subject {
     }
 
     /// Transitions with lengths by the least sum or the least mean.
-    pub(super) fn transitions(&self, choice: LengthChoice, report: Report) -> Result<&TransitionMatrix, EvaluateError> {
+    pub(super) fn transitions(&self, choice: LengthChoice, job: &Job) -> Result<&TransitionMatrix, EvaluateError> {
         let slot = if choice == LengthChoice::Total { &self.total } else { &self.mean };
         if let Some(known) = slot.get() {
             return Ok(known);
         }
-        let found = self.search(&TransitionOptions { choice, ..self.options.transition }, report)?;
+        let found = self.search(&TransitionOptions { choice, ..self.options.transition }, job)?;
         Ok(slot.get_or_init(|| found))
     }
 
     /// Transitions as `options` say.
-    pub(super) fn search(
-        &self,
-        options: &TransitionOptions,
-        report: Report,
-    ) -> Result<TransitionMatrix, EvaluateError> {
-        let told = told(report, "transitions");
-        Ok(optimal_transitions(&self.measured.distances, self.timeline(), options, &told)?)
+    pub(super) fn search(&self, options: &TransitionOptions, job: &Job) -> Result<TransitionMatrix, EvaluateError> {
+        Ok(optimal_transitions(&self.measured.distances, self.timeline(), options, job)?)
     }
 
     /// The essential graph with lengths by the least sum or the least mean.
-    pub(super) fn graph(&self, choice: LengthChoice, report: Report) -> Result<EssentialGraph, EvaluateError> {
-        let transitions = self.transitions(choice, report)?;
-        let alpha = self.options.alpha;
-        let essential = essential::essential_edges(transitions, self.timeline(), alpha)?;
-        let findings = Findings {
-            distances: &self.measured.distances,
-            headings: &self.measured.headings,
-            transitions,
-            options: &TransitionOptions { choice, ..self.options.transition },
-        };
-        Ok(essential::build_graph(&self.capture, &findings, &essential.edges, alpha, self.contacts.clone())?)
+    pub(super) fn graph(&self, choice: LengthChoice, job: &Job) -> Result<EssentialGraph, EvaluateError> {
+        let mut options = GraphOptions::default();
+        options.transition = TransitionOptions { choice, ..self.options.transition };
+        options.alpha = self.options.alpha;
+        Ok(essential_graph(&self.capture, &self.measured, &options, job)?.graph)
     }
 
     pub(super) fn facts(&self) -> Vec<(String, String)> {
@@ -151,7 +142,7 @@ impl Subject {
     }
 }
 
-/// Tells `report` the share of a stage that is done.
-pub(super) fn told<'a>(report: Report<'a>, what: &'static str) -> impl Fn(f64) + Sync + 'a {
-    move |share| report(Progress { what, done: (share * 1000.0) as u64, total: 1000 })
+/// Says the share of a stage that is done.
+pub(super) fn told<'a>(job: &'a Job, what: &'static str) -> impl Fn(f64) -> Result<(), Stopped> + Sync + 'a {
+    move |share| job.share(what, share)
 }

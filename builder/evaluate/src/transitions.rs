@@ -11,7 +11,7 @@ use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::plot::{Kind, Plot, Series};
 use super::statistics::Moments;
 use super::subject::Subject;
-use job::progress::{Progress, Report};
+use job::Job;
 use kernels::random::mix;
 use pipeline::distance::DistanceMatrix;
 use pipeline::transitions::{LengthChoice, TransitionMatrix, TransitionOptions, WarpFinder};
@@ -57,7 +57,7 @@ struct Costs {
 }
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let base = subject.options.transition;
     let longest = TransitionOptions {
         shortest_seconds: FIXED_SECONDS[2],
@@ -65,25 +65,25 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         slope: Some(1),
         ..base
     };
-    let reference = subject.search(&longest, report)?;
+    let reference = subject.search(&longest, job)?;
     let pairs = pairs_of(&reference);
     let Some(sample) = Sample::new(&pairs, subject.options.seed) else {
         return Ok(super::missing("No pair of frames can be joined over a second: the sequences are too short."));
     };
-    report(Progress { what: "accelerations", done: 0, total: 0 });
+    job.begin("accelerations")?;
     let accelerations = acceleration::differences(&subject.capture.poses, subject.timeline(), &subject.measured);
     let mut rows = Vec::new();
     for scheme in schemes(base) {
         let own;
         let found = match scheme.kind {
             SchemeKind::VaryingMean if base.slope == Some(scheme.slope) => {
-                subject.transitions(LengthChoice::Mean, report)?
+                subject.transitions(LengthChoice::Mean, job)?
             }
             SchemeKind::VaryingTotal if base.slope == Some(scheme.slope) => {
-                subject.transitions(LengthChoice::Total, report)?
+                subject.transitions(LengthChoice::Total, job)?
             }
             _ => {
-                own = subject.search(&scheme.options, report)?;
+                own = subject.search(&scheme.options, job)?;
                 &own
             }
         };

@@ -1,4 +1,5 @@
-//! Section 6: walks along paths and through key poses at times (TVCG section 4.3, thesis 3.5 and figure 3.18).
+//! Section 6: walks along paths and through key poses at times (TVCG section 4.3; thesis section 3.5 and figure
+//! 3.18).
 
 use actor::motion::Motion;
 use actor::walk::{Leg, steps_of};
@@ -11,20 +12,20 @@ use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::plot::{Kind, Plot, Series};
 use super::subject::Subject;
-use job::progress::{Progress, Report};
+use job::Job;
 use pipeline::transitions::LengthChoice;
 
 /// States expanded between two reports of progress.
 const SLICE: u32 = 20_000;
-/// The mean error in frames of the papers' ten key poses, at 50 frames a second.
+/// The mean error in frames of the papers' ten key poses (thesis figure 3.18), at 50 frames a second.
 const PAPERS_FRAMES: f64 = 5.0;
 const PAPERS_FPS: f64 = 50.0;
 /// Seconds of the random walk.
 const WANDERED: f64 = 60.0;
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
-    let graph = subject.graph(LengthChoice::Total, report)?;
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
+    let graph = subject.graph(LengthChoice::Total, job)?;
     let timeline = subject.timeline();
     let mut poses = subject.capture.poses.clone();
     let motion = Motion::measure(timeline, subject.capture.topology.weights(), &mut poses)?;
@@ -35,9 +36,9 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         "The tool's search at its usual effort: {DEFAULT_EFFORT} states a target. Distances are those of the centre of mass as \
          planned, to the path's point of equal arc length (the papers' measure) and to the nearest point."
     ));
-    paths(&scene, &mut section, report);
-    keys(&scene, &mut section, report);
-    wander(&scene, subject.options.seed, &mut section, report);
+    paths(&scene, &mut section, job);
+    keys(&scene, &mut section, job);
+    wander(&scene, subject.options.seed, &mut section, job);
     Ok(section)
 }
 
@@ -60,17 +61,17 @@ fn standard_paths() -> Vec<StandardPath> {
     ]
 }
 
-fn ask(scene: &Scene, start: Option<Start>, request: &Request, report: Report, what: &'static str) -> Option<Answer> {
+fn ask(scene: &Scene, start: Option<Start>, request: &Request, job: &Job, what: &'static str) -> Option<Answer> {
     let mut direction = Direction::new(scene, start, request, DEFAULT_EFFORT).ok()?;
     let mut done = 0;
     while direction.advance(scene, SLICE).ok()? == Found::Running {
         done = (done + u64::from(SLICE)).min(u64::from(DEFAULT_EFFORT));
-        report(Progress { what, done, total: u64::from(DEFAULT_EFFORT) });
+        job.tell(what, done, u64::from(DEFAULT_EFFORT)).ok()?;
     }
     Some(direction.best(scene))
 }
 
-fn paths(scene: &Scene, section: &mut SectionReport, report: Report) {
+fn paths(scene: &Scene, section: &mut SectionReport, job: &Job) {
     let columns = [
         "path",
         "tool",
@@ -87,7 +88,7 @@ fn paths(scene: &Scene, section: &mut SectionReport, report: Report) {
     for (name, points) in standard_paths() {
         for (tool, shape) in [("polyline", Shape::Polyline), ("spline", Shape::Spline)] {
             let request = PathRequest { points: points.clone(), shape, free_start: true, ..PathRequest::default() };
-            let answer = ask(scene, None, &Request::new(Target::Path(request)), report, "paths");
+            let answer = ask(scene, None, &Request::new(Target::Path(request)), job, "paths");
             let goal = answer.as_ref().and_then(|answer| Some((answer, &answer.parts.first()?.goal)));
             let Some((answer, Goal::Path(found))) = goal else {
                 let empty = std::iter::repeat_n(Cell::Empty, columns.len() - 2);
@@ -135,11 +136,11 @@ fn path_plot(name: &str, found: &PathReport) -> Plot {
 const KEY_SHARES: [f64; 10] = [0.12, 0.25, 0.012, 0.064, 0.15, 0.66, 0.29, 0.47, 0.95, 0.79];
 const KEY_SECONDS: [f64; 10] = [0.0, 5.0, 9.2, 10.2, 12.2, 17.8, 19.4, 28.4, 30.4, 36.0];
 
-fn keys(scene: &Scene, section: &mut SectionReport, report: Report) {
+fn keys(scene: &Scene, section: &mut SectionReport, job: &Job) {
     let frames = f64::from(scene.timeline.frame_count());
     let pose = |share: f64| FrameRef::Number((share * frames) as u32);
     let poses = KEY_SHARES.iter().zip(KEY_SECONDS).map(|(&share, time)| Key { pose: pose(share), time }).collect();
-    let answer = ask(scene, None, &Request::new(Target::Keys(KeysRequest { poses })), report, "key poses");
+    let answer = ask(scene, None, &Request::new(Target::Keys(KeysRequest { poses })), job, "key poses");
     let goal = answer.as_ref().and_then(|answer| Some((answer, &answer.parts.first()?.goal)));
     let Some((answer, Goal::Keys { rows, mean_error })) = goal else { return };
     let columns = ["pose", "frame", "frame shown", "wanted", "reached", "error"];
@@ -179,10 +180,10 @@ fn keys(scene: &Scene, section: &mut SectionReport, report: Report) {
     });
 }
 
-fn wander(scene: &Scene, seed: u64, section: &mut SectionReport, report: Report) {
+fn wander(scene: &Scene, seed: u64, section: &mut SectionReport, job: &Job) {
     let wander = WanderRequest { seconds: WANDERED, ..WanderRequest::default() };
     let request = Request { seed, ..Request::new(Target::Wander(wander)) };
-    let answer = ask(scene, None, &request, report, "wandering");
+    let answer = ask(scene, None, &request, job, "wandering");
     let goal = answer.as_ref().and_then(|answer| Some((answer, &answer.parts.first()?.goal)));
     let Some((answer, &Goal::Wander { objectives: [even, proxy, now], frames })) = goal else { return };
     let columns = ["measure", "value"];

@@ -4,10 +4,11 @@
 #[path = "../../appearance/tests/common/mod.rs"]
 mod common;
 
-use appearance::build::Basis;
+use appearance::basis::Basis;
 use appearance::textures::Texture;
 use common::{SIZE, aligned, between, capture, charts, slide};
 use evaluate::textures::ghosting::{CLASSES, Crossings, Scene, Truth, against_truth};
+use job::Job;
 use texture::quality::Similarity;
 
 /// The truth about the textures above.
@@ -33,7 +34,7 @@ impl Truth for Known {
 fn coefficients_come_closer_to_the_truth_than_a_cross_fade() {
     let textures = capture();
     let aligned = aligned(&textures);
-    let basis = Basis::new(&textures[..], &aligned, &aligned.complete, 6, 3).unwrap();
+    let basis = Basis::new(&textures[..], &aligned, &aligned.complete, (6, 3), &Job::silent()).unwrap();
     let similarity = Similarity::new(SIZE as u32, &charts().active());
     let scene = Scene { source: &textures[..], aligned: &aligned, basis: &basis, similarity: &similarity };
     // Frames 3 and 9 have gaps.

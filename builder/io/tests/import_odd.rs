@@ -55,7 +55,8 @@ fn every_text_reader_takes_marks_and_line_ends() {
     let wide = |text: &str| {
         "\u{feff}".chars().chain(text.chars()).collect::<String>().encode_utf16().flat_map(u16::to_le_bytes).collect()
     };
-    let ways: [&dyn Fn(&str) -> Vec<u8>; 5] = [
+    type Way<'a> = &'a dyn Fn(&str) -> Vec<u8>;
+    let ways: [Way; 5] = [
         &|text| format!("\u{feff}{text}").into_bytes(),
         &|text| text.replace('\n', "\r").into_bytes(),
         &|text| text.replace('\n', "\r\n").into_bytes(),
@@ -425,7 +426,7 @@ fn places_and_sizes_are_told() {
     assert_eq!(codes(&imported), ["W_RECENTRED"]);
     assert_eq!(imported.offset, DVec3::new(580_001.0, 430.0, -5_600_001.0));
     let recorded = imported.capture.poses.frame(2)[3].as_dvec3() + imported.offset;
-    assert!(recorded.distance(DVec3::new(580_000.1234, 431.1434, -5_600_000.5678)) < 1e-6, "{recorded}");
+    assert!(recorded.distance(DVec3::new(580_000.123_4, 431.1434, -5_600_000.567_8)) < 1e-6, "{recorded}");
     // 32-bit coordinates that have lost theirs.
     let mut ply = b"ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
         element face 1\nproperty list uchar int vertex_indices\nend_header\n"

@@ -78,7 +78,7 @@ fn fox_has_three_clips() {
     let imported = read(&[&path], &options);
     let capture = &imported.capture;
     let sequences: Vec<_> = capture.timeline.sequences().iter().map(|s| (s.name.as_str(), s.frame_count)).collect();
-    assert_eq!(sequences, [("Survey", 103), ("Walk", 22), ("Run", 35)]);
+    assert_eq!(sequences, [("Survey", 104), ("Walk", 23), ("Run", 36)]);
     assert_eq!(capture.vertex_of_file_vertex.len(), 1728);
     assert_eq!(capture.topology.vertex_count(), 290);
     assert_eq!(capture.topology.triangles().len(), 576);

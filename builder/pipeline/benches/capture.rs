@@ -1,13 +1,14 @@
 //! All three stages once on a capture of the size of the papers' largest, with the peak memory.
 //!
-//! `cargo bench -p reprise-builder --bench capture`. `RAYON_NUM_THREADS=1` for one thread; `REPRISE_FRAMES` for another
-//! number of frames than 2,633. Too long for repeats, so this does not use criterion.
+//! `cargo bench -p reprise-pipeline --bench capture`. `RAYON_NUM_THREADS=1` for one thread; `REPRISE_FRAMES` for
+//! another number of frames than 2,633. Too long for repeats, so this does not use criterion.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "prints its figures; nothing to recover")]
 
 mod synthetic;
 
 use std::time::Instant;
 
+use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::{essential_edges, strongly_connected};
 use pipeline::transitions::{LengthChoice, TransitionOptions, WarpFinder, optimal_transitions};
@@ -21,7 +22,7 @@ fn main() {
     println!("{} threads, poses in memory: {}", rayon::current_num_threads(), peak_memory());
 
     let stage = Stage::start("pose distances");
-    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &|_| ()).unwrap();
+    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
     let seconds = stage.end();
     let pairs = (frames * (frames - 1) / 2 * triangles) as f64;
     println!("  {:.2} ns a pair of triangles", 1e9 * seconds / pairs);
@@ -31,7 +32,7 @@ fn main() {
     for choice in [LengthChoice::Mean, LengthChoice::Total] {
         let options = TransitionOptions { choice, ..Default::default() };
         let stage = Stage::start(&format!("transitions, {choice:?}"));
-        let transitions = optimal_transitions(&distances, &timeline, &options, &|_| ()).unwrap();
+        let transitions = optimal_transitions(&distances, &timeline, &options, &Job::silent()).unwrap();
         stage.end();
         let stage = Stage::start("essential graph");
         let essential = essential_edges(&transitions, &timeline, 0.01).unwrap();

@@ -1,6 +1,6 @@
 //! Optimal transitions between all pairs of frames: cells of dynamic time warping a second.
 //!
-//! `cargo bench -p reprise-builder --bench transitions`. `RAYON_NUM_THREADS=1` for one thread. A cell is a node of the
+//! `cargo bench -p reprise-pipeline --bench transitions`. `RAYON_NUM_THREADS=1` for one thread. A cell is a node of the
 //! grid of a start cell that a path within the slope limit can reach and that lies within both sequences.
 
 #![allow(clippy::unwrap_used, reason = "nothing to recover in a benchmark")]
@@ -9,6 +9,7 @@ mod synthetic;
 
 use actor::timeline::Timeline;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use job::Job;
 use pipeline::transitions::{LengthChoice, TransitionOptions, optimal_transitions};
 
 fn cells(timeline: &Timeline, longest: usize, slope: usize) -> u64 {
@@ -35,7 +36,7 @@ fn transitions(criterion: &mut Criterion) {
     for choice in [LengthChoice::Total, LengthChoice::Mean] {
         let options = TransitionOptions { choice, ..Default::default() };
         group.bench_function(format!("{frames} frames, lengths 15 to 100, {choice:?}"), |bencher| {
-            bencher.iter(|| optimal_transitions(&distances, &timeline, &options, &|_| ()).unwrap());
+            bencher.iter(|| optimal_transitions(&distances, &timeline, &options, &Job::silent()).unwrap());
         });
     }
     group.finish();

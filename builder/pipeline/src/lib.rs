@@ -3,4 +3,5 @@
 pub mod contacts;
 pub mod distance;
 pub mod essential;
+pub mod graph;
 pub mod transitions;

@@ -7,15 +7,18 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use actor::capture::Poses;
 use fixtures::{Captured, crane_and_jumping};
 use glam::{DMat3, DVec3, Vec3};
+use job::{Job, Progress};
 use kernels::align::{Placement, align_heading, centre_of_mass, rotate};
 use kernels::topology::Topology;
 use pipeline::distance::{DistanceKind, DistanceMatrix, DistanceOptions, pose_distances};
 
 fn distances(topology: &Topology, poses: &Poses, options: &DistanceOptions) -> DistanceMatrix {
-    pose_distances(topology, poses, options, &|share| assert!((0.0..=1.0 + 1e-9).contains(&share))).unwrap()
+    pose_distances(topology, poses, options, &Job::new(&within)).unwrap()
 }
 
 /// TVCG equation 2, word for word, in `f64`.
@@ -98,6 +101,12 @@ fn check_against_plain(topology: &Topology, poses: &Poses, options: &DistanceOpt
     }
     println!("{pairs} pairs, largest difference {worst:.2e} (bound {bound:.0e})");
     assert!(worst < bound, "{worst:e}");
+}
+
+/// No stage is ever more than done.
+fn within(progress: Progress) -> ControlFlow<()> {
+    assert!(progress.done <= progress.total, "{progress:?}");
+    ControlFlow::Continue(())
 }
 
 #[test]
@@ -195,6 +204,6 @@ fn degenerate_triangles_are_left_out() {
     assert_eq!(distances(&padded, &poses, &DistanceOptions::default()), matrix);
     let collapsed =
         Topology::new(topology.vertex_count() as u32, vec![[3, 3, 5]], topology.weights().to_vec()).unwrap();
-    let refused = pose_distances(&collapsed, &poses, &DistanceOptions::default(), &|_| ());
+    let refused = pose_distances(&collapsed, &poses, &DistanceOptions::default(), &Job::silent());
     assert!(refused.is_err());
 }

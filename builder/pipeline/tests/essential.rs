@@ -10,9 +10,10 @@ mod common;
 use actor::graph::rounded_alpha;
 use actor::timeline::Timeline;
 use fixtures::{Captured, Random, crane_and_jumping};
+use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
-use pipeline::essential::sparse::{Candidates, essential_of, row_candidates};
+use pipeline::essential::sparse::{Candidates, by_all_paths, by_searches, row_candidates};
 use pipeline::essential::{Essential, essential_edges, motion_graph, strongly_connected};
 use pipeline::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
 
@@ -68,7 +69,9 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let alpha = rounded_alpha(alpha);
     assert_eq!(found.edges, plain_essential(transitions, timeline, alpha));
     assert_eq!(found.edges, hidden_paths(transitions, timeline, alpha), "by hidden paths");
-    assert_eq!(found.edges, sparse(transitions, timeline, alpha), "from candidates");
+    for (decide, how) in [(by_all_paths as Decide, "all paths"), (by_searches, "searches")] {
+        assert_eq!(found.edges, from_candidates(transitions, timeline, alpha, decide), "from candidates by {how}");
+    }
 
     // The certificate: paths through the edges kept are as short as any.
     let all = direct_costs(transitions, timeline, alpha);
@@ -88,6 +91,8 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     assert_eq!(found.unreached, unreached);
 
     let components = strongly_connected(timeline, &found.edges);
+    let reach = components.reach(timeline, &found.edges);
+    assert_eq!((reach.unreachable_pairs, &reach.dead_ends), (found.unreachable_pairs, &found.dead_ends));
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| i != j) {
         let together = components.component_of_frame[i] == components.component_of_frame[j];
         assert_eq!(together, reached(i, j) && reached(j, i), "{i} and {j}");
@@ -97,14 +102,16 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     found
 }
 
+type Decide = fn(&Candidates, &Timeline, f64) -> Candidates;
+
 /// By way of candidates; the next row is not always at hand.
-fn sparse(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Vec<(u32, u32)> {
+fn from_candidates(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64, decide: Decide) -> Vec<(u32, u32)> {
     let mut candidates = Candidates::new();
     for from in 0..timeline.frame_count() {
         let next = timeline.next(from).filter(|_| from % 4 != 3).map(|next| transitions.costs_from(next as usize));
         candidates.push_row(row_candidates(timeline, alpha, from, transitions.costs_from(from as usize), next));
     }
-    let kept = essential_of(&candidates, timeline, alpha);
+    let kept = decide(&candidates, timeline, alpha);
     (0..timeline.frame_count()).flat_map(|from| kept.from(from).iter().map(move |&(to, _)| (from, to))).collect()
 }
 
@@ -152,8 +159,9 @@ fn matches_floyd_warshall_over_several_blocks() {
 #[ignore = "reads ../shared/data"]
 fn matches_floyd_warshall_on_a_real_capture() {
     let Captured { topology, poses, timeline } = crane_and_jumping(3);
-    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &|_| ()).unwrap();
-    let transitions = optimal_transitions(&distances, &timeline, &TransitionOptions::default(), &|_| ()).unwrap();
+    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
+    let transitions =
+        optimal_transitions(&distances, &timeline, &TransitionOptions::default(), &Job::silent()).unwrap();
     let mut before = 0;
     for alpha in [0.001, 0.01, 0.1] {
         let found = check(&transitions, &timeline, alpha);

@@ -7,8 +7,11 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use actor::timeline::Timeline;
 use fixtures::{Captured, Random, crane_and_jumping};
+use job::{Job, Progress};
 use pipeline::distance::{DistanceMatrix, DistanceOptions, pose_distances};
 use pipeline::transitions::{
     LengthChoice, TransitionCost, TransitionMatrix, TransitionOptions, WarpFinder, optimal_transitions,
@@ -18,7 +21,7 @@ use pipeline::transitions::{
 type Cost = (f64, usize);
 
 fn transitions(distances: &DistanceMatrix, timeline: &Timeline, options: &TransitionOptions) -> TransitionMatrix {
-    optimal_transitions(distances, timeline, options, &|share| assert!((0.0..=1.0).contains(&share))).unwrap()
+    optimal_transitions(distances, timeline, options, &Job::new(&within)).unwrap()
 }
 
 /// Options for segments of `shortest` to `longest` frames at 1 frame a second.
@@ -179,6 +182,12 @@ fn all_pairs(n: u32) -> impl Iterator<Item = (u32, u32)> {
 
 const SLOPES: [Option<u8>; 6] = [Some(1), Some(2), Some(3), Some(4), Some(5), None];
 
+/// No stage is ever more than done.
+fn within(progress: Progress) -> ControlFlow<()> {
+    assert!(progress.done <= progress.total, "{progress:?}");
+    ControlFlow::Continue(())
+}
+
 #[test]
 fn matches_every_path_of_small_grids() {
     let mut random = Random::new(1);
@@ -212,7 +221,7 @@ fn matches_a_plain_programme_on_larger_grids() {
 #[ignore = "reads ../shared/data"]
 fn matches_a_plain_programme_on_a_real_capture() {
     let Captured { topology, poses, timeline } = crane_and_jumping(5);
-    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &|_| ()).unwrap();
+    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
     let multiples = DistanceMatrix::from_fn(distances.frame_count(), |i, j| {
         (distances.get(i, j) * 1_048_576.0).round() / 1_048_576.0
     });
@@ -264,7 +273,7 @@ fn warps_cost_what_the_matrix_says() {
 fn refuses_what_makes_no_sense() {
     let timeline = common::timeline(1.0, &[(9, false)]);
     let distances = random_distances(9, 100, &mut Random::new(5));
-    let refused = |options| optimal_transitions(&distances, &timeline, &options, &|_| ()).is_err();
+    let refused = |options| optimal_transitions(&distances, &timeline, &options, &Job::silent()).is_err();
     assert!(refused(options(0, 3, Some(3), LengthChoice::Total)));
     assert!(refused(options(4, 3, Some(3), LengthChoice::Total)));
     assert!(refused(options(4, 30_000, Some(3), LengthChoice::Total)));

@@ -3,102 +3,24 @@
 use std::time::Instant;
 
 use actor::capture::Capture;
-use actor::contacts::Contacts;
-use actor::graph::{DEFAULT_ALPHA, EssentialGraph};
-use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
-use kernels::cholesky::elimination_order;
-use serde::Serialize;
-use texture::AppearanceModel;
-use thiserror::Error;
-
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
 use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
-use appearance::{self, AppearanceError, AppearanceOptions, AppearanceSummary, Charts};
-use capture_io::import::{self, ImportError, ImportOptions, Warning};
-use job::memory;
-use job::progress::{Progress, Report};
-use pipeline::distance::{self, DistanceOptions};
-use pipeline::essential::{self, Findings};
-use pipeline::transitions::{self, TransitionOptions};
+use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
+use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
+use capture_io::import::{self, Warning};
+use job::{Job, memory};
+use kernels::cholesky::elimination_order;
+use pipeline::distance::{self};
+use pipeline::graph::{Graphed, essential_graph};
+use serde::Serialize;
+use texture::AppearanceModel;
 
+use crate::options::FIRST_FRAME;
+pub use crate::options::{AppearanceChoice, PackError, PackOptions};
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
-
-/// The frame that the player shows first.
-pub(crate) const FIRST_FRAME: u32 = 0;
-
-/// Everything that `builder pack` can be told.
-#[derive(Clone, Debug)]
-pub struct PackOptions {
-    /// How the input is read.
-    pub import: ImportOptions,
-    /// How pose distances are measured.
-    pub distance: DistanceOptions,
-    /// How transitions are chosen.
-    pub transition: TransitionOptions,
-    /// Weight of a frame's duration against surface deformation.
-    pub alpha: f64,
-    /// Whether transitions keep still what stands on the ground on both sides; else they follow the papers alone.
-    pub hold_contacts: bool,
-    /// Largest error of a stored vertex position in metres; by the body's height where not given.
-    pub max_error: Option<f32>,
-    /// What becomes of textures that change from frame to frame.
-    pub appearance: AppearanceChoice,
-}
-
-impl Default for PackOptions {
-    /// What `builder pack` does where it is told nothing.
-    fn default() -> Self {
-        Self {
-            import: ImportOptions::default(),
-            distance: DistanceOptions::default(),
-            transition: TransitionOptions::default(),
-            alpha: DEFAULT_ALPHA,
-            hold_contacts: true,
-            max_error: None,
-            appearance: AppearanceChoice::Eigen(AppearanceOptions::default()),
-        }
-    }
-}
-
-/// What becomes of textures that change from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AppearanceChoice {
-    /// The first frame's texture is used for all.
-    Static,
-    /// They become Eigen textures and Eigen warps.
-    Eigen(AppearanceOptions),
-}
-
-/// Why there is no bundle.
-#[derive(Debug, Error)]
-pub enum PackError {
-    /// The input cannot be read as a capture.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// The textures of the frames cannot become an appearance.
-    #[error(transparent)]
-    Appearance(#[from] AppearanceError),
-    /// An option makes no sense for this capture.
-    #[error("{0}")]
-    Option(String),
-    /// A stage contradicts the stage before it.
-    #[error("{0}")]
-    Ours(String),
-}
-
-impl PackError {
-    /// A name for the kind of error that never changes, for scripts and for `builder validate`.
-    #[must_use]
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::Import(error) => error.code(),
-            Self::Appearance(_) => "E_APPEARANCE",
-            Self::Option(_) => "E_OPTION",
-            Self::Ours(_) => "E_INTERNAL",
-        }
-    }
-}
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -166,9 +88,7 @@ pub struct StageSeconds {
     pub import: f64,
     /// Pose distances.
     pub distances: f64,
-    /// Optimal transitions.
-    pub transitions: f64,
-    /// The essential graph, its warps and placements.
+    /// Optimal transitions, the essential graph, its warps and placements.
     pub graph: f64,
     /// Textures.
     pub appearance: f64,
@@ -180,9 +100,14 @@ pub struct StageSeconds {
 ///
 /// # Errors
 /// Input that cannot be read, options that do not fit it, or stages that contradict each other.
-pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<(Vec<u8>, PackReport), PackError> {
+pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
-    let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, &|step| report(step)))?;
+    let imported = timed(&mut seconds.import, || {
+        // Reading ends before it is asked again whether to go on.
+        import::import(inputs, &options.import, &|step| {
+            let _ = job.tell(step.what, step.done, step.total);
+        })
+    })?;
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);
@@ -193,7 +118,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
         (AppearanceChoice::Eigen(options), Some(paths)) => {
             let files = TextureFiles::new(paths, imported.frame_masks)?;
             let built = timed(&mut seconds.appearance, || {
-                eigen_appearance(&imported.capture, &files, options, &mut warnings, report)
+                eigen_appearance(&imported.capture, &files, options, &mut warnings, job)
             })?;
             Some(built)
         }
@@ -201,7 +126,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, report: Report) -> Result<
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
-    let (bytes, mut pack_report) = pack_with_looks(&imported.capture, &models, quality, options, report)?;
+    let (bytes, mut pack_report) = pack_with_looks(&imported.capture, &models, quality, options, job)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
@@ -218,16 +143,16 @@ fn eigen_appearance(
     textures: &TextureFiles,
     options: &AppearanceOptions,
     warnings: &mut Vec<Warning>,
-    report: Report,
+    job: &Job,
 ) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
     let (charts, _) = Charts::new(&capture.surface, width, height)?;
-    let (model, summary) = appearance::build(textures, &charts, options, report)?;
+    let (model, summary) = appearance::build(textures, &charts, options, job)?;
     warnings.extend(holes(summary.completed_frames.len()));
     warnings.extend(missed_similarity(options, &summary));
     let mut models = vec![model];
     if options.compare {
-        report(Progress { what: "naive components", done: 0, total: 0 });
+        job.begin("naive components")?;
         models.push(naive(textures, &charts, summary.textures + summary.warps)?);
     }
     Ok((models, summary))
@@ -252,12 +177,8 @@ fn missed_similarity(options: &AppearanceOptions, summary: &AppearanceSummary) -
 ///
 /// # Errors
 /// Options that do not fit the capture, or stages that contradict each other.
-pub fn pack_capture(
-    capture: &Capture,
-    options: &PackOptions,
-    report: Report,
-) -> Result<(Vec<u8>, PackReport), PackError> {
-    pack_with_looks(capture, &[], AppearanceQuality::default(), options, report)
+pub fn pack_capture(capture: &Capture, options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
+    pack_with_looks(capture, &[], AppearanceQuality::default(), options, job)
 }
 
 /// Returns the bytes of the bundle of a capture in memory with the models of its textures, and with those to compare with
@@ -270,16 +191,20 @@ pub fn pack_with_looks(
     models: &[AppearanceModel],
     quality: AppearanceQuality,
     options: &PackOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
-    let (graph, graph_summary, unreachable) = essential_graph(capture, options, &mut seconds, report)?;
-    report(Progress { what: "bundle", done: 0, total: 0 });
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graph, (models, quality), options))?;
+    let measured =
+        timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
+    let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
+    job.begin("bundle")?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graphed.graph, (models, quality), options))?;
+    let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
+    let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
-        graph: graph_summary,
+        graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
@@ -303,53 +228,17 @@ pub fn summary_of(capture: &Capture) -> CaptureSummary {
     }
 }
 
-/// The essential graph of a capture: distances, transitions, edges, warps; and a sentence about ways that are missing.
-fn essential_graph(
-    capture: &Capture,
-    options: &PackOptions,
-    seconds: &mut StageSeconds,
-    report: Report,
-) -> Result<(EssentialGraph, GraphSummary, Option<Warning>), PackError> {
-    let timeline = &capture.timeline;
-    let told = |what| move |share: f64| report(Progress { what, done: (share * 1000.0) as u64, total: 1000 });
-    let measured = timed(&mut seconds.distances, || {
-        distance::measure(&capture.topology, &capture.poses, &options.distance, &told("pose distances"))
-    });
-    let measured = measured.map_err(|error| PackError::Option(error.to_string()))?;
-    let transitions = timed(&mut seconds.transitions, || {
-        transitions::optimal_transitions(&measured.distances, timeline, &options.transition, &told("transitions"))
-    });
-    let transitions = transitions.map_err(|error| PackError::Option(error.to_string()))?;
-    report(Progress { what: "essential graph", done: 0, total: 0 });
-    let start = Instant::now();
-    let essential = essential::essential_edges(&transitions, timeline, options.alpha)
-        .map_err(|error| PackError::Option(error.to_string()))?;
-    let findings = Findings {
-        distances: &measured.distances,
-        headings: &measured.headings,
-        transitions: &transitions,
-        options: &options.transition,
-    };
-    let contacts = if options.hold_contacts {
-        pipeline::contacts::contacts(&capture.topology, &capture.timeline, &capture.poses)
-    } else {
-        Contacts::default()
-    };
-    let graph = essential::build_graph(capture, &findings, &essential.edges, options.alpha, contacts)
-        .map_err(|error| PackError::Ours(error.to_string()))?;
-    let components = essential::strongly_connected(timeline, &essential.edges);
-    seconds.graph = start.elapsed().as_secs_f64();
-    let summary = GraphSummary {
+fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
+    let graph = &graphed.graph;
+    GraphSummary {
         transitions: graph.transitions().len(),
         density: graph.density(timeline),
         alpha: graph.alpha(),
         alpha_per_second: graph.alpha() * f64::from(timeline.fps()),
-        unreachable_pairs: essential.unreachable_pairs,
-        dead_ends: essential.dead_ends.len(),
-        largest_component: components.largest_frames().count(),
-    };
-    let unreachable = unreachable(timeline, &essential.edges, essential.unreachable_pairs);
-    Ok((graph, summary, unreachable))
+        unreachable_pairs: graphed.unreachable_pairs,
+        dead_ends: graphed.dead_ends.len(),
+        largest_component: graphed.components.largest_frames().count(),
+    }
 }
 
 fn encode(
@@ -370,7 +259,7 @@ fn encode(
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
-    bundle::encode_with_looks(&input, &looks).map_err(|error| PackError::Option(error.to_string()))
+    Ok(bundle::encode_with_looks(&input, &looks)?)
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

@@ -9,10 +9,10 @@ use appearance::{AppearanceError, Charts};
 use bundle::geometry::quantise::Grid;
 use bundle::{default_max_error, limits};
 use capture_io::import::{Imported, Warning};
-use job::progress::{Progress, Report};
+use job::Job;
 use pipeline::distance;
 
-use crate::pack::{AppearanceChoice, FIRST_FRAME, PackError, PackOptions};
+use crate::options::{AppearanceChoice, FIRST_FRAME, PackError, PackOptions};
 
 /// What was found.
 #[derive(Debug, Default)]
@@ -25,10 +25,10 @@ pub struct Preflight {
 
 /// Everything that packing `imported` would say of it, but for what its stages find out; all textures are read.
 #[must_use]
-pub fn preflight(imported: &Imported, options: &PackOptions, report: Report) -> Preflight {
+pub fn preflight(imported: &Imported, options: &PackOptions, job: &Job) -> Preflight {
     let mut found = before_stages(imported, options);
     if found.refusal.is_none() {
-        found.refusal = read_textures(imported, options, report, &mut found.warnings).err();
+        found.refusal = read_textures(imported, options, job, &mut found.warnings).err();
     }
     found
 }
@@ -111,7 +111,7 @@ const NAMED: usize = 8;
 /// Sequences too short for a transition: nothing can leave or enter them.
 fn short_sequences(capture: &Capture, options: &PackOptions, warnings: &mut Vec<Warning>) -> Result<(), PackError> {
     let lengths =
-        options.transition.lengths(&capture.timeline).map_err(|error| PackError::Option(error.to_string()))?;
+        options.graph.transition.lengths(&capture.timeline).map_err(|error| PackError::Option(error.to_string()))?;
     let sequences = capture.timeline.sequences();
     let short: Vec<&str> = sequences
         .iter()
@@ -128,7 +128,7 @@ fn short_sequences(capture: &Capture, options: &PackOptions, warnings: &mut Vec<
                 short.len(),
                 sequences.len(),
                 lengths.shortest,
-                options.transition.shortest_seconds,
+                options.graph.transition.shortest_seconds,
                 short[..short.len().min(NAMED)].join(", ")
             ),
         ));
@@ -181,13 +181,13 @@ fn check_atlas(imported: &Imported, options: &PackOptions, warnings: &mut Vec<Wa
 fn read_textures(
     imported: &Imported,
     options: &PackOptions,
-    report: Report,
+    job: &Job,
     warnings: &mut Vec<Warning>,
 ) -> Result<(), PackError> {
     let (Some(paths), AppearanceChoice::Eigen(_)) = (&imported.frame_textures, &options.appearance) else {
         return Ok(());
     };
-    report(Progress { what: "reading textures", done: 0, total: 0 });
+    job.begin("reading textures")?;
     let files = TextureFiles::new(paths.clone(), imported.frame_masks.clone())?;
     let (width, height) = files.size();
     let (charts, _) = Charts::new(&imported.capture.surface, width, height)?;

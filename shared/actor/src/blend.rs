@@ -1,5 +1,5 @@
-//! `Blend` of thesis algorithm 2, without the poses: where the source and destination of a transition stand, node by
-//! node of its warp.
+//! `Blend` of thesis algorithm 2 (TVCG algorithm 1), without the poses: where the source and destination of a
+//! transition stand, node by node of its warp.
 
 use glam::Vec2;
 
@@ -11,6 +11,7 @@ use crate::timeline::Timeline;
 use crate::walk::{Leg, Walk};
 use crate::warp::Warp;
 use kernels::align::{Placement, rotate};
+use kernels::scalar::half_turn;
 
 /// A node of a transition under way.
 ///
@@ -191,10 +192,4 @@ pub fn transition(graph: &EssentialGraph, index: u32) -> Result<&Transition, Pos
 fn ground_point(placement: Placement, point: Vec2) -> Vec2 {
     let moved = placement.apply(glam::Vec3::new(point.x, 0.0, point.y));
     Vec2::new(moved.x, moved.z)
-}
-
-/// The same angle between -pi and pi.
-fn half_turn(angle: f32) -> f32 {
-    let turns = (angle / std::f32::consts::TAU).round();
-    angle - turns * std::f32::consts::TAU
 }

@@ -1,6 +1,7 @@
 //! The essential graph: frames as nodes, recorded steps and the transitions worth keeping as edges.
 //!
-//! Boukhayma and Boyer, TVCG section 4.1; thesis 3.3.
+//! Boukhayma and Boyer, TVCG section 4.1, equations 9 and 10; Boukhayma, thesis (2017), section 3.3, equations 3.1 to
+//! 3.4.
 
 use thiserror::Error;
 
@@ -13,7 +14,7 @@ use kernels::align::Placement;
 /// of paths do not depend on the order of summation.
 pub const ALPHA_RESOLUTION: f64 = 1.0 / 16_777_216.0;
 
-/// The default weight of a frame's duration against surface deformation, per frame (thesis 3.3.2).
+/// The default weight of a frame's duration against surface deformation, per frame (thesis section 3.3.2).
 pub const DEFAULT_ALPHA: f64 = 0.01;
 
 /// `alpha` as the graph uses it: rounded to a multiple of [`ALPHA_RESOLUTION`].
@@ -33,13 +34,13 @@ pub struct Transition {
     pub deformation: f32,
     /// How the segments [i, i + li - 1] and [j - lj + 1, j] are matched; its duration is L(i, j).
     pub warp: Warp,
-    /// Placement of the destination's recorded frames once the source's stand as they were recorded (`Blend` of
-    /// algorithm 2 followed to its end): `source_from_destination`.
+    /// Placement of the destination's recorded frames once the source's stand as they were recorded (`Blend` of thesis
+    /// algorithm 2, TVCG algorithm 1, followed to its end): `source_from_destination`.
     pub placement: Placement,
 }
 
 impl Transition {
-    /// E(i, j) = D + alpha L (TVCG equation 10).
+    /// E(i, j) = D + alpha L (TVCG equation 10; thesis equation 3.3).
     #[must_use]
     pub fn cost(&self, alpha: f64) -> f64 {
         f64::from(self.deformation) + alpha * self.warp.duration() as f64

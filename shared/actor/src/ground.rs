@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use crate::pose_source::{PoseError, PoseSource};
 use crate::timeline::Timeline;
 use kernels::align::{Placement, align_heading, centre_of_mass, rotate};
-use kernels::kept::Kept;
+use kernels::lru::LruCache;
 
 /// What placing frames needs to know about their poses. The builder answers from its table of all pairs, the player
 /// from the poses themselves ([`PosesOnGround`]).
@@ -58,7 +58,7 @@ pub fn recorded_step(
 
 /// Recorded poses read last.
 pub struct PoseMemory {
-    kept: Kept<ReadPose>,
+    kept: LruCache<ReadPose>,
 }
 
 #[derive(Default)]
@@ -72,7 +72,7 @@ const KEPT_POSES: usize = 4;
 
 impl Default for PoseMemory {
     fn default() -> Self {
-        Self { kept: Kept::new(KEPT_POSES) }
+        Self { kept: LruCache::new(KEPT_POSES) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What is drawn: the topology with its seams split, texture coordinates and materials.
 
+use kernels::topology::Topology;
 use serde::{Deserialize, Serialize};
 
 /// A corner of the drawn mesh: a welded vertex with the attributes that seams tell apart.
@@ -89,6 +90,55 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// The surface of `topology` in one grey material, without seams or textures.
+    #[must_use]
+    pub fn plain(topology: &Topology) -> Self {
+        let corner = |vertex| Corner { vertex, uv: [0.0; 2], colour: [255; 4] };
+        let triangle_count = topology.triangles().len() as u32;
+        let base_colour = [0.7, 0.7, 0.7, 1.0];
+        Self {
+            corners: (0..topology.vertex_count() as u32).map(corner).collect(),
+            triangles: topology.triangles().to_vec(),
+            parts: vec![Part { material: 0, first_triangle: 0, triangle_count }],
+            materials: vec![Material { name: "grey".into(), base_colour, image: None, double_sided: false }],
+            images: Vec::new(),
+        }
+    }
+
+    /// What of it does not follow `topology`, if anything.
+    pub(crate) fn check(&self, topology: &Topology) -> Result<(), &'static str> {
+        if self.triangles.len() != topology.triangles().len() {
+            return Err("it has another number of triangles");
+        }
+        for (drawn, welded) in self.triangles.iter().zip(topology.triangles()) {
+            for (corner, vertex) in drawn.iter().zip(welded) {
+                match self.corners.get(*corner as usize) {
+                    None => return Err("a triangle names a corner that does not exist"),
+                    Some(corner) if corner.vertex != *vertex => return Err("a corner follows another vertex"),
+                    Some(_) => {}
+                }
+            }
+        }
+        let mut next = 0;
+        for part in &self.parts {
+            if part.first_triangle != next {
+                return Err("its parts leave out triangles or share them");
+            }
+            next = next.saturating_add(part.triangle_count);
+            if part.material as usize >= self.materials.len() {
+                return Err("a part names a material that does not exist");
+            }
+        }
+        if next as usize != self.triangles.len() {
+            return Err("its parts do not cover all triangles");
+        }
+        if self.materials.iter().any(|material| material.image.is_some_and(|image| image as usize >= self.images.len()))
+        {
+            return Err("a material names an image that does not exist");
+        }
+        Ok(())
+    }
+
     /// The triangles of one of its parts; none of a part that is not its own and reaches beyond them.
     #[must_use]
     pub fn triangles_of(&self, part: &Part) -> &[[u32; 3]] {

@@ -27,7 +27,7 @@ pub enum Leg {
 pub struct Walk {
     /// Its stretches, each beginning with the frame that the one before ends with.
     pub legs: Vec<Leg>,
-    /// J: the sum of its edges' costs (TVCG equation 9).
+    /// J: the sum of its edges' costs (TVCG equation 9; thesis equation 3.1).
     pub cost: f64,
     /// Sum of the transitions' surface deformation costs.
     pub deformation: f64,

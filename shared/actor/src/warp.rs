@@ -1,6 +1,6 @@
 //! Temporal warps: how the source and destination segments of a transition are matched, frame by frame.
 //!
-//! A warp is a path through the grid of a dynamic time warping (thesis 2.5.2), from (0, 0) to (li - 1, lj - 1).
+//! A warp is a path through the grid of a dynamic time warping (thesis section 2.5.2), from (0, 0) to (li - 1, lj - 1).
 
 /// One step of a warp's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,7 +7,8 @@ use super::appearance::{AppearanceInput, AppearanceReport, Textures, encode as a
 use super::error::EncodeError;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
 use super::geometry::quantise::Grid;
-use super::header::{Header, Kind};
+use super::header::Header;
+use super::kind::Kind;
 use super::limits::{
     MAX_BYTES, MAX_CORNERS, MAX_IMAGES, MAX_MATERIALS, MAX_SECTION_BYTES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };

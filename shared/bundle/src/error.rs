@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::header::{Kind, VERSION_MAJOR};
+use super::kind::{Kind, VERSION_MAJOR};
 
 /// Why bytes are not a bundle that this library can read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

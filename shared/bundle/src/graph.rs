@@ -5,7 +5,7 @@ use glam::Vec2;
 use super::entropy::binary::{Bit, Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::error::BundleError;
-use super::header::Kind;
+use super::kind::Kind;
 use actor::graph::{EssentialGraph, Transition};
 use actor::timeline::Timeline;
 use actor::warp::{Move, Warp};

@@ -1,7 +1,8 @@
 //! Which sections a bundle must have, and which must come before which so that each can be read when it arrives.
 
 use super::error::BundleError;
-use super::header::{Header, Kind};
+use super::header::Header;
+use super::kind::Kind;
 use super::meta::Meta;
 
 /// Checks the kinds of sections, their numbers and their order.

@@ -1,6 +1,6 @@
 //! The bundle: everything that the player needs, in one file that can be drawn before all of it has arrived.
 //!
-//! `docs/bundle-format.md` describes the format. This module is pure: bytes to types and back, no input or output.
+//! `docs/bundle-format.md` describes the format. This crate is pure: bytes to types and back, no input or output.
 //! [`encode`] writes a bundle; [`BundleReader`] reads one as it arrives and serves its poses; [`validate`] says what is
 //! wrong with one. Nothing here trusts a length, an index or a count, before or after decompression.
 
@@ -15,6 +15,7 @@ mod error;
 mod graph;
 mod header;
 mod integers;
+mod kind;
 mod layout;
 mod meta;
 mod motion;
@@ -32,7 +33,8 @@ pub use encode::{
     BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_looks,
 };
 pub use error::{BundleError, EncodeError};
-pub use header::{Header, Kind, MAGIC, SectionEntry, VERSION_MAJOR, VERSION_MINOR};
+pub use header::{Header, SectionEntry};
+pub use kind::{Kind, MAGIC, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use sections::SectionInfo;

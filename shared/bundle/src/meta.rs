@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::BundleError;
 use super::geometry::schedule;
-use super::header::Kind;
+use super::kind::Kind;
 use super::limits::{
     MAX_CHUNK_FRAMES, MAX_COORDINATE, MAX_CORNERS, MAX_IMAGES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };

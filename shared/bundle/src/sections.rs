@@ -5,7 +5,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::checksum::checksum;
 use super::error::BundleError;
-use super::header::{Codec, Header, Kind, SectionEntry, VERSION_MAJOR};
+use super::header::{Codec, Header, SectionEntry};
+use super::kind::{Kind, VERSION_MAJOR};
 
 /// A line of the list of sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::entropy::binary::{Bit, Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::error::BundleError;
-use super::header::Kind;
+use super::kind::Kind;
 use super::limits::{MAX_IMAGES, MAX_MATERIALS};
 use super::meta::Meta;
 use super::triangles;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::appearance::{ModeDecoder, Textures};
 use super::error::BundleError;
-use super::header::VERSION_MINOR;
+use super::kind::VERSION_MINOR;
 use super::reader::BundleReader;
 use actor::pose_source::PoseSource;
 

@@ -1,4 +1,4 @@
-//! Poisson interpolation at 5,000 and 10,000 vertices: `cargo bench -p reprise-shared --bench poisson`.
+//! Poisson interpolation at 5,000 and 10,000 vertices: `cargo bench -p reprise-kernels --bench poisson`.
 //!
 //! Marks (docs/performance.md): a solve of three right sides at 10,000 vertices 0.7 ms, a factorisation 10 ms, an
 //! in-between 2 ms.
@@ -9,7 +9,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::{Quat, Vec3, Vec4};
-use kernels::cholesky::{SymbolicCholesky, Workspace, elimination_order};
+use kernels::cholesky::{Factor, Workspace, elimination_order};
 use kernels::gradients::{PairGradients, TriangleBatches};
 use kernels::laplacian::{Laplacian, LaplacianPattern};
 use kernels::poisson::{KeyedPose, PoissonInterpolator};
@@ -79,26 +79,26 @@ fn benches(criterion: &mut Criterion) {
         let triangles = TriangleBatches::new(topology.triangles());
         let order = elimination_order(topology);
         let pattern = LaplacianPattern::new(topology, &triangles, &order).unwrap();
-        let symbolic = SymbolicCholesky::new(&pattern).unwrap();
+        let symbolic = pattern.symbolic().unwrap();
         let mut workspace = Workspace::default();
         let mut laplacian = Laplacian::default();
         pattern.assemble(&triangles, &source, &mut laplacian);
-        let factor = symbolic.factorise(&laplacian, &mut workspace).unwrap();
+        let factor: Factor = symbolic.factorise_regularised(&laplacian, &mut workspace).unwrap();
         let right = vec![Vec4::ONE; pattern.free_count()];
 
         group.bench_function("order", |b| b.iter(|| elimination_order(black_box(topology))));
-        group.bench_function("symbolic", |b| b.iter(|| SymbolicCholesky::new(black_box(&pattern))));
+        group.bench_function("symbolic", |b| b.iter(|| black_box(&pattern).symbolic()));
         group.bench_function("laplacian", |b| {
             b.iter(|| pattern.assemble(&triangles, black_box(&source), &mut laplacian))
         });
         group.bench_function("factorise", |b| {
-            b.iter(|| symbolic.factorise(black_box(&laplacian), &mut workspace).unwrap());
+            b.iter(|| symbolic.factorise_regularised::<f32>(black_box(&laplacian), &mut workspace).unwrap());
         });
         let (mut x, mut scratch) = (right.clone(), Vec::new());
         group.bench_function("solve", |b| {
             b.iter(|| {
                 x.copy_from_slice(&right);
-                symbolic.solve(&factor, black_box(&mut x), &mut scratch);
+                symbolic.solve_in_order(&factor, black_box(&mut x), &mut scratch);
             });
         });
         let mut product = right.clone();

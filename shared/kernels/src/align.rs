@@ -75,7 +75,8 @@ pub fn centre_of_mass(pose: &[Vec3], weights: &[f32]) -> Vec3 {
     sum.as_vec3()
 }
 
-/// The angle in radians by which `moving` must be turned about +Y to lie best on `fixed` (`Align` of algorithm 2):
+/// The angle in radians by which `moving` must be turned about +Y to lie best on `fixed` (`Align` of thesis algorithm
+/// 2, by thesis equation 2.3):
 /// the least weighted sum of squared distances in the ground plane once their centres of mass coincide.
 ///
 /// 0 where the poses do not tell (all weight on one vertical line).

@@ -1,53 +1,94 @@
-//! Cotangent Laplacians of poses over a topology's fixed sparsity.
+//! Laplacians of meshes: a pattern, and weights over it.
 //!
-//! This work is based on: Boukhayma, thesis (2017), equation 2.40: `(L v)_k = sum over l of w_kl (v_k - v_l)` with
-//! `w_kl` half the sum of the cotangents opposite to the edge. Weights are not clamped.
+//! This work is based on: Boukhayma, thesis (2017), equation 2.40: `(L v)_k = sum over l of w_kl (v_k - v_l)`. Cotangent
+//! weights are those of that equation, half the sum of the cotangents opposite to the edge, and are not clamped; uniform
+//! weights and any others are there too.
 //!
-//! One vertex of each connected component, its *anchor*, is held, which takes the null vectors away. Everything lies in
-//! elimination order (see [`crate::cholesky`]), anchors last and left out.
+//! Who solves with a Laplacian alone holds one vertex of each connected component, its *anchor*, which takes the null vectors
+//! away: [`LaplacianPattern::new`] renumbers the vertices in an order of elimination, anchors last and left out. Who adds
+//! constraints of his own keeps the mesh's numbers and holds nothing: [`LaplacianPattern::unheld`].
+//!
+//! Here the last vertex of a strip is drawn aside; the others follow as a sheet of rubber would:
+//!
+//! ```
+//! use glam::Vec3;
+//! use kernels::cholesky::{ConstrainedFactor, Constraints, EliminationOrder, SolveScratch, Symbolic, Workspace};
+//! use kernels::gradients::TriangleBatches;
+//! use kernels::laplacian::{Laplacian, LaplacianPattern};
+//! use kernels::topology::Topology;
+//!
+//! let pose = [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0], [2.0, 0.5]].map(|[x, y]| Vec3::new(x, y, 0.0));
+//! let triangles = vec![[0, 2, 1], [2, 3, 1], [2, 4, 3]];
+//! let topology = Topology::new(5, triangles, vec![1.0; 5]).unwrap();
+//! let batches = TriangleBatches::new(topology.triangles());
+//!
+//! // The pose's Laplacian, negative weights clamped.
+//! let pattern = LaplacianPattern::unheld(&topology, &batches, &[])?;
+//! let mut laplacian = Laplacian::default();
+//! pattern.assemble(&batches, &pose, &mut laplacian);
+//! pattern.change_weights(&mut laplacian, |_, weight| weight.max(1e-3));
+//!
+//! // What keeps the shape is the Laplacian of the pose; two vertices stay and one is drawn.
+//! let symmetric = pattern.symmetric();
+//! let symbolic = Symbolic::new(symmetric, &EliminationOrder::minimum_degree(symmetric))?;
+//! let mut constraints = Constraints::new();
+//! constraints.hard(0);
+//! constraints.hard(1);
+//! constraints.soft(4, 30.0);
+//! let mut workspace = Workspace::default();
+//! let matrix = pattern.matrix(&laplacian);
+//! let factor = ConstrainedFactor::<f32>::new(&symbolic, &matrix, &constraints, &mut workspace)?;
+//! let mut places: Vec<f32> = pattern.multiply_points(&laplacian, &pose).iter().flat_map(|v| v.to_array()).collect();
+//! let wanted = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.5, 0.5];
+//! factor.solve(&symbolic, &wanted, 3, &mut places, &mut SolveScratch::default())?;
+//! assert_eq!(places[..6], wanted[..6]);
+//! assert!((places[14] - 0.5).abs() < 0.05 && places[8] > 0.1);
+//! # Ok::<(), kernels::cholesky::CholeskyError>(())
+//! ```
+
+mod cotangents;
+mod numbering;
 
 use glam::{Vec3, Vec4};
 
-use crate::cholesky::{CholeskyError, anchors_last};
-use crate::gradients::{TriangleBatches, frame};
+use crate::cholesky::{CholeskyError, EliminationOrder, Symbolic, SymmetricEntries, SymmetricMatrix, SymmetricPattern};
+use crate::components::connected_components;
+use crate::gradients::TriangleBatches;
 use crate::lanes::{LANES, Lanes};
-use crate::sort::{key, numbers, sort};
 use crate::topology::Topology;
-
-/// Narrowest triangle that is weighted as it is, height over longest edge. Single precision cannot hold the weights of
-/// narrower ones (their three cotangents cancel); they are weighted as if they were this wide.
-const NARROWEST: f32 = 1e-3;
-
-/// Triangles below this fraction of the mean area have no weight.
-const DEGENERATE: f64 = 1e-12;
+use cotangents::set_half_cotangents;
+use numbering::{anchors_last, check_ties, number_edges};
 
 /// Which entries the Laplacian of any pose has, and where each triangle's weights go.
+///
+/// Rows are *positions*: the vertices in an order of elimination ([`Self::new`]) or as the mesh has them
+/// ([`Self::unheld`]).
 #[derive(Clone, Debug)]
 pub struct LaplacianPattern {
-    /// Vertices in elimination order, anchors last.
-    order: Vec<u32>,
-    /// Place of each vertex in elimination order; anchors take the last ones.
+    /// Vertices by position, anchors last.
+    order: EliminationOrder,
     position_of_vertex: Vec<u32>,
     free_count: usize,
-    /// Edges as positions, each once.
-    edges: Vec<[u32; 2]>,
-    /// Edge opposite to each corner of each triangle, as the triangles' batches; the filling points to edge 0.
+    pattern: SymmetricPattern,
+    /// Edge opposite to each corner of each triangle, as the triangles' batches; the filling, and sides from a vertex to
+    /// itself, point behind the last edge.
     edge_of_corner: Vec<[[u32; LANES]; 3]>,
-    /// Compressed rows of the free vertices: their free neighbours.
-    row_start: Vec<u32>,
-    columns: Vec<u32>,
-    edge_of_entry: Vec<u32>,
 }
 
-/// The Laplacian of a pose.
+/// The Laplacian of a pose, in single precision.
+///
+/// Its diagonal is rounded, too, so that its rows sum to zero only nearly, which is as good as a constraint of a weight of
+/// 1e-7. That does no harm where a vertex of each component is held; where constraints are to hold the mesh, factorise
+/// [`LaplacianPattern::matrix`], which knows a part that nothing holds.
 #[derive(Clone, Debug, Default)]
 pub struct Laplacian {
     /// Half cotangents at the three corners of each triangle, by batch.
     pub(crate) half_cotangents: Vec<[Lanes; 3]>,
     /// Weight of each edge of the pattern.
-    pub(crate) weights: Vec<f32>,
-    /// Diagonal entries of the free vertices.
+    weights: Vec<f32>,
+    /// Diagonal entries, anchors' included.
     pub(crate) diagonal: Vec<f32>,
+    /// The weights in the order of the pattern's rows.
     entries: Vec<f32>,
 }
 
@@ -58,21 +99,57 @@ impl LaplacianPattern {
     /// # Errors
     /// [`CholeskyError::Order`] where `order` does not name every vertex once.
     pub fn new(topology: &Topology, triangles: &TriangleBatches, order: &[u32]) -> Result<Self, CholeskyError> {
-        let order = anchors_last(topology, order)?;
-        let mut position_of_vertex = vec![0; order.len()];
-        for (position, &vertex) in order.iter().enumerate() {
-            position_of_vertex[vertex as usize] = position as u32;
-        }
-        let (edges, edge_of_corner) = number_edges(triangles, &position_of_vertex);
-        let free_count = order.len() - topology.component_count();
-        let (row_start, columns, edge_of_entry) = rows(&edges, free_count);
-        Ok(Self { order, position_of_vertex, free_count, edges, edge_of_corner, row_start, columns, edge_of_entry })
+        let components = (topology.component_of_vertex(), topology.component_count());
+        let order = anchors_last(components, order)?;
+        Ok(Self::numbered(topology, triangles, order, topology.component_count(), &[]))
     }
 
-    /// The vertices in the order of elimination, the anchors last.
+    /// As [`Self::new`], with further edges, *ties*, between vertices: parts that are tied together have one anchor. Ties
+    /// have no weight until [`Self::change_weights`] gives them one.
+    ///
+    /// # Errors
+    /// [`CholeskyError::Order`]; [`CholeskyError::NoRow`] where a tie names a vertex that does not exist.
+    pub fn tied(
+        topology: &Topology,
+        triangles: &TriangleBatches,
+        order: &[u32],
+        ties: &[[u32; 2]],
+    ) -> Result<Self, CholeskyError> {
+        check_ties(topology, ties)?;
+        let sides = topology.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+        let (component_of_vertex, count) =
+            connected_components(topology.vertex_count(), sides.chain(ties.iter().copied()));
+        let order = anchors_last((&component_of_vertex, count), order)?;
+        Ok(Self::numbered(topology, triangles, order, count, ties))
+    }
+
+    /// The pattern in the mesh's own numbering, no vertex held, with further edges as in [`Self::tied`]. For systems with
+    /// constraints of their own: see [`crate::cholesky::ConstrainedFactor`].
+    ///
+    /// # Errors
+    /// [`CholeskyError::NoRow`] where a tie names a vertex that does not exist.
+    pub fn unheld(topology: &Topology, triangles: &TriangleBatches, ties: &[[u32; 2]]) -> Result<Self, CholeskyError> {
+        check_ties(topology, ties)?;
+        Ok(Self::numbered(topology, triangles, EliminationOrder::natural(topology.vertex_count()), 0, ties))
+    }
+
+    fn numbered(
+        topology: &Topology,
+        triangles: &TriangleBatches,
+        order: EliminationOrder,
+        anchors: usize,
+        ties: &[[u32; 2]],
+    ) -> Self {
+        let position_of_vertex = order.positions();
+        let (edges, edge_of_corner) = number_edges(triangles, &position_of_vertex, ties);
+        let pattern = SymmetricPattern::from_sorted(topology.vertex_count(), edges);
+        Self { free_count: topology.vertex_count() - anchors, order, position_of_vertex, pattern, edge_of_corner }
+    }
+
+    /// The vertices by position: in the order of elimination, the anchors last.
     #[must_use]
     pub fn order(&self) -> &[u32] {
-        &self.order
+        self.order.rows()
     }
 
     /// Number of vertices that are not anchors.
@@ -81,130 +158,154 @@ impl LaplacianPattern {
         self.free_count
     }
 
-    /// Place of each vertex in elimination order.
+    /// Position of each vertex.
     #[must_use]
     pub fn position_of_vertex(&self) -> &[u32] {
         &self.position_of_vertex
     }
 
-    /// The free neighbours of a free vertex, in order, and the edges to them.
-    pub(crate) fn row(&self, row: usize) -> (&[u32], &[u32]) {
-        let entries = self.row_start[row] as usize..self.row_start[row + 1] as usize;
-        (&self.columns[entries.clone()], &self.edge_of_entry[entries])
+    /// The pattern by positions, anchors included.
+    #[must_use]
+    pub fn symmetric(&self) -> &SymmetricPattern {
+        &self.pattern
     }
 
-    /// Sets `laplacian` to that of `pose`, in metres.
+    /// The analysis of the pattern in the order of its positions, anchors left out.
+    ///
+    /// # Errors
+    /// As [`Symbolic::of_first`].
+    pub fn symbolic(&self) -> Result<Symbolic, CholeskyError> {
+        Symbolic::of_first(&self.pattern, &EliminationOrder::natural(self.pattern.row_count()), self.free_count)
+    }
+
+    /// Sets `laplacian` to that of `pose`, in metres, with cotangent weights.
     pub fn assemble(&self, triangles: &TriangleBatches, pose: &[Vec3], laplacian: &mut Laplacian) {
         set_half_cotangents(triangles, pose, &mut laplacian.half_cotangents);
-        laplacian.weights.clear();
-        laplacian.weights.resize(self.edges.len(), 0.0);
+        let weights = &mut laplacian.weights;
+        weights.clear();
+        weights.resize(self.pattern.edges().len() + 1, 0.0);
         for (edges, cotangents) in self.edge_of_corner.iter().zip(&laplacian.half_cotangents) {
             for corner in 0..3 {
                 for lane in 0..LANES {
-                    laplacian.weights[edges[corner][lane] as usize] += cotangents[corner].0[lane];
+                    weights[edges[corner][lane] as usize] += cotangents[corner].0[lane];
                 }
             }
         }
+        weights.pop();
+        self.set_entries(laplacian);
+    }
+
+    /// Sets `laplacian` to that of weight 1 on every edge, ties included.
+    pub fn assemble_uniform(&self, laplacian: &mut Laplacian) {
+        laplacian.half_cotangents.clear();
+        laplacian.weights.clear();
+        laplacian.weights.resize(self.pattern.edges().len(), 1.0);
+        self.set_entries(laplacian);
+    }
+
+    /// Sets `laplacian` to that of these weights, one for each edge of [`Self::symmetric`].
+    ///
+    /// # Errors
+    /// [`CholeskyError::Shape`] where there are more or fewer.
+    pub fn assemble_given(&self, weights: &[f32], laplacian: &mut Laplacian) -> Result<(), CholeskyError> {
+        let (found, expected) = (weights.len(), self.pattern.edges().len());
+        if found != expected {
+            return Err(CholeskyError::Shape { what: "weights", found, expected });
+        }
+        laplacian.half_cotangents.clear();
+        laplacian.weights.clear();
+        laplacian.weights.extend_from_slice(weights);
+        self.set_entries(laplacian);
+        Ok(())
+    }
+
+    /// Replaces the weight of each edge by what `change` makes of it and the edge's two vertices: clamps weights, or gives
+    /// ties theirs.
+    pub fn change_weights(&self, laplacian: &mut Laplacian, mut change: impl FnMut([u32; 2], f32) -> f32) {
+        for (weight, ends) in laplacian.weights.iter_mut().zip(self.pattern.edges()) {
+            *weight = change(ends.map(|position| self.order()[position as usize]), *weight);
+        }
+        self.set_entries(laplacian);
+    }
+
+    /// Sets all that follows from the weights.
+    fn set_entries(&self, laplacian: &mut Laplacian) {
         laplacian.diagonal.clear();
-        laplacian.diagonal.resize(self.position_of_vertex.len(), 0.0);
-        for (&[k, l], &weight) in self.edges.iter().zip(&laplacian.weights) {
+        laplacian.diagonal.resize(self.pattern.row_count(), 0.0);
+        for (&[k, l], &weight) in self.pattern.edges().iter().zip(&laplacian.weights) {
             laplacian.diagonal[k as usize] += weight;
             laplacian.diagonal[l as usize] += weight;
         }
-        laplacian.diagonal.truncate(self.free_count);
         laplacian.entries.clear();
-        laplacian.entries.extend(self.edge_of_entry.iter().map(|&edge| laplacian.weights[edge as usize]));
+        laplacian.entries.extend(self.pattern.edge_of_entry().iter().map(|&edge| laplacian.weights[edge as usize]));
     }
 
-    /// `out = L x` for the free vertices, the anchors held at zero.
+    /// `out = L x` for the free vertices, by position, the anchors held at zero; one number a lane.
     pub fn multiply(&self, laplacian: &Laplacian, x: &[Vec4], out: &mut [Vec4]) {
+        let x = &x[..self.free_count];
         for row in 0..self.free_count {
-            let entries = self.row_start[row] as usize..self.row_start[row + 1] as usize;
             let mut sum = x[row] * laplacian.diagonal[row];
-            for (&column, &weight) in self.columns[entries.clone()].iter().zip(&laplacian.entries[entries]) {
-                sum -= x[column as usize] * weight;
+            let entries = &laplacian.entries[self.pattern.entries(row)];
+            for (&column, &weight) in self.pattern.row(row).0.iter().zip(entries) {
+                // Anchors are the last columns.
+                let Some(&x) = x.get(column as usize) else { break };
+                sum -= x * weight;
             }
             out[row] = sum;
         }
     }
+
+    /// `L x` for all vertices, `x` and the result by vertex: the differential coordinates of a pose.
+    #[must_use]
+    pub fn multiply_points(&self, laplacian: &Laplacian, x: &[Vec3]) -> Vec<Vec3> {
+        let mut out = vec![Vec3::ZERO; self.pattern.row_count()];
+        for (&ends, &weight) in self.pattern.edges().iter().zip(&laplacian.weights) {
+            let [k, l] = ends.map(|position| self.order()[position as usize] as usize);
+            let pull = (x[k] - x[l]) * weight;
+            out[k] += pull;
+            out[l] -= pull;
+        }
+        out
+    }
+
+    /// The Laplacian as a matrix in double precision, by position. Its rows sum to zero as nearly as double precision can.
+    #[must_use]
+    pub fn matrix(&self, laplacian: &Laplacian) -> SymmetricMatrix {
+        let mut matrix = SymmetricMatrix::zeros(&self.pattern);
+        for (edge, (&ends, &weight)) in self.pattern.edges().iter().zip(&laplacian.weights).enumerate() {
+            matrix.off_diagonal_mut()[edge] = -f64::from(weight);
+            for end in ends {
+                matrix.diagonal_mut()[end as usize] += f64::from(weight);
+            }
+        }
+        matrix
+    }
 }
 
-/// Numbers the edges by the positions of their ends, and gives the edge opposite to each corner.
-fn number_edges(triangles: &TriangleBatches, position_of_vertex: &[u32]) -> (Vec<[u32; 2]>, Vec<[[u32; LANES]; 3]>) {
-    let mut sides = Vec::with_capacity(triangles.triangle_count() * 3);
-    for triangle in 0..triangles.triangle_count() {
-        let corners = triangles.batches()[triangle / LANES].corners();
-        let [a, b, c] = corners.map(|corner| position_of_vertex[corner[triangle % LANES] as usize]);
-        for (corner, (k, l)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
-            sides.push(key([k.min(l), k.max(l), triangle as u32, corner as u32]));
-        }
+impl Laplacian {
+    /// The weight of each edge of the pattern.
+    #[must_use]
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
     }
-    sort(&mut sides);
-    let mut edges: Vec<[u32; 2]> = Vec::new();
-    let mut edge_of_corner = vec![[[0; LANES]; 3]; triangles.batches().len()];
-    for [k, l, triangle, corner] in sides.into_iter().map(numbers) {
-        let (triangle, corner) = (triangle as usize, corner as usize);
-        if edges.last() != Some(&[k, l]) {
-            edges.push([k, l]);
-        }
-        edge_of_corner[triangle / LANES][corner][triangle % LANES] = edges.len() as u32 - 1;
+
+    /// The diagonal by position: for each vertex the sum of its edges' weights.
+    #[must_use]
+    pub fn diagonal(&self) -> &[f32] {
+        &self.diagonal
     }
-    (edges, edge_of_corner)
 }
 
-/// Compressed rows: where each begins, its columns in order, and their edges.
-fn rows(edges: &[[u32; 2]], free_count: usize) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-    // A triangle that names a vertex twice has an edge from it to itself, which says nothing.
-    let says_something = |[k, l]: [u32; 2]| k != l && (l as usize) < free_count;
-    let edges = || (0..).zip(edges).map(|(edge, &ends)| (edge, ends)).filter(|&(_, ends)| says_something(ends));
-    let mut row_start = vec![0; free_count + 1];
-    for (_, [k, l]) in edges() {
-        row_start[k as usize + 1] += 1;
-        row_start[l as usize + 1] += 1;
+impl SymmetricEntries for Laplacian {
+    fn size(&self) -> [usize; 2] {
+        [self.diagonal.len(), self.weights.len()]
     }
-    for row in 0..free_count {
-        row_start[row + 1] += row_start[row];
-    }
-    let mut next = row_start.clone();
-    let entries = row_start[free_count] as usize;
-    let (mut columns, mut edge_of_entry) = (vec![0; entries], vec![0; entries]);
-    let mut put = |row: u32, column: u32, edge: u32| {
-        let at = next[row as usize] as usize;
-        next[row as usize] += 1;
-        (columns[at], edge_of_entry[at]) = (column, edge);
-    };
-    // Edges are in order, so that each row gets its smaller columns in order, then its larger ones.
-    edges().for_each(|(edge, [k, l])| put(l, k, edge));
-    edges().for_each(|(edge, [k, l])| put(k, l, edge));
-    (row_start, columns, edge_of_entry)
-}
 
-fn set_half_cotangents(triangles: &TriangleBatches, pose: &[Vec3], half_cotangents: &mut Vec<[Lanes; 3]>) {
-    half_cotangents.clear();
-    let mut areas = Vec::with_capacity(triangles.batches().len());
-    let mut sum = 0.0;
-    let half = Lanes::splat(0.5);
-    for batch in triangles.batches() {
-        let frame = frame(batch, pose);
-        let (a, b) = (frame.a, frame.b);
-        let area = a * frame.c * half;
-        sum += area.0.iter().map(|&area| f64::from(area)).sum::<f64>();
-        areas.push(area);
-        let longest = a.max((b * b + frame.c * frame.c).sqrt());
-        let longest = longest.max(((a - b) * (a - b) + frame.c * frame.c).sqrt());
-        let a = a.max(longest * Lanes::splat(NARROWEST));
-        let c = frame.c.max(longest * Lanes::splat(NARROWEST) * longest / a);
-        let half_inverse = half / c;
-        let first = b * half_inverse;
-        let second = (a - b) * half_inverse;
-        let third = (c * c - b * (a - b)) * half_inverse / a;
-        half_cotangents.push([first, second, third]);
+    fn diagonal(&self, row: usize) -> f64 {
+        f64::from(self.diagonal[row])
     }
-    let least = Lanes::splat((DEGENERATE * sum / triangles.triangle_count() as f64) as f32);
-    for (cotangents, &area) in half_cotangents.iter_mut().zip(&areas) {
-        for cotangent in cotangents {
-            // Not `area < least`: what is not a number has no weight either, and nor has the filling.
-            *cotangent = area.zip(*cotangent, |area, cotangent| if area > least.0[0] { cotangent } else { 0.0 });
-        }
+
+    fn off_diagonal(&self, edge: usize) -> f64 {
+        -f64::from(self.weights[edge])
     }
 }

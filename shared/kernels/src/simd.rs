@@ -29,19 +29,27 @@ enum Instructions {
 impl Level {
     /// The levels that this processor has, the widest first.
     pub fn available() -> Vec<Self> {
-        let mut levels = Vec::new();
-        #[cfg(target_arch = "x86_64")]
-        {
-            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            if avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-                levels.push(Self(Instructions::Avx512));
-            }
-            if avx2 {
-                levels.push(Self(Instructions::Avx2));
-            }
-        }
+        let mut levels = Self::wide();
         levels.push(Self(Instructions::Portable));
         levels
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn wide() -> Vec<Self> {
+        let mut levels = Vec::new();
+        let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+        if avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            levels.push(Self(Instructions::Avx512));
+        }
+        if avx2 {
+            levels.push(Self(Instructions::Avx2));
+        }
+        levels
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn wide() -> Vec<Self> {
+        Vec::new()
     }
 
     /// The widest level that this processor has.

@@ -3,6 +3,8 @@
 use glam::Vec3;
 use thiserror::Error;
 
+use crate::components::connected_components;
+
 /// Triangles over welded vertices, and the vertex weights of the planar alignment.
 ///
 /// Distances, Laplacians and Poisson solves run on this; drawing runs on `actor::surface::Surface`, whose corners
@@ -13,7 +15,7 @@ pub struct Topology {
     triangles: Vec<[u32; 3]>,
     weights: Vec<f32>,
     component_of_vertex: Vec<u32>,
-    component_count: u32,
+    component_count: usize,
 }
 
 /// Why triangles and weights are not a topology.
@@ -69,7 +71,8 @@ impl Topology {
         for weight in &mut weights {
             *weight = (f64::from(*weight) / sum) as f32;
         }
-        let (component_of_vertex, component_count) = components(vertex_count, &triangles);
+        let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+        let (component_of_vertex, component_count) = connected_components(vertex_count as usize, sides);
         Ok(Self { vertex_count, triangles, weights, component_of_vertex, component_count })
     }
 
@@ -100,7 +103,7 @@ impl Topology {
     /// Number of connected components.
     #[must_use]
     pub fn component_count(&self) -> usize {
-        self.component_count as usize
+        self.component_count
     }
 }
 
@@ -118,39 +121,6 @@ pub fn barycentric_areas(triangles: &[[u32; 3]], pose: &[Vec3]) -> Vec<f32> {
         }
     }
     areas
-}
-
-fn components(vertex_count: u32, triangles: &[[u32; 3]]) -> (Vec<u32>, u32) {
-    let mut parent: Vec<u32> = (0..vertex_count).collect();
-    for &[a, b, c] in triangles {
-        for other in [b, c] {
-            let (x, y) = (root(&mut parent, a), root(&mut parent, other));
-            // The smaller root wins, so that components are numbered by their first vertex.
-            parent[x.max(y) as usize] = x.min(y);
-        }
-    }
-    let mut number = vec![u32::MAX; vertex_count as usize];
-    let mut count = 0;
-    let component_of_vertex = (0..vertex_count)
-        .map(|vertex| {
-            let slot = &mut number[root(&mut parent, vertex) as usize];
-            if *slot == u32::MAX {
-                *slot = count;
-                count += 1;
-            }
-            *slot
-        })
-        .collect();
-    (component_of_vertex, count)
-}
-
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        let grandparent = parent[parent[vertex as usize] as usize];
-        parent[vertex as usize] = grandparent;
-        vertex = grandparent;
-    }
-    vertex
 }
 
 #[cfg(test)]

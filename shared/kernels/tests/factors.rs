@@ -9,7 +9,7 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 use fixtures::Random;
 use glam::{Vec3, Vec4};
-use kernels::cholesky::{CholeskyError, SymbolicCholesky, Workspace, elimination_order};
+use kernels::cholesky::{CholeskyError, Factor, Workspace, elimination_order};
 use kernels::gradients::TriangleBatches;
 use kernels::laplacian::{Laplacian, LaplacianPattern};
 use kernels::topology::Topology;
@@ -70,13 +70,13 @@ fn a_laplacian_times_a_vector_is_the_sum_over_its_triangles() {
 fn factors_solve_their_laplacian() {
     for seed in 0..4 {
         let case = case(seed);
-        let symbolic = SymbolicCholesky::new(&case.pattern).unwrap();
-        let factor = symbolic.factorise(&case.laplacian, &mut Workspace::default()).unwrap();
+        let symbolic = case.pattern.symbolic().unwrap();
+        let factor: Factor = symbolic.factorise(&case.laplacian, &mut Workspace::default()).unwrap();
         assert_eq!(factor.regularised, 0);
         let x = random_vectors(case.pattern.free_count(), seed + 10);
         let mut solved = vec![Vec4::ZERO; x.len()];
         case.pattern.multiply(&case.laplacian, &x, &mut solved);
-        symbolic.solve(&factor, &mut solved, &mut Vec::new());
+        symbolic.solve_in_order(&factor, &mut solved, &mut Vec::new());
         let error = solved.iter().zip(&x).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(error < 1e-4, "{error}");
     }
@@ -99,12 +99,12 @@ fn any_order_of_elimination_gives_the_same_solution() {
             let pattern = LaplacianPattern::new(&topology, &triangles, &order).unwrap();
             let mut laplacian = Laplacian::default();
             pattern.assemble(&triangles, &pose, &mut laplacian);
-            let symbolic = SymbolicCholesky::new(&pattern).unwrap();
-            let factor = symbolic.factorise(&laplacian, &mut Workspace::default()).unwrap();
+            let symbolic = pattern.symbolic().unwrap();
+            let factor: Factor = symbolic.factorise(&laplacian, &mut Workspace::default()).unwrap();
             let x = random_vectors(pattern.free_count(), 3);
             let mut solved = vec![Vec4::ZERO; x.len()];
             pattern.multiply(&laplacian, &x, &mut solved);
-            symbolic.solve(&factor, &mut solved, &mut Vec::new());
+            symbolic.solve_in_order(&factor, &mut solved, &mut Vec::new());
             let error = solved.iter().zip(&x).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
             assert_eq!(factor.regularised, 0);
             assert!(error < 1e-3, "{error} with {rings} rings of {around}");
@@ -156,7 +156,7 @@ fn factors_are_no_larger_than_in_the_order_of_faer() {
         let (topology, _) = together(&[tube(rings, around)], 0);
         let triangles = TriangleBatches::new(topology.triangles());
         let size = |order: &[u32]| {
-            SymbolicCholesky::new(&LaplacianPattern::new(&topology, &triangles, order).unwrap()).unwrap().value_count()
+            LaplacianPattern::new(&topology, &triangles, order).unwrap().symbolic().unwrap().value_count()
         };
         let (ours, theirs) = (size(&elimination_order(&topology)), size(&order_of_faer(&topology)));
         println!("{} vertices: {ours} numbers, faer's order {theirs}", topology.vertex_count());
@@ -175,5 +175,5 @@ fn an_order_that_fills_in_is_refused() {
         order.swap(last, ((random.signed() + 1.0) * 0.5 * last as f32) as usize);
     }
     let pattern = LaplacianPattern::new(&topology, &triangles, &order).unwrap();
-    assert!(matches!(SymbolicCholesky::new(&pattern), Err(CholeskyError::Fill(_))));
+    assert!(matches!(pattern.symbolic(), Err(CholeskyError::Fill(_))));
 }

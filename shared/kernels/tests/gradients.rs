@@ -44,7 +44,7 @@ fn wanted_edges_match_the_polar_decomposition_from_both_sides() {
         for lambda in [0.0, 0.1, 0.5, 0.77, 1.0] {
             let found = gradients.triangle_edges(k, lambda as f32).map(|e| e.as_dvec3());
             let forth = exact::gradient(to, back, lambda);
-            // Thesis 2.4.3 deforms the destination by its own gradient, 1 - lambda of the way back.
+            // Thesis section 2.4.3 deforms the destination by its own gradient, 1 - lambda of the way back.
             let other = exact::gradient(back, to, 1.0 - lambda);
             for ((found, from), to) in found.iter().zip(edges(i)).zip(edges(j)) {
                 let error = found.distance(forth * from).max(found.distance(other * to));

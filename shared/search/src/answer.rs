@@ -89,7 +89,8 @@ pub enum Goal {
     },
     /// It wanders.
     Wander {
-        /// The objective of Prada and others (2016), 7.1: for equal probabilities, after the proxy, and as it is used.
+        /// The objective of Prada and others (2016), section 7.1: for equal probabilities, after the proxy, and as it
+        /// is used.
         objectives: [f64; 3],
         /// Frames that are visited.
         frames: u32,

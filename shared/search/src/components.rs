@@ -1,5 +1,5 @@
-//! Where the actor never gets stuck: the largest set of frames that all reach each other (Prada and others 2016, 7), and
-//! the frames that lead into it.
+//! Where the actor never gets stuck: the largest set of frames that all reach each other (Prada and others 2016,
+//! section 7), and the frames that lead into it.
 
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;

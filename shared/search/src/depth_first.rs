@@ -1,5 +1,5 @@
-//! The papers' search, exhaustive: depth-first branch-and-bound (thesis 3.5; Kovar and others 2002). The oracle that the
-//! tool's search is measured against; its time grows exponentially.
+//! The papers' search, exhaustive: depth-first branch-and-bound (thesis section 3.5; Kovar and others 2002). The oracle
+//! that the tool's search is measured against; its time grows exponentially.
 
 use super::task::{Found, State, Task};
 use super::ways::Ways;

@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use super::answer::{Goal, KeyRow};
-use super::direct::Scene;
 use super::keys::{KeyLeg, LegEnd};
 use super::request::{KeysRequest, RequestError};
+use super::scene::Scene;
 use actor::walk::Walk;
 
 /// Key poses that are being worked on.

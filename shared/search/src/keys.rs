@@ -1,4 +1,5 @@
-//! Key poses at given times: from one pose to the next in a given number of steps (thesis 3.5.2, figure 3.18).
+//! Key poses at given times: from one pose to the next in a given number of steps (thesis section 3.5.2 and
+//! figure 3.18; TVCG section 4.3.2 and table 2).
 //!
 //! Where the papers search depth-first, this is exact: the cheapest walk to every frame in every number of steps, a table
 //! filled from the start and pruned from the end, as both ends are known. Time errors are handed on by the caller, who

@@ -30,6 +30,7 @@ mod place;
 mod queue;
 mod random;
 mod request;
+mod scene;
 mod shortest;
 mod spot;
 mod task;
@@ -43,7 +44,7 @@ pub use behaviour::{Hold, LoopSearch, holding_loop, walk_to_any, walk_to_behavio
 pub use components::{Components, components, components_of, reached, reaching};
 pub use curve::{Curve, Shape};
 pub use depth_first::{Exhausted, depth_first};
-pub use direct::{DEFAULT_EFFORT, Direction, Scene, Start};
+pub use direct::{DEFAULT_EFFORT, Direction};
 pub use keys::{KeyLeg, LegEnd};
 pub use meter::edges_looked_at;
 pub use path::{Demand, PathReport, PathTask};
@@ -53,6 +54,7 @@ pub use request::{
     BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
     RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
+pub use scene::{Scene, Start};
 pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};
 pub use spot::Spot;
 pub use task::{Found, LEAST_STEP_COST, Outlook, State, Task};

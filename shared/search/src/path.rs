@@ -1,5 +1,5 @@
 //! Following a path: the centre of mass, or a group of vertices, against the point of equal arc length of a curve, over
-//! stretches that may demand a behaviour (thesis 3.5.1, TVCG 4.3).
+//! stretches that may demand a behaviour (thesis section 3.5.1; TVCG section 4.3.1).
 
 use super::curve::Curve;
 use super::spot::{Spot, half_turn};
@@ -44,9 +44,10 @@ pub struct Demand {
 
 /// The task of following a path.
 ///
-/// J_c is, in metre-seconds, the sum over the walk's frames of the distance to the path's point of equal arc length, plus
-/// `realism` times the walk's cost J in the graph, plus what demands and an early end cost. A transition's frames are
-/// sampled every [`SAMPLE_STRIDE`] steps. The walk ends once it has travelled as far as the path is long.
+/// J_c (thesis equation 3.5; TVCG equation 11) is, in metre-seconds, the sum over the walk's frames of the distance to
+/// the path's point of equal arc length, plus `realism` times the walk's cost J in the graph, plus what demands and an
+/// early end cost. A transition's frames are sampled every [`SAMPLE_STRIDE`] steps. The walk ends once it has travelled
+/// as far as the path is long.
 #[derive(Clone, Debug)]
 pub struct PathTask {
     /// The path, in the world.

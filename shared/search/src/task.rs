@@ -15,7 +15,7 @@ pub struct State {
     pub travelled: f64,
     /// Steps so far.
     pub steps: u32,
-    /// What the task's errors and the edges have cost so far: J_c of thesis equation 3.5.
+    /// What the task's errors and the edges have cost so far: J_c of thesis equation 3.5, TVCG equation 11.
     pub cost: f64,
 }
 

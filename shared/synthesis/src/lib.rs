@@ -1,8 +1,9 @@
 //! Synthesis of a walk through the essential graph, one frame at a time, with constant memory.
 //!
-//! This work is based on: Boukhayma, thesis (2017), section 3.4, algorithms 2 and 3. The centre of mass steps by the
-//! displacements between the frames that the warps actually visit; the papers' n + 1 would count a repeated frame's
-//! displacement twice. Walks may change their mind; wraps of cyclic sequences are bridged ([`recorded_step`]).
+//! This work is based on: Boukhayma, thesis (2017), section 3.4, algorithms 2 and 3; TVCG algorithms 1 and 2. The
+//! centre of mass steps by the displacements between the frames that the warps actually visit; the papers' n + 1 would
+//! count a repeated frame's displacement twice. Walks may change their mind; wraps of cyclic sequences are bridged
+//! ([`recorded_step`]).
 
 use std::collections::VecDeque;
 

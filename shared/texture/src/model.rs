@@ -8,14 +8,16 @@
 //! light would spend the modes on highlights and let shadows band. What a warp moves is the same in both, and a GPU
 //! decodes to linear light on sampling once the texture has been rebuilt.
 
-/// Eigen textures and Eigen warps of a capture (thesis ch. 4). Texel order: row-major, only active texels, `active` a
-/// bitmask of width*height.
+use serde::{Deserialize, Serialize};
+
+/// Eigen textures and Eigen warps of a capture (thesis section 4.4.2, equations 4.4 to 4.11). Texel order: row-major,
+/// only active texels, `active` a bitmask of width*height.
 ///
 /// Everything is indexed by active texel, in row-major order: colours as red, green, blue of one texel after the other,
 /// warps as dx, dy (x to the right, y down, in texels). A frame's textures are rebuilt in two steps: the aligned texture
 /// is `mean_texture + sum c_k textures[k]`, the backward warp `mean_warp + sum b_k warps[k]`, and the texture that is
 /// drawn is the aligned one moved by the warp.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AppearanceModel {
     /// Width of the texture in texels.
     pub width: u32,

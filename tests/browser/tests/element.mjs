@@ -92,7 +92,7 @@ export const tests = {
     const named = (list) => list.map(({ name }) => name).sort();
     assert.deepEqual(named(player.attributes), [...ReprisePlayer.observedAttributes, 'autoplay'].sort());
     const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
-    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
+    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'adoptedCallback', 'attributeChangedCallback'];
     assert.deepEqual(named(player.members), own.filter((name) => !inner.includes(name)).sort());
     const map = types.slice(types.indexOf('interface ReprisePlayerEventMap'), types.indexOf('declare global'));
     assert.deepEqual(named(player.events), [...map.matchAll(/^ {2}(\w+): CustomEvent/gm)].map(([, name]) => name).sort());
@@ -146,7 +146,7 @@ export const tests = {
       element.direction = { version: 1, target: { place: { x: 0.5, z: 0.5 } } };
     });
     assert.deepEqual((await player.heard('change')).map(({ tool }) => tool), ['place']);
-    await player.until('an answer', () => window.answers.length > 0);
+    await player.untilFound('an answer', () => window.answers.length > 0);
     assert.equal((await player.page.evaluate(() => window.answers)).at(-1), true);
     assert.ok((await player.heard('answer')).length > 0);
     await player.close();
@@ -223,6 +223,125 @@ export const tests = {
     await player.close();
   },
 
+  'null and undefined are no words': async (browser) => {
+    const player = await bare(browser);
+    const found = await player.page.evaluate(() => {
+      const given = { src: '/a.reprise', poster: '/a.png', alt: 'a', loading: 'lazy', controls: true, autoplay: true, loop: true, tint: true, theme: 'dark', speed: 2, camera: '1deg 2deg', originals: 'a', tool: 'path' };
+      // Not in the page, where an address would be fetched.
+      const element = document.createElement('reprise-player');
+      const fresh = Object.fromEntries(Object.keys(given).map((name) => [name, element[name]]));
+      return [null, undefined].flatMap((nothing) =>
+        Object.entries(given).map(([name, value]) => {
+          element[name] = value;
+          const [there, before] = [element.hasAttribute(name), element[name]];
+          element[name] = nothing;
+          return { name, there, taken: before === value, left: element.getAttribute(name), same: element[name] === fresh[name] };
+        }),
+      );
+    });
+    assert.equal(found.length, 26);
+    for (const one of found) assert.deepEqual(one, { name: one.name, there: true, taken: true, left: null, same: true });
+    await player.close();
+  },
+
+  'properties that were set before the class was there count': async (browser) => {
+    const player = await browser.open({ path: 'examples/empty.html' });
+    const found = await player.page.evaluate(async () => {
+      const given = { src: '/demo.reprise', alt: 'somebody', controls: true, loop: false, tint: true, speed: 2, theme: 'dark', camera: '90deg 20deg 1.5', poster: null };
+      const direction = { version: 1, target: { place: { x: 0.5, z: 0.25 } } };
+      const parsed = document.createElement('div');
+      parsed.setHTMLUnsafe?.('<reprise-player loop></reprise-player>');
+      if (!parsed.firstChild) parsed.append(document.createElement('reprise-player'));
+      const [inPage, later] = [parsed.firstChild, document.createElement('reprise-player')];
+      document.body.append(parsed);
+      for (const element of [inPage, later]) Object.assign(element, given, { direction, info: 'of somebody’s own', about: 'kept' });
+      later.src = null;
+      await import('/reprise-player.js');
+      document.body.append(later);
+      const read = (element) => ({ ...Object.fromEntries(Object.keys(given).map((name) => [name, element[name]])), own: Object.keys(element), info: element.info, about: element.about });
+      window.given = [inPage, later];
+      return { inPage: read(inPage), later: read(later), html: inPage.outerHTML };
+    });
+    const expected = { src: '/demo.reprise', alt: 'somebody', controls: true, loop: false, tint: true, speed: 2, theme: 'dark', camera: '90deg 20deg 1.5', poster: '', own: ['about'], info: null, about: 'kept' };
+    assert.deepEqual(found.inPage, expected);
+    assert.deepEqual(found.later, { ...expected, src: '' });
+    assert.doesNotMatch(found.html, /null|undefined|loop/);
+    // The first one has an actor: it looks that way, and is asked for that place.
+    await player.event('load');
+    await player.untilFound('an answer', () => window.given[0].answer !== null);
+    const shown = await player.page.evaluate(() => {
+      const [element] = window.given;
+      return { direction: element.direction.target, tool: element.tool, camera: Array.from(element.testing.stage.camera()).at(-1), speed: element.shadowRoot.querySelector('.speed').value };
+    });
+    assert.deepEqual(shown.direction, { place: { x: 0.5, z: 0.25 } });
+    assert.deepEqual([shown.tool, shown.speed], ['place', '2']);
+    // Asked for nothing, as a framework does that takes a property away.
+    await player.page.evaluate(() => {
+      for (const nothing of [null, undefined]) window.given[0].direction = nothing;
+    });
+    assert.equal(await player.page.evaluate(() => window.given[0].direction), null);
+    await player.close();
+  },
+
+  'the script of the tools is fetched when the first of them is needed, and only then': async (browser) => {
+    const player = await bare(browser);
+    const fetched = () => player.page.evaluate(() => performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/reprise-tools.js')).length);
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise' }));
+    await player.loaded();
+    // What pages ask for needs no tools.
+    const answer = await player.run((element) => element.goTo({ x: element.state.x + 0.5, z: element.state.z + 0.5 }));
+    assert.ok(answer.place.distance < 0.5);
+    await player.run((element) => {
+      element.queue(20, { behaviour: element.behaviours[0], hold: 1 });
+      element.cancel();
+      element.goTo(40);
+    });
+    assert.deepEqual((await player.run((element) => element.direction)).target, { pose: 40 });
+    assert.equal(await fetched(), 0);
+    assert.equal(await player.run((element) => element.shadowRoot.querySelector('.tools')), null);
+    // One that is asked for on the ground is drawn by its tool.
+    await player.run((element) => (element.direction = { version: 1, target: { place: { x: 1, z: 1 } } }));
+    assert.equal(await player.run((element) => element.tool), 'place');
+    assert.deepEqual((await player.run((element) => element.direction)).target, { place: { x: 1, z: 1 } });
+    await player.until('the tools', (element) => element.shadowRoot.querySelector('.place-dock'));
+    assert.equal(await fetched(), 1);
+    await player.untilFound('an answer', (element) => element.answer !== null);
+    await player.run((element) => (element.controls = true));
+    await player.until('all tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 5);
+    assert.equal(await player.part('.place-dock').isVisible(), true);
+    assert.equal(await fetched(), 1);
+    await player.close();
+  },
+
+  'tools that do not come are told, and asked for again': async (browser) => {
+    let refused = 2;
+    const before = (page) => page.route('**/reprise-tools.js', (route) => (refused-- > 0 ? route.abort() : route.continue()));
+    const player = await bare(browser, { before, forgive: [/Failed to load resource/] });
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise', controls: '' }));
+    await player.event('error');
+    assert.deepEqual((await player.heard('error')).map(({ kind }) => kind), ['engine']);
+    // The actor is there all the same.
+    await player.loaded();
+    assert.ok((await player.run((element) => element.testing.picture())).drawn > 0.01);
+    assert.match(await player.part('.error .happened').textContent(), /program could not be loaded/);
+    await player.run((element) => (element.tool = 'path'));
+    await player.until('the second trouble', () => window.heard.filter(({ type }) => type === 'error').length === 2);
+    await player.run((element) => (element.tool = 'timing'));
+    await player.until('the tools', (element) => element.shadowRoot.querySelector('.timing-dock'));
+    await player.close();
+  },
+
+  'tools of another build are refused': async (browser) => {
+    const other = { contentType: 'text/javascript', body: 'export const build00000000 = () => ({ Tools: class {} });' };
+    const player = await bare(browser, { before: (page) => page.route('**/reprise-tools.js', (route) => route.fulfill(other)) });
+    await player.page.evaluate(() => window.make({ src: '/demo.reprise', controls: '' }));
+    await player.event('error');
+    assert.deepEqual((await player.heard('error')).map(({ kind }) => kind), ['engine']);
+    assert.match(await player.part('.error .todo').textContent(), /reload the page/);
+    await player.loaded();
+    await player.close();
+  },
+
   'controls are off unless asked for': async (browser) => {
     const player = await loaded(browser);
     for (const [on, shown] of [[false, false], [true, true]]) {
@@ -240,8 +359,10 @@ export const tests = {
       document.body.append(space);
       window.make({ src: '/demo.reprise', loading: 'lazy' });
     });
-    await player.page.waitForTimeout(600);
-    assert.deepEqual(await player.heard('progress'), []);
+    // What is near is told with a display frame.
+    await player.until('a look inside', (element) => Boolean(element.testing));
+    await player.frames(3);
+    assert.equal(await player.run((element) => element.testing.loads()), false);
     await player.run((element) => element.scrollIntoView());
     await player.event('load');
     await player.close();
@@ -269,9 +390,11 @@ export const tests = {
 
   'the poster is there until the first pose is': async (browser) => {
     const player = await bare(browser);
-    await player.page.evaluate(() => window.make({ src: '/slow.reprise', poster: '/favicon.svg', alt: 'A dancer' }));
+    await player.page.evaluate(() => window.make({ src: '/held.reprise', poster: '/favicon.svg', alt: 'A dancer' }));
     assert.equal(await player.part('.poster').isVisible(), true);
     assert.equal(await player.part('.poster').getAttribute('alt'), 'A dancer');
+    await player.event('progress');
+    await player.page.evaluate(() => fetch('/rest'));
     await player.event('ready');
     assert.equal(await player.part('.poster').isVisible(), false);
     await player.until('the words', (element) => /^A dancer, /.test(element.shadowRoot.querySelector('.view').getAttribute('aria-label')));
@@ -350,6 +473,24 @@ export const tests = {
     const { sequence, behaviour } = walks;
     assert.ok(behaviour.to >= sequence.first && behaviour.to < sequence.first + sequence.count);
     assert.ok(walks.behaviours.length > 0);
+    // Nearest is what costs least of all frames that show it.
+    const nearest = await player.run((element) => {
+      const { info } = element;
+      const cost = (frame) => {
+        try {
+          return element.plan(frame).cost;
+        } catch {
+          return Infinity;
+        }
+      };
+      return element.behaviours.slice(0, 3).map((behaviour) => {
+        const labelled = info.sequences.filter(({ labels }) => labels.includes(behaviour));
+        const shows = labelled.length > 0 ? labelled : info.sequences.filter(({ name }) => name === behaviour);
+        const all = shows.flatMap(({ first, count }) => Array.from({ length: count }, (_, at) => cost(first + at)));
+        return [element.plan({ behaviour }).cost, Math.min(...all)];
+      });
+    });
+    nearest.forEach(([found, least]) => assert.equal(found, least));
     for (const bad of ['-1', '1e9', '0.5', '"walk"', 'null', '{}', '{ behaviour: "flying" }', '{ sequence: "nowhere" }']) {
       assert.equal(await kindOf(player, `(element) => element.goTo(${bad})`), 'bad-argument', bad);
       assert.equal(await kindOf(player, `(element) => element.queue(${bad})`), 'bad-argument', bad);
@@ -363,7 +504,7 @@ export const tests = {
     await player.until('three arrivals', () => window.heard.filter(({ type }) => type === 'arrive').length === 3);
     assert.deepEqual((await player.heard('arrive')).map(({ frame: at }) => at), [frame, other, frame]);
     assert.deepEqual(await player.run((element) => element.queue({ behaviour: element.behaviours[1], hold: 1 }) ?? element.queued), []);
-    await player.until('the way to a behaviour', (element) => element.state.target !== null);
+    await player.untilFound('the way to a behaviour', (element) => element.state.target !== null);
     await player.run((element, targets) => {
       element.queue(...targets);
       element.cancel();
@@ -384,10 +525,10 @@ export const tests = {
     moments.forEach((one) => assert.deepEqual(Object.keys(one), ['frame', 'mode', 'x', 'z', 'heading']));
     assert.ok(new Set(moments.map(({ frame }) => frame)).size > 4);
     await player.run((element) => element.pause());
-    await player.page.waitForTimeout(200);
+    await player.until('rest', (element) => element.testing.rests());
     const count = () => player.page.evaluate(() => window.moments.length);
     const rest = await count();
-    await player.page.waitForTimeout(300);
+    await player.frames(10);
     assert.equal(await count(), rest, 'frames are told while nothing moves');
     await player.close();
   },
@@ -405,7 +546,12 @@ export const tests = {
     assert.equal(picture.stage[2], picture.stage[0] * picture.stage[1] * 4);
     assert.deepEqual([picture.pose, picture.bitmap, picture.types], [[90, 120], [90, 120], ['image/png', 'image/jpeg']]);
     assert.ok(picture.clear > 2000 && picture.drawn > 500, JSON.stringify(picture));
-    for (const bad of ['{ frame: 1e9 }', '{ frame: 2, width: 0 }', '{ frame: 2, height: 1e6 }', '{ frame: 2, width: 1.5 }']) {
+    const largest = await player.run(async (element) => {
+      const { width, height, data } = await element.snapshot({ frame: 20, width: 1024, height: 600 });
+      return [width, height, data.length];
+    });
+    assert.deepEqual(largest, [1024, 600, 4 * 1024 * 600]);
+    for (const bad of ['{ frame: 1e9 }', '{ frame: 2, width: 0 }', '{ frame: 2, height: 1e6 }', '{ frame: 2, width: 1.5 }', '{ frame: 2, width: 1025 }']) {
       assert.equal(await kindOf(player, `(element) => element.snapshot(${bad})`), 'bad-argument', bad);
     }
     await player.close();
@@ -427,6 +573,7 @@ export const tests = {
   'the frame loop waits where it stalls, and says so': async (browser) => {
     const player = await browser.open({ search: 'src=faults/broken-off.reprise', forgive: [/Failed to load resource/] });
     await player.event('ready');
+    await player.page.evaluate(() => fetch('/rest'));
     await player.event('error');
     await player.until('the test hook', (element) => Boolean(element.testing));
     await player.run((element) => {
@@ -461,7 +608,7 @@ export const tests = {
     });
     assert.deepEqual(frames, [10, 30]);
     await player.page.evaluate(() => document.querySelector('reprise-player').remove());
-    await player.page.waitForTimeout(100);
+    await player.frames(3);
     assert.equal(await player.page.evaluate(() => document.querySelector('reprise-player').state.frame), 30);
     await player.close();
   },

@@ -5,6 +5,7 @@ import assert from 'node:assert/strict';
 /** Opens the page, waits for the error, and checks what the page says. */
 async function fails(browser, kind, happened, options = {}) {
   const player = await browser.open(options);
+  await options.meanwhile?.(player);
   await player.event('error');
   const [{ kind: reported }] = await player.heard('error');
   assert.equal(reported, kind);
@@ -18,6 +19,12 @@ async function fails(browser, kind, happened, options = {}) {
 
 const wide = { viewport: { width: 1280, height: 800 } };
 const missing = [/Failed to load resource/];
+
+/** What a busy page has not read yet would be lost with the line: that goes dead once something has come. */
+async function breakOff(player) {
+  await player.event('progress');
+  await player.page.evaluate(() => fetch('/rest'));
+}
 
 export const tests = {
   'a damaged actor': async (browser) => {
@@ -64,7 +71,7 @@ export const tests = {
   },
 
   'a connection that breaks off': async (browser) => {
-    const player = await fails(browser, 'network', /could not be fetched/, { ...wide, search: 'src=faults/broken-off.reprise', forgive: missing });
+    const player = await fails(browser, 'network', /could not be fetched/, { ...wide, search: 'src=faults/broken-off.reprise', forgive: missing, meanwhile: breakOff });
     await player.close();
   },
 

@@ -19,10 +19,11 @@ export const tests = {
   },
 
   'tells how far the loading is, and shows the first pose before the rest has come': async (browser) => {
-    const player = await browser.open({ search: 'src=slow.reprise' });
+    const player = await browser.open({ search: 'src=half.reprise' });
     await player.event('ready');
     assert.equal(await player.run((element) => element.complete), false, 'the first pose came with the last byte');
     assert.match(await player.part('.figures').textContent(), /^\d+\.\d of \d+\.\d MB$/);
+    await player.page.evaluate(() => fetch('/rest'));
     await player.event('load');
     assert.equal(await player.part('.progress').isVisible(), false);
     const progress = await player.heard('progress');
@@ -50,24 +51,21 @@ export const tests = {
     const player = await browser.open();
     await player.loaded();
     await player.until('all thumbnails', (element) => element.testing.thumbnails().complete && element.testing.thumbnails().drawn > 0);
-    const draws = await player.run(async (element) => {
-      element.pause();
-      await new Promise((resolve) => setTimeout(resolve, 1500));
-      let count = 0;
+    await player.run((element) => element.pause());
+    await player.until('rest', (element) => element.testing.rests());
+    await player.run((element) => {
+      window.draws = 0;
       const { stage } = element.testing;
-      const draw = stage.draw;
+      const { draw } = stage;
       stage.draw = function (...values) {
-        count += 1;
+        window.draws += 1;
         return draw.apply(this, values);
       };
-      await new Promise((resolve) => setTimeout(resolve, 700));
-      const resting = count;
-      element.seek(element.info.sequences[0].first + 1);
-      await new Promise((resolve) => setTimeout(resolve, 700));
-      return { resting, after: count };
     });
-    assert.equal(draws.resting, 0);
-    assert.ok(draws.after > 0);
+    await player.frames(40);
+    assert.equal(await player.run(() => window.draws), 0);
+    await player.run((element) => element.seek(element.info.sequences[0].first + 1));
+    await player.until('a picture', () => window.draws > 0);
     await player.close();
   },
 
@@ -77,7 +75,7 @@ export const tests = {
     await player.run(async (element) => {
       const { parentNode } = element;
       element.remove();
-      await new Promise((resolve) => setTimeout(resolve, 50));
+      await new Promise((resolve) => requestAnimationFrame(resolve));
       window.heard.length = 0;
       parentNode.append(element);
     });

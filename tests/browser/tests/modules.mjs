@@ -9,6 +9,9 @@ const { layoutScore } = await import(new URL('player/layout.js', www));
 const { Timeline } = await import(new URL('player/timeline.js', www));
 const { actorAddress } = await import(new URL('player/loading.js', www));
 const { coarseFirst } = await import(new URL('player/thumbnails.js', www));
+const { behavioursOf, frameOfTarget, shownBy } = await import(new URL('player/targets.js', www));
+const { EMPTY, partOf, requestOf } = await import(new URL('player/tools/request.js', www));
+const link = await import(new URL('player/tools/link.js', www));
 
 /** Sequences of these lengths, one after the other, at 50 frames a second. */
 function timeline(counts) {
@@ -31,7 +34,7 @@ export const tests = {
     const body = types.slice(types.indexOf('extends HTMLElement {'), types.indexOf('\n}\n'));
     const promised = [...body.matchAll(/^ {2}(?:readonly |get |set )?(\w+)(?:[:(])/gm)].map(([, name]) => name);
     const own = [ReprisePlayer, Object.getPrototypeOf(ReprisePlayer)].flatMap((one) => Object.getOwnPropertyNames(one.prototype));
-    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'attributeChangedCallback'];
+    const inner = ['constructor', 'connectedCallback', 'disconnectedCallback', 'adoptedCallback', 'attributeChangedCallback'];
     assert.deepEqual([...new Set(promised)].sort(), own.filter((name) => !inner.includes(name)).sort());
   },
 
@@ -90,6 +93,79 @@ export const tests = {
     assert.equal(line.across(80, 1), 129);
     assert.equal(line.across(110, -1), 10);
     assert.equal(line.across(110, 1), 110);
+  },
+
+  'a label wins over a sequence of the same name, as in the search': () => {
+    const sequences = [['walk', ['locomotion']], ['run', ['locomotion', 'walk']], ['jump', []]].map(([name, labels]) => ({ name, labels }));
+    const names = (behaviour) => shownBy({ sequences }, behaviour).map(({ name }) => name);
+    assert.deepEqual(['walk', 'locomotion', 'run', 'jump', 'nothing'].map(names), [['run'], ['walk', 'run'], ['run'], ['jump'], []]);
+    assert.deepEqual(behavioursOf({ sequences }), ['locomotion', 'walk', 'run', 'jump']);
+  },
+
+  'the nearest frame of a behaviour is the cheapest of all, without planning each': () => {
+    // Costs as plans have them: the recording leads on at alpha a frame, from anywhere that something else leads to.
+    let state = 12345;
+    const random = () => (state = (state * 1103515245 + 12345) % 2147483648) / 2147483648;
+    for (let round = 0; round < 300; round += 1) {
+      const counts = Array.from({ length: 1 + Math.floor(random() * 3) }, () => 1 + Math.floor(random() * 60));
+      const line = timeline(counts);
+      const sequences = line.sequences.map((sequence, at) => ({ ...sequence, labels: at === 1 ? [] : ['wanted'] }));
+      const alpha = random();
+      const costs = sequences.flatMap(({ count }) => {
+        let before = Infinity;
+        return Array.from({ length: count }, () => (before = Math.min(before + alpha, random() < 0.2 ? random() * 20 : Infinity)));
+      });
+      const planned = new Set();
+      const director = {
+        info: { frames: line.frames, alpha, sequences },
+        plan: (frame) => {
+          planned.add(frame);
+          if (costs[frame] === Infinity) throw Object.assign(new Error('no way'), { kind: 'unreachable' });
+          return { cost: costs[frame] };
+        },
+      };
+      const wanted = sequences.filter(({ labels }) => labels.length > 0).flatMap(({ first, count }) => Array.from({ length: count }, (_, at) => first + at));
+      const least = Math.min(...wanted.map((frame) => costs[frame]));
+      if (least === Infinity) {
+        assert.throws(() => frameOfTarget({ behaviour: 'wanted' }, director), { kind: 'unreachable' });
+        continue;
+      }
+      assert.equal(costs[frameOfTarget({ behaviour: 'wanted' }, director)], least, `round ${round}`);
+      assert.ok([...planned].every((frame) => wanted.includes(frame)), 'frames of another behaviour were planned');
+    }
+  },
+
+  'requests go through the tools unchanged': () => {
+    const line = timeline([100, 30]);
+    const targets = [
+      { place: { x: 1, z: 2, realism: 0.3 } },
+      { place: { x: 1, z: 2, heading: 0, realism: 0.3 } },
+      { place: { x: 1.5, z: -2 } },
+      { path: { points: [[0, 0], [1, 1]], stretches: [{ from: 0, to: 1, behaviour: 's1' }], shape: 'spline', realism: 0.5 } },
+      { path: { points: [[0, 1, 0], [1, 1.5, 1]], stretches: [], shape: 'polyline', vertices: [1, 2] } },
+      { keys: { poses: [{ pose: 3, time: 1 }, { pose: 120, time: 2 }] } },
+      { wander: { seconds: 60, weights: { s0: 2 } } },
+      { pose: 7 },
+    ];
+    for (const target of targets) {
+      const request = { version: 1, seed: target.wander ? 4 : 0, target };
+      const { tool, part } = partOf(request, line);
+      assert.deepEqual(requestOf(tool, { ...EMPTY, ...part }), request);
+      assert.deepEqual(link.fromHash(link.toHash(request)), request);
+    }
+    // Long ones too.
+    const long = { version: 1, target: { path: { points: Array.from({ length: 4096 }, (_, at) => [at / 7, at / 3, at / 11]) } } };
+    assert.deepEqual(link.fromHash(link.toHash(long)), long);
+  },
+
+  'a pose beyond its sequence is not one of the next': () => {
+    const line = timeline([100, 30]);
+    const frames = (pose) => partOf({ target: { keys: { poses: [{ pose, time: 1 }] } } }, line).part.keys[0].frame;
+    assert.equal(frames({ sequence: 's1', time: 0.2 }), 110);
+    assert.equal(frames({ sequence: 's0', frame: 99 }), 99);
+    for (const beyond of [{ sequence: 's0', frame: 100 }, { sequence: 's0', time: 2 }, { sequence: 's1', frame: 30 }, { sequence: 'nowhere' }]) {
+      assert.ok(frames(beyond) >= 130, JSON.stringify(beyond));
+    }
   },
 
   'an address is taken only over http and https': () => {

@@ -57,14 +57,14 @@ async function take(browser, screen) {
 }
 
 function settled(player) {
-  return player.until('all thumbnails', ({ testing }) => testing.thumbnails().complete && testing.thumbnails().drawn > 0, null, 120_000);
+  return player.until('all thumbnails', ({ testing }) => testing.thumbnails().complete && testing.thumbnails().drawn > 0);
 }
 
 async function walk(player, album) {
   const frame = await player.target();
   const { x, y } = await player.run((element, wanted) => element.testing.placeOf(wanted), frame);
   await player.mouse.move(x, y);
-  await player.page.waitForTimeout(200);
+  await player.until('the ghost', (element) => element.testing.ghosts().length === 1);
   await album.one('hover');
   // Slowly: what draws in software must not miss the transition.
   await player.run((element) => (element.speed = 0.2));
@@ -80,12 +80,12 @@ async function walk(player, album) {
     element.speed = 1;
     element.play();
   });
-  await player.event('arrive', 120_000);
+  await player.event('arrive');
   await album.one('arrived');
   assert.equal((await player.heard('arrive'))[0].frame, target);
   await player.keyboard.press('p');
   await player.keyboard.press('f');
-  await player.page.waitForTimeout(500);
+  await player.until('poses around the actor', (element) => element.testing.ghosts().length > 0);
   await album.one('poses-facts');
   await player.keyboard.press('p');
   await player.keyboard.press('f');
@@ -95,7 +95,7 @@ async function walk(player, album) {
 async function queue(player, album) {
   await player.part('.pose-dock .chip').last().scrollIntoViewIfNeeded();
   await player.part('[aria-label="Behaviours"] .chip').last().click();
-  await player.until('the way', (element) => element.state.target !== null, null, 60_000);
+  await player.untilFound('the way', (element) => element.state.target !== null);
   await player.run((element) => {
     element.pause();
     element.queue(...element.info.sequences.slice(1, 3).map(({ name }) => ({ behaviour: name, hold: 3 })), 20);
@@ -114,7 +114,7 @@ async function tools(player, album) {
       const start = { frame: element.info.sequences[0].first + 10, placement: [0, 0, 0] };
       element.direction = { request: { version: 1, target: (${target})(element) }, start };
     }`);
-    await player.until(`an answer for ${tool}`, (element) => element.answer && (!element.testing.search().running || element.answer.path), null, 60_000);
+    await player.untilFound(`an answer for ${tool}`, (element) => element.answer && (!element.testing.search().running || element.answer.path));
     await settled(player);
     if (tool === 'path') await album.both('tool-path');
     else await album.one(`tool-${tool}`);
@@ -123,7 +123,7 @@ async function tools(player, album) {
   await album.one('share');
   await player.keyboard.press('Escape');
   await player.part('.go').click();
-  await player.until('the actor on its way', (element) => element.state.target !== null, null, 60_000);
+  await player.untilFound('the actor on its way', (element) => element.state.target !== null);
   // Without drawing all of it.
   await player.run((element) => {
     for (let tick = 0; tick < 200 && element.state.remaining_seconds > element.answer.seconds / 2; tick += 1) element.testing.tick(0.1);

@@ -176,7 +176,7 @@ export const tests = {
     const player = await standing(browser);
     await player.part('.chip', { hasText: 'poses' }).filter({ hasText: 'poses' }).click();
     await player.until('poses around the actor', (element) => element.testing.ghosts().length > 0);
-    await player.page.waitForTimeout(300);
+    await player.until('rest', (element) => element.testing.rests());
     const places = await player.run((element) => element.testing.ghosts().map((frame) => element.testing.placeOfGhost(frame)));
     let hit = -1;
     for (const { x, y, visible } of places) {
@@ -214,8 +214,9 @@ export const tests = {
     };
     await drag();
     await drag('Shift');
+    await player.run(() => addEventListener('wheel', () => (window.wheeled = true), { once: true }));
     await player.mouse.wheel(0, -200);
-    await player.page.waitForTimeout(100);
+    await player.until('the wheel', () => window.wheeled);
     stages.push(await picture());
     stages.slice(1).forEach((one, at) => assert.ok(Math.hypot(one[0] - stages[at][0], one[1] - stages[at][1]) > 2, `move ${at} did nothing`));
     await player.close();

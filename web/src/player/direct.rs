@@ -7,17 +7,15 @@
 use std::rc::Rc;
 
 use actor::graph::EssentialGraph;
-use actor::motion::{Motion, MotionMeter, measure_group};
+use actor::motion::{MotionMeter, measure_group};
 use actor::pose_source::PoseError;
 use actor::walk::{Leg, Walk};
-use glam::Vec3;
 use kernels::align::Placement;
-use search::{
-    Answer, DEFAULT_EFFORT, Direction, Progress, Request, RequestError, Scene, Spot, Start, Survey, Ways, limits,
-};
+use search::{Answer, DEFAULT_EFFORT, Direction, Progress, Request, RequestError, Scene, Spot, Start, Survey, Ways};
 use serde::Serialize;
 use thiserror::Error;
 
+use super::directing::Preparing;
 use super::loading::{Actor, Source};
 use super::plan::{LegReport, PlanReport, Stretch, report_legs};
 use super::{Player, PlayerError};
@@ -56,45 +54,6 @@ pub enum Origin {
     Anywhere,
     /// Where the answer before ends: its walk is to be gone on with.
     End,
-}
-
-/// What is known for searches, and the search under way.
-#[derive(Default)]
-pub struct Directing {
-    motion: Option<Rc<Motion>>,
-    /// The vertices that are, or shall be, followed; empty for the centre of mass.
-    group: Vec<u32>,
-    preparing: Option<Preparing>,
-    ways: Option<Rc<Ways>>,
-    direction: Option<Direction>,
-}
-
-/// How far the preparations are.
-enum Preparing {
-    Measuring(Box<MotionMeter>),
-    /// The group's middle in the frames so far.
-    Grouping(Vec<Vec3>),
-    Surveying(Box<Survey>),
-}
-
-impl Directing {
-    /// From now on these vertices are followed: what was known of others is dropped.
-    fn follow(&mut self, vertices: &[u32], vertex_count: usize) -> Result<(), RequestError> {
-        if self.group == vertices {
-            return Ok(());
-        }
-        if vertices.len() > limits::MAX_VERTICES {
-            let (what, limit) = ("vertices", limits::MAX_VERTICES);
-            return Err(RequestError::TooMany { what, count: vertices.len(), limit });
-        }
-        if let Some(&vertex) = vertices.iter().find(|&&vertex| vertex as usize >= vertex_count) {
-            return Err(RequestError::UnknownVertex(vertex));
-        }
-        self.group = vertices.to_vec();
-        self.preparing.take_if(|state| !matches!(state, Preparing::Measuring(_)));
-        (self.ways, self.direction) = (None, None);
-        Ok(())
-    }
 }
 
 /// An answer as the page reads it.

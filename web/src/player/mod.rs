@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod clock;
 pub mod direct;
+mod directing;
 pub mod events;
 mod follow;
 pub mod loading;
@@ -30,7 +31,7 @@ use thiserror::Error;
 
 use crate::trail::TrailPoint;
 use clock::Clock;
-use direct::Directing;
+use directing::Directing;
 use events::Events;
 use loading::{Actor, Loading, Phase};
 use plan::{Goal, Plan, PlanReport, Route};

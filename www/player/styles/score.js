@@ -1,10 +1,11 @@
-/** The score and the transport under it. */
+/** The score and the transport under it. The first tool's dock has room before it is there, so that nothing jumps when it comes. */
 
 export const scoreStyles = `
 .score { position: relative; background: var(--surface); }
 .player[data-state="loading"] .transport, .player[data-state="loading"] .chips { visibility: hidden; }
 .player[data-state="failed"] .score, .player[data-state="failed"] .chips { display: none; }
 :host(:not([controls])) .score, :host(:not([controls])) .chips { display: none; }
+.dock:empty { block-size: 34px; }
 
 .strips {
   position: relative;

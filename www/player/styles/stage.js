@@ -1,4 +1,4 @@
-/** The stage and what lies on it: chips, facts, progress, errors, tooltip, the dialog of keys. */
+/** The bar, the stage and what lies on it: chips, facts, progress, errors, tooltip. */
 
 export const stageStyles = `
 .player {
@@ -9,7 +9,12 @@ export const stageStyles = `
   container: player / size;
   overflow: hidden;
 }
+.bar { position: relative; z-index: 3; display: flex; align-items: center; gap: 12px; min-block-size: 40px; padding-inline: 16px 8px; }
+:host(:not([controls])) .bar { min-block-size: 0; }
+.bar ::slotted(*) { min-inline-size: 0; }
 .stage { position: relative; min-block-size: 0; overflow: hidden; }
+.handles { position: absolute; inset: 0; overflow: hidden; pointer-events: none; }
+:host(:not([controls])) .handles { display: none; }
 .view { position: absolute; inset: 0; touch-action: none; user-select: none; -webkit-user-select: none; cursor: grab; }
 .view:active { cursor: grabbing; }
 .view[data-over-ghost] { cursor: pointer; }
@@ -113,31 +118,6 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 }
 .tooltip strong { font-weight: 600; }
 .tooltip span { opacity: 0.82; }
-
-.keys {
-  inline-size: min(460px, calc(100vw - 32px));
-  max-block-size: calc(100vh - 32px);
-  padding: 16px 24px 24px;
-  border: 0;
-  border-radius: 4px;
-  background: var(--raised);
-  color: var(--ink);
-  font: inherit;
-}
-.keys::backdrop { background: rgb(0 0 0 / 0.32); }
-.keys header { margin-block-end: 8px; display: flex; justify-content: space-between; align-items: center; }
-.keys h2 { margin: 0; font-size: 17px; }
-.keys h3 { margin: 18px 0 6px; font-size: 13px; color: var(--muted); font-weight: 400; }
-.keys dl { margin: 0; display: grid; gap: 6px; }
-.keys dl > div { display: grid; grid-template-columns: 104px 1fr; gap: 12px; }
-.keys dd { margin: 0; }
-.keys kbd { font: inherit; font-weight: 600; }
-@media (width >= 900px) {
-  .keys { inline-size: 840px; columns: 2; column-gap: 40px; }
-  .keys header { column-span: all; }
-  .keys dl { break-inside: avoid; }
-  .keys h3 { break-after: avoid; }
-}
 
 @container player (width < 640px) {
   .facts { font-size: 12px; inset-inline: 8px; inset-block-end: 48px; max-block-size: 62%; }

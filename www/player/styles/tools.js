@@ -1,11 +1,8 @@
-/** The tools: their bar, their docks under the stage, and what they put on it. */
+/** The tools: their bar, their docks under the stage, and what they put on it; the dialog of keys. */
 
 export const toolStyles = `
-.bar { position: relative; z-index: 3; display: flex; align-items: center; gap: 12px; min-block-size: 40px; padding-inline: 16px 8px; }
-:host(:not([controls])) .bar .toolbar, :host(:not([controls])) .handles { display: none; }
-:host(:not([controls])) .bar { min-block-size: 0; }
+:host(:not([controls])) .bar .toolbar { display: none; }
 .player[data-state="failed"] .toolbar, .player[data-state="loading"] .toolbar { visibility: hidden; }
-.bar ::slotted(*) { min-inline-size: 0; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }
 .tool { min-block-size: 32px; }
@@ -96,7 +93,6 @@ button:disabled { opacity: 0.38; cursor: default; }
 .weight input { accent-color: var(--accent); min-inline-size: 0; margin: 0; }
 .weight output { color: var(--muted); text-align: end; }
 
-.handles { position: absolute; inset: 0; overflow: hidden; pointer-events: none; }
 .handle { position: absolute; inset: 0 auto auto 0; inline-size: 28px; block-size: 28px; margin: -14px; padding: 0; border: 0; border-radius: 50%; background: none; pointer-events: auto; cursor: move; touch-action: none; }
 .handle::before { content: ""; position: absolute; inset: 8px; border: 2px solid var(--accent); border-radius: 50%; background: var(--surface); }
 .handle:hover::before, .handle:focus-visible::before { inset: 6px; background: var(--accent); }
@@ -113,6 +109,31 @@ button:disabled { opacity: 0.38; cursor: default; }
 .ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }
 .view[data-drawing] { cursor: crosshair; }
 .view[data-tool="place"] { cursor: crosshair; }
+
+.keys {
+  inline-size: min(460px, calc(100vw - 32px));
+  max-block-size: calc(100vh - 32px);
+  padding: 16px 24px 24px;
+  border: 0;
+  border-radius: 4px;
+  background: var(--raised);
+  color: var(--ink);
+  font: inherit;
+}
+.keys::backdrop { background: rgb(0 0 0 / 0.32); }
+.keys header { margin-block-end: 8px; display: flex; justify-content: space-between; align-items: center; }
+.keys h2 { margin: 0; font-size: 17px; }
+.keys h3 { margin: 18px 0 6px; font-size: 13px; color: var(--muted); font-weight: 400; }
+.keys dl { margin: 0; display: grid; gap: 6px; }
+.keys dl > div { display: grid; grid-template-columns: 104px 1fr; gap: 12px; }
+.keys dd { margin: 0; }
+.keys kbd { font: inherit; font-weight: 600; }
+@media (width >= 900px) {
+  .keys { inline-size: 840px; columns: 2; column-gap: 40px; }
+  .keys header { column-span: all; }
+  .keys dl { break-inside: avoid; }
+  .keys h3 { break-after: avoid; }
+}
 
 @media (pointer: coarse) {
   .handle { inline-size: 44px; block-size: 44px; margin: -22px; }

@@ -275,7 +275,7 @@ export class PathTool extends Tool {
     const { line } = this.curve;
     marks.ribbon(line, 0.045, colour('accent', this.isLifted ? 0.35 : 0.9));
     for (const { from, to, behaviour } of this.path.stretches) marks.ribbon(this.curve.stretch(from, to), 0.11, colour(`behaviour-${this.hue(behaviour)}`, 0.75));
-    this.box.drawTrack(marks, colour);
+    this.drawTrack(marks, colour);
     const [a, b] = line.slice(-2);
     marks.arrow(b, Math.atan2(b[0] - a[0], b[1] - a[1]), 0.16, colour('accent'));
   }

@@ -52,8 +52,8 @@ export class PlaceTool extends Tool {
 
   /** @param {{x?: number, z?: number, heading?: number | null}} part */
   set(part, merge = null) {
-    const { x, z, heading } = { ...this.goal, ...part };
-    this.box.edit({ place: { x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
+    const { x, z, heading, ...rest } = { ...this.goal, ...part };
+    this.box.edit({ place: { ...rest, x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
   }
 
   moved(index, [x, z], merge) {
@@ -108,7 +108,7 @@ export class PlaceTool extends Tool {
 
   draw(marks, colour) {
     const place = this.goal;
-    this.box.drawTrack(marks, colour);
+    this.drawTrack(marks, colour);
     if (!place) return;
     const centre = [place.x, place.z];
     marks.disc(centre, 0.24, colour('accent', 0.16));

@@ -7,6 +7,8 @@ export const VERSION = 1;
 
 /** What the tools hold when nothing has been asked. */
 export const EMPTY = Object.freeze({
+  /** Where the actor was sent from the score, as a request's target. */
+  pose: null,
   place: null,
   /** Points are x and z, or x, z and a height; `vertices`, where there are any, follow it in place of the body's middle. */
   path: { points: [], stretches: [], shape: 'spline' },
@@ -18,13 +20,15 @@ export const EMPTY = Object.freeze({
 
 /** Seconds of wandering that are searched for at a time; the walk is gone on with before they are over. */
 const WANDER = 60;
+/** No capture has this frame. */
+const NOWHERE = 4294967295;
 /** Points of a path that can be taken hold of. */
 export const MOST_POINTS = 200;
 
 /** @returns {object | null} the request of a tool, or null where nothing is asked with it */
 export function requestOf(tool, { place, path, keys, wander, pose }) {
   const request = (target, seed = 0) => ({ version: VERSION, seed, target });
-  if (tool === 'place') return place && request({ place: tidy(place.heading === null ? { x: place.x, z: place.z } : place) });
+  if (tool === 'place') return place && request({ place: tidy({ ...place, heading: place.heading ?? undefined }) });
   if (tool === 'path') return path.points.length > 1 ? request({ path: tidy({ ...path, points: path.points.map(swapped) }) }) : null;
   if (tool === 'timing') return keys.length > 0 ? request({ keys: { poses: keys.map(({ frame, seconds }) => ({ pose: frame, time: seconds })) } }) : null;
   if (tool === 'wander') return request({ wander: { seconds: WANDER, weights: wander.weights } }, wander.seed);
@@ -53,11 +57,11 @@ function tidy(value) {
  */
 export function partOf({ target, seed = 1 }, timeline) {
   const { place, path, keys, wander } = target;
-  if (place) return { tool: 'place', part: { place: { x: place.x, z: place.z, heading: place.heading ?? null } } };
+  if (place) return { tool: 'place', part: { place: { ...place, heading: place.heading ?? null } } };
   const editable = path && path.points.length <= MOST_POINTS && !path.free_start;
   if (editable) {
-    const { points, stretches = [], shape = 'polyline', vertices } = path;
-    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape, vertices } } };
+    const { points, stretches = [], shape = 'polyline', vertices, realism } = path;
+    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape, vertices, realism } } };
   }
   if (keys) {
     const poses = keys.poses.map(({ pose, time }) => ({ frame: frameOf(pose, timeline), seconds: time }));
@@ -81,5 +85,7 @@ function targetOf({ pose, behaviour }, timeline) {
 function frameOf(pose, timeline) {
   if (typeof pose === 'number') return pose;
   const sequence = timeline.sequences.find(({ name }) => name === pose.sequence);
-  return sequence ? sequence.first + (pose.frame ?? Math.round((pose.time ?? 0) * timeline.fps)) : 4294967295;
+  const local = pose.frame ?? Math.round((pose.time ?? 0) * timeline.fps);
+  // Not one of the sequence behind it.
+  return sequence && local >= 0 && local < sequence.count ? sequence.first + local : NOWHERE;
 }

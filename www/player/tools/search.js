@@ -77,6 +77,8 @@ export class SearchDriver {
 
   drop() {
     this.task = null;
+    clearTimeout(this.timer);
+    this.timer = null;
     if (!this.endless) this.player?.stop_search();
   }
 

@@ -39,6 +39,13 @@ export class Tool {
     this.dock = h('div', { class: `tool-dock ${id}-dock`, role: 'group', 'aria-label': title }, ...rows);
   }
 
+  /** The walk on the ground: recorded stretches solid, synthetic ones in dashes. */
+  drawTrack(marks, colour) {
+    for (const { points, synthetic } of this.box.answer?.track ?? []) {
+      marks.ribbon(points, 0.03, colour(synthetic ? 'synthetic' : 'recorded', 0.9), synthetic ? [0.07, 0.05] : null);
+    }
+  }
+
   /** Hears of every answer, and of null when the search begins. */
   answered(answer) {
     const { request, trouble } = this.box;

@@ -1,22 +1,21 @@
 /**
- * The tools: which one is in use, what has been asked with it, and the search for a walk that does it.
+ * Which tool is in use, what has been asked with it, and the search for a walk that does it.
  *
  * A tool shows its part of the document in a dock under the stage and on the ground, and changes it; changes go through
- * `edit`, which remembers them and searches anew. The tool in use hears of the answer.
+ * `edit`, which remembers them and searches anew. The tool in use hears of the answer. The tools themselves are a script of
+ * their own (`tools.js`): until that is there, and on pages that never need it, what is known below stands for them.
  */
 
+import { loadTools } from '../engine.js';
 import { nameOf, requestTarget, soughtTarget } from '../targets.js';
-import { ToolBar } from './bar.js';
 import { History } from './history.js';
-import { Marks } from './marks.js';
-import { PathTool } from './path.js';
-import { PlaceTool } from './place.js';
-import { PoseTool } from './pose.js';
 import { EMPTY, VERSION, partOf, requestOf } from './request.js';
 import { SearchDriver } from './search.js';
-import { Share } from './share.js';
-import { TimingTool } from './timing.js';
-import { WanderTool } from './wander.js';
+
+/** What is known of the tools before they are there. They are in the order of their keys. */
+const KNOWN = Object.fromEntries(
+  ['pose', 'place', 'path', 'timing', 'wander'].map((id) => [id, { id, withScore: id === 'pose', onGround: id === 'place' || id === 'path' }]),
+);
 
 /** The view of tools that draw on the ground: radians above it, and the distance, more for what lies farther away. */
 const OVERVIEW = { elevation: 0.66, distance: 2.1, perMetre: 0.6 };
@@ -32,17 +31,11 @@ export class Toolbox {
   constructor(core) {
     this.core = core;
     this.history = new History(EMPTY);
-    this.marks = new Marks();
     this.search = new SearchDriver(core, (answer, trouble) => this.answered(answer, trouble));
-    const tools = [PoseTool, PlaceTool, PathTool, TimingTool, WanderTool];
-    this.tools = Object.fromEntries(tools.map((Tool) => [Tool.id, new Tool(this)]));
-    this.bar = new ToolBar(tools, {
-      choose: (name) => (this.core.host.tool = name),
-      step: (by) => this.undo(by),
-    });
-    this.share = new Share(this);
-    this.bar.root.append(this.share.root);
-    this.tool = this.tools.pose;
+    /** The tools once they are there, and the promise of that; null as long as nobody needs them. @type {import('./tools.js').Tools | null} */
+    this.kit = null;
+    this.coming = null;
+    this.tool = KNOWN.pose;
     core.queue.edited = () => this.queued();
     // What is done is not to be waited for again.
     core.queue.taken = (target) => this.history.rewrite((document) => ({ ...document, queue: without(document.queue, target) }));
@@ -56,8 +49,35 @@ export class Toolbox {
     return this.history.now;
   }
 
+  get tools() {
+    return this.kit?.byName ?? KNOWN;
+  }
+
   actions() {
-    return { tool: ({ key }) => this.pick(Object.keys(this.tools)[Number(key) - 1]) };
+    return {
+      tool: ({ key }) => this.pick(Object.keys(KNOWN)[Number(key) - 1]),
+      help: () => this.fetch().then(() => this.kit?.keys.toggle()),
+    };
+  }
+
+  // ---- the tools' script ----------------------------------------------------------------------------------------
+
+  /** Sees to it that the tools come. Never rejects: trouble is told on the page, and whoever needs them next tries again. */
+  fetch() {
+    this.coming ??= loadTools().then(({ Tools }) => this.arrived(Tools)).catch((error) => {
+      this.coming = null;
+      if (this.core.loop) this.core.fail(error);
+    });
+    return this.coming;
+  }
+
+  arrived(Tools) {
+    const { core, director } = this;
+    this.kit = new Tools(this);
+    if (director) Object.values(this.tools).forEach((tool) => tool.opened?.(director));
+    this.tool = this.tools[this.tool.id];
+    core.queue.changed();
+    this.mount();
   }
 
   // ---- life -----------------------------------------------------------------------------------------------------
@@ -95,6 +115,7 @@ export class Toolbox {
 
   choose(name) {
     const tool = this.tools[name] ?? this.tools.pose;
+    if (tool.id !== 'pose') this.fetch();
     if (tool === this.tool) {
       if (!this.director) this.showTool();
       return;
@@ -111,15 +132,21 @@ export class Toolbox {
   }
 
   showTool() {
+    const { hint, withScore } = this.tool;
+    if (this.director && (hint || !withScore)) this.core.say(withScore ? hint : '');
+    this.mount();
+  }
+
+  /** Puts the tool in use into its places. */
+  mount() {
     const { view } = this.core;
     const { tool } = this;
-    this.bar.tools.choose(tool.id);
+    this.kit?.bar.tools.choose(tool.id);
     view.stage.tool = tool;
     view.stage.root.dataset.tool = tool.id;
-    view.dock.replaceChildren(tool.dock);
+    view.dock.replaceChildren(...(tool.dock ? [tool.dock] : []));
     view.score.root.hidden = !tool.withScore;
     this.lookOver(tool.onGround);
-    if (this.director) this.core.say(tool.withScore ? tool.hint : '');
     tool.enter?.();
     this.refresh();
     view.relay();
@@ -219,6 +246,15 @@ export class Toolbox {
     this.core.dispatch('change', { tool });
   }
 
+  /** Nothing is asked with the tool in use any more. */
+  forget() {
+    this.waiting = null;
+    if (!this.director || !this.request) return;
+    const part = this.tool.id === 'timing' ? 'keys' : this.tool.id;
+    if (this.tool.withScore) this.core.queue.clear();
+    this.edit({ [part]: EMPTY[part] });
+  }
+
   /** What links and files hold: the request, and where the actor was when its answer was found. */
   get shared() {
     const { request, answer } = this;
@@ -226,7 +262,7 @@ export class Toolbox {
   }
 
   refresh() {
-    this.bar.setSteps(this.history.canUndo, this.history.canRedo);
+    this.kit?.bar.setSteps(this.history.canUndo, this.history.canRedo);
     this.tool.refresh?.();
     this.redraw();
   }
@@ -261,7 +297,7 @@ export class Toolbox {
   go() {
     const request = this.director && this.request;
     if (request) this.core.attempt(() => this.search.go(request));
-    else this.core.say(this.tool.hint);
+    else this.core.say(this.tool.hint ?? '');
   }
 
   /** What the user has clicked in the score or on the stage; `later`: after what is under way. */
@@ -317,17 +353,8 @@ export class Toolbox {
   redraw() {
     const { view } = this.core;
     if (!view?.stage.stage) return;
-    this.marks.clear();
-    if (this.tool.draw) this.tool.draw(this.marks, this.colours());
-    view.stage.stage.set_marks(this.marks.data);
+    if (this.kit) view.stage.stage.set_marks(this.kit.drawn(this.tool));
     this.core.redraw();
-  }
-
-  /** The walk on the ground: recorded stretches solid, synthetic ones in dashes. */
-  drawTrack(marks, colour) {
-    for (const { points, synthetic } of this.answer?.track ?? []) {
-      marks.ribbon(points, 0.03, colour(synthetic ? 'synthetic' : 'recorded', 0.9), synthetic ? [0.07, 0.05] : null);
-    }
   }
 
   /** Puts handles and labels over their places on the ground; called after the picture has been drawn. */
@@ -337,17 +364,6 @@ export class Toolbox {
       this.lookOver(true);
     }
     this.tool.place?.((...point) => this.core.view.stage.seen(...point));
-  }
-
-  /** The page's colours, as bytes. @returns {(name: string, opacity?: number) => [number, number, number, number]} */
-  colours() {
-    const style = getComputedStyle(this.core.host);
-    return (name, opacity = 1) => {
-      const value = style.getPropertyValue(`--${name}`).trim();
-      const hex = /^#([0-9a-f]{6})$/i.exec(value);
-      const number = hex ? parseInt(hex[1], 16) : 0x3558c4;
-      return [number >> 16, (number >> 8) & 255, number & 255, Math.round(opacity * 255)];
-    };
   }
 
   /** @returns whether the key was used */

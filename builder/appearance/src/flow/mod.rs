@@ -6,14 +6,16 @@
 //!
 //! This work is based on: Kroeger, Timofte, Dai, Van Gool, *Fast Optical Flow using Dense Inverse Search*, 2016, with the
 //! variational refinement of Brox, Bruhn, Papenberg, Weickert, *High accuracy optical flow estimation based on a theory
-//! for warping*, 2004. The thesis (4.4.1) uses TV-L1; any dense flow of that quality serves.
+//! for warping*, 2004. The thesis (section 4.4.1) uses TV-L1; any dense flow of that quality serves.
 
 mod patch;
+mod plane;
 mod refine;
 
 use rayon::prelude::*;
 
 use self::patch::{Densify, Found, Propagate, Search, Sides};
+use self::plane::Plane;
 use super::charts::Charts;
 use super::level::{BAND, Level, PAD, PATCH};
 use kernels::simd::Level as Instructions;
@@ -73,18 +75,6 @@ pub struct FlowGrid {
 #[derive(Clone, Debug)]
 pub struct Prepared {
     planes: Vec<Plane>,
-}
-
-/// A texture on one level.
-#[derive(Clone, Debug)]
-struct Plane {
-    value: Vec<f32>,
-    /// Derivative to the right, within charts.
-    across: Vec<f32>,
-    /// Derivative downwards.
-    along: Vec<f32>,
-    /// 1 where the texel was seen; everything where nothing is given.
-    seen: Option<Vec<f32>>,
 }
 
 impl FlowGrid {

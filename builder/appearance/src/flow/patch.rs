@@ -4,7 +4,7 @@
 //! are compared after their means are taken out, so that a change of brightness does not count, and only over texels of
 //! their own chart. Ways spread between neighbours in a round of its own, so that all patches are independent.
 
-use super::Plane;
+use super::plane::Plane;
 use crate::level::{LEAST_TEXELS, Level, PAD, PATCH, Patch};
 use kernels::simd::Kernel;
 

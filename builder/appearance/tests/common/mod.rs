@@ -4,7 +4,7 @@
 use appearance::Charts;
 use appearance::align::{AlignOptions, Aligned, align};
 use appearance::textures::Texture;
-use job::progress::silent;
+use job::Job;
 
 pub const SIZE: usize = 96;
 pub const FRAMES: usize = 14;
@@ -59,5 +59,5 @@ pub fn charts() -> Charts {
 }
 
 pub fn aligned(textures: &[Texture]) -> Aligned {
-    align(textures, &charts(), &AlignOptions::default(), &silent).unwrap()
+    align(textures, &charts(), &AlignOptions::default(), &Job::silent()).unwrap()
 }

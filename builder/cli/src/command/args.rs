@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pipeline::transitions::TransitionOptions;
 use search::{BehaviourRequest, PlaceRequest};
 
-use super::asked::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
+use super::typed::{TypedPose, parse_behaviour, parse_place, parse_pose, parse_seconds, parse_size};
 
 /// Turns 4D surface captures into actors that anyone can direct on a web page.
 #[derive(Debug, Parser)]
@@ -40,6 +40,48 @@ pub enum Command {
     Evaluate(EvaluateArguments),
     /// Tell how good a bundle's actor is, as a page.
     Report(ReportArguments),
+    /// List what a work folder holds, or clean it.
+    Work(WorkArguments),
+}
+
+/// Where results of stages last.
+#[derive(Clone, Debug, Args)]
+pub struct WorkFolderArgument {
+    /// A folder in which the results of long stages are kept: what was interrupted goes on from there, and what was done
+    /// with the same input and options is not done again.
+    #[arg(long, value_name = "DIR", env = "REPRISE_WORK")]
+    pub work: Option<PathBuf>,
+}
+
+/// Arguments of `builder work`.
+#[derive(Debug, Args)]
+pub struct WorkArguments {
+    /// What to do with it.
+    #[command(subcommand)]
+    pub action: WorkAction,
+}
+
+/// What is done with a work folder.
+#[derive(Debug, Subcommand)]
+pub enum WorkAction {
+    /// List the results that it holds.
+    List {
+        /// The folder.
+        #[command(flatten)]
+        folder: WorkFolderArgument,
+    },
+    /// Delete results: all of them, or those that the options name.
+    Clean {
+        /// The folder.
+        #[command(flatten)]
+        folder: WorkFolderArgument,
+        /// Only results of this stage.
+        #[arg(long, value_name = "STAGE")]
+        stage: Option<String>,
+        /// Only what was not used for so many days.
+        #[arg(long, value_name = "DAYS")]
+        unused: Option<u32>,
+    },
 }
 
 /// Arguments of `builder pack`.
@@ -52,6 +94,9 @@ pub struct PackArguments {
     /// The bundle to write.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+    /// Where results of stages last.
+    #[command(flatten)]
+    pub work: WorkFolderArgument,
     /// How the input is read.
     #[command(flatten)]
     pub import: ImportArguments,
@@ -151,7 +196,7 @@ pub enum UpAxis {
     Z,
 }
 
-/// How the lengths of a transition's segments are chosen (TVCG equation 8 against thesis 2.5.4).
+/// How the lengths of a transition's segments are chosen (TVCG equation 8 against the text of thesis section 2.5.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TransitionLength {
     /// The least sum of pose distances.
@@ -210,7 +255,7 @@ pub struct DirectArguments {
     /// A JSON file with a path to follow: {"points": [[x, z], ...], "shape": "spline"}.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// A TOML file with key poses: [[poses]] with pose = 12 and time = 1.5.
+    /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
     /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given.
@@ -309,6 +354,9 @@ pub struct ReportArguments {
 /// Arguments of `builder evaluate`.
 #[derive(Debug, Args)]
 pub struct EvaluateArguments {
+    /// Where results of stages last.
+    #[command(flatten)]
+    pub work: WorkFolderArgument,
     /// A capture, as `pack` takes it; the built-in performer's by default.
     #[arg(value_name = "CAPTURE")]
     pub inputs: Vec<String>,

@@ -8,7 +8,7 @@ use actor::timeline::Timeline;
 use anyhow::{Context, anyhow};
 use bundle::BundleReader;
 use capture_io::export::{Actor, ExportError, ExportOptions, Output, export, play};
-use job::progress::Progress as Step;
+use job::{Job, Progress as Step};
 use kernels::align::Placement;
 use search::{Answer, Direction, Goal, Progress, Request, RequestError, Scene, Start, Survey, Target, Ways};
 use serde::Serialize;
@@ -65,8 +65,8 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
         ExportOptions { every: arguments.every, size: arguments.size, turn_seconds: arguments.turn.max(0.1) as f32 };
     let mut played =
         play(&mut reader, &graph, &timeline, (answer.start_frame, placement), &answer.walk).map_err(failure)?;
-    let frames =
-        export(&actor, &mut played, &output, &options, &|step: Step| terminal.progress(step)).map_err(failure)?;
+    let frames = export(&actor, &mut played, &output, &options, &Job::new(&|step: Step| terminal.progress(step)))
+        .map_err(failure)?;
     let walked = walked(&answer, &played.centres, ways.group.is_empty());
     terminal.log(&summary(&answer, &walked, search_seconds, frames, &arguments.output));
     if arguments.json {
@@ -143,7 +143,7 @@ fn search(
     let mut done = 0;
     while direction.advance(scene, SLICE).map_err(input)? == Progress::Running {
         done += u64::from(SLICE);
-        terminal.progress(Step {
+        let _ = terminal.progress(Step {
             what: "search",
             done: done.min(arguments.effort.into()),
             total: arguments.effort.into(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use evaluate::{EvaluateError, EvaluateOptions, Section, Subject, evaluate, html};
-use job::progress::Progress;
+use job::{Job, Progress};
 use performer::{PerformerError, PerformerOptions, write_performer};
 
 use super::args::{EvaluateArguments, EvaluateSection};
@@ -13,6 +13,7 @@ use super::failure::Failure;
 use super::output::write_whole;
 use super::pack::import_options;
 use super::terminal::Terminal;
+use super::work;
 
 /// Evaluates a capture and writes the report into a folder.
 pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Failure> {
@@ -26,9 +27,15 @@ pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Fai
         None => arguments.inputs.clone(),
     };
     let options = EvaluateOptions { sections: sections(arguments), seed: arguments.seed, ..Default::default() };
-    let report = |step: Progress| terminal.progress(step);
-    let subject = Subject::read(&inputs, &import_options(&arguments.import), options, &report).map_err(failure)?;
-    let document = evaluate(&subject, &report).map_err(failure)?;
+    let (report, work) = (|step: Progress| terminal.progress(step), work::open(&arguments.work)?);
+    let job = Job::new(&report).with_work(work.as_ref());
+    let failure = |error: EvaluateError| match error {
+        error if error.is_stopped() => Failure::Stopped { work: arguments.work.work.clone() },
+        error if error.is_input() => Failure::Input(error.into()),
+        error => Failure::Ours(error.into()),
+    };
+    let subject = Subject::read(&inputs, &import_options(&arguments.import), options, &job).map_err(failure)?;
+    let document = evaluate(&subject, &job).map_err(failure)?;
     let json = serde_json::to_string_pretty(&document.json()).map_err(|error| Failure::Ours(error.into()))?;
     let tables = document.sections.iter().flat_map(|section| &section.tables);
     let files = tables.map(|table| (format!("{}.csv", table.name), table.csv()));
@@ -39,10 +46,6 @@ pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Fai
     }
     terminal.log(&format!("{} in {:.0} s", out.join("index.html").display(), start.elapsed().as_secs_f64()));
     Ok(())
-}
-
-fn failure(error: EvaluateError) -> Failure {
-    if error.is_input() { Failure::Input(error.into()) } else { Failure::Ours(error.into()) }
 }
 
 fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
@@ -96,7 +99,9 @@ fn perform(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<Tempora
     }
     let folder = Temporary { path };
     let progress = |step: performer::Progress| {
-        terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
+        // It is over in seconds, before it is asked again whether to go on.
+        let _ =
+            terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
     };
     write_performer(&options, &folder.path, &progress).map_err(|error| match error {
         PerformerError::Option { .. } => Failure::Usage(error.to_string()),

@@ -1,5 +1,6 @@
 //! What an exit code means.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// A command that did not do what was asked, by whose fault.
@@ -8,6 +9,11 @@ pub enum Failure {
     Input(anyhow::Error),
     /// Something was typed wrong: exit code 2.
     Usage(String),
+    /// It was asked to stop: exit code 130.
+    Stopped {
+        /// Where what was done is kept, if anywhere.
+        work: Option<PathBuf>,
+    },
     /// We are wrong: exit code 3.
     Ours(anyhow::Error),
 }
@@ -23,6 +29,18 @@ impl Failure {
             Self::Usage(message) => {
                 eprintln!("error: {message}\n\nFor more, try 'builder --help'.");
                 ExitCode::from(2)
+            }
+            Self::Stopped { work } => {
+                match work {
+                    Some(folder) => eprintln!(
+                        "stopped; nothing was written. What was done so far is kept in {}: the same command goes on from there",
+                        folder.display()
+                    ),
+                    None => eprintln!(
+                        "stopped; nothing was written. With --work DIR, the same command could go on from here"
+                    ),
+                }
+                ExitCode::from(130)
             }
             Self::Ours(error) => {
                 eprintln!("error: {error:#}\nThis is a fault of builder itself; please report it.");

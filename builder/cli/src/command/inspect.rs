@@ -8,6 +8,7 @@ use actor::timeline::Timeline;
 use anyhow::{Context, anyhow};
 use bundle::{BundleReader, MAGIC};
 use capture_io::import::import;
+use job::Job;
 use reprise::pack::{PackOptions, summary_of};
 use reprise::preflight::preflight;
 use serde_json::{Value, json};
@@ -24,10 +25,14 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
     let found = match arguments.inputs.as_slice() {
         [path] if is_bundle(Path::new(path)) => inspect_bundle(Path::new(path))?,
         inputs => {
-            let options = PackOptions { import: import_options(&arguments.import), ..PackOptions::default() };
+            let mut options = PackOptions::default();
+            options.import = import_options(&arguments.import);
             let report = |step| terminal.progress(step);
-            let imported = import(inputs, &options.import, &report).map_err(|error| Failure::Input(error.into()))?;
-            let found = preflight(&imported, &options, &report);
+            let reading = |step| {
+                let _ = report(step);
+            };
+            let imported = import(inputs, &options.import, &reading).map_err(|error| Failure::Input(error.into()))?;
+            let found = preflight(&imported, &options, &Job::new(&report));
             refusal = found.refusal;
             let warnings: Vec<_> = imported.warnings.iter().chain(&found.warnings).collect();
             let capture = &imported.capture;

@@ -11,8 +11,10 @@ mod pack;
 mod performer;
 mod report;
 mod terminal;
+mod typed;
 mod validate;
 mod walked;
+mod work;
 
 use std::process::ExitCode;
 
@@ -49,6 +51,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|error| Failure::Ours(error.into()))?;
     }
+    terminal::stop_when_interrupted();
     let terminal = Terminal::new(arguments.quiet);
     match &arguments.command {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
@@ -58,5 +61,6 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Validate(arguments) => validate::run(arguments, &terminal),
         Command::Evaluate(arguments) => evaluate::run(arguments, &terminal),
         Command::Report(arguments) => report::run(arguments, &terminal),
+        Command::Work(arguments) => work::run(arguments, &terminal),
     }
 }

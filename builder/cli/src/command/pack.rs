@@ -3,22 +3,26 @@
 use anyhow::anyhow;
 use appearance::AppearanceOptions;
 use capture_io::import::{Cyclic, ImportOptions};
+use job::Job;
 use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
-use reprise::pack::{AppearanceChoice, PackError, PackOptions, PackReport, pack};
+use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 
 use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis};
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::terminal::Terminal;
+use super::work;
 
 /// Reads, computes, writes, and says what came out.
 pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure> {
     let options = options(arguments)?;
-    let report = |progress| terminal.progress(progress);
-    let (bytes, report) = pack(&arguments.inputs, &options, &report).map_err(|error| match error {
-        PackError::Import(_) | PackError::Appearance(_) | PackError::Option(_) => Failure::Input(error.into()),
-        PackError::Ours(_) => Failure::Ours(error.into()),
+    let (report, work) = (|progress| terminal.progress(progress), work::open(&arguments.work)?);
+    let job = Job::new(&report).with_work(work.as_ref());
+    let (bytes, report) = pack(&arguments.inputs, &options, &job).map_err(|error| match error {
+        error if error.is_stopped() => Failure::Stopped { work: arguments.work.work.clone() },
+        error if error.is_ours() => Failure::Ours(error.into()),
+        error => Failure::Input(error.into()),
     })?;
     write_whole(&arguments.output, &bytes).map_err(Failure::Input)?;
     for warning in &report.warnings {
@@ -65,30 +69,30 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
     if arguments.output.file_name().is_none() {
         return Err(Failure::Input(anyhow!("{} is no name for a file", arguments.output.display())));
     }
-    Ok(PackOptions {
-        import: import_options(&arguments.import),
-        distance: DistanceOptions {
-            kind: DistanceKind::Deformation,
-            stretch_weight: arguments.stretch_weight,
-            area_weighted: arguments.area_weighted,
+    let mut options = PackOptions::default();
+    options.import = import_options(&arguments.import);
+    options.distance = DistanceOptions {
+        kind: DistanceKind::Deformation,
+        stretch_weight: arguments.stretch_weight,
+        area_weighted: arguments.area_weighted,
+    };
+    options.graph.transition = TransitionOptions {
+        shortest_seconds: arguments.shortest,
+        longest_seconds: arguments.longest,
+        slope: arguments.slope.0,
+        choice: match arguments.transition_length {
+            TransitionLength::Total => LengthChoice::Total,
+            TransitionLength::Mean => LengthChoice::Mean,
         },
-        transition: TransitionOptions {
-            shortest_seconds: arguments.shortest,
-            longest_seconds: arguments.longest,
-            slope: arguments.slope.0,
-            choice: match arguments.transition_length {
-                TransitionLength::Total => LengthChoice::Total,
-                TransitionLength::Mean => LengthChoice::Mean,
-            },
-        },
-        alpha: arguments.alpha,
-        hold_contacts: !arguments.no_contacts,
-        max_error: arguments.max_error,
-        appearance: match arguments.appearance {
-            AppearanceKind::Static => AppearanceChoice::Static,
-            AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
-        },
-    })
+    };
+    options.graph.alpha = arguments.alpha;
+    options.graph.hold_contacts = !arguments.no_contacts;
+    options.max_error = arguments.max_error;
+    options.appearance = match arguments.appearance {
+        AppearanceKind::Static => AppearanceChoice::Static,
+        AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
+    };
+    Ok(options)
 }
 
 fn appearance_options(arguments: &PackArguments) -> AppearanceOptions {
@@ -128,8 +132,8 @@ fn summary(report: &PackReport) -> String {
             bundle.max_error * 1e3
         ),
         format!(
-            "seconds: import {:.1}, distances {:.1}, transitions {:.1}, graph {:.1}, bundle {:.1}",
-            seconds.import, seconds.distances, seconds.transitions, seconds.graph, seconds.bundle
+            "seconds: import {:.1}, distances {:.1}, transitions and graph {:.1}, bundle {:.1}",
+            seconds.import, seconds.distances, seconds.graph, seconds.bundle
         ),
     ];
     if let Some(appearance) = &report.appearance {

@@ -1,6 +1,6 @@
 //! `builder performer`.
 
-use job::progress::Progress;
+use job::Progress;
 use performer::{Artefacts, PerformerError, PerformerOptions, write_performer};
 
 use super::args::{Artefact, PerformerArguments};
@@ -16,7 +16,8 @@ pub fn run(arguments: &PerformerArguments, terminal: &Terminal) -> Result<(), Fa
         return Err(Failure::Input(error));
     }
     let progress = |step: performer::Progress| {
-        terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
+        let _ =
+            terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
     };
     let summary = write_performer(&options(arguments), out, &progress).map_err(|error| match error {
         PerformerError::Option { .. } => Failure::Usage(error.to_string()),

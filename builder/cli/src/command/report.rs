@@ -5,7 +5,7 @@ use std::fs;
 use anyhow::Context;
 use evaluate::html;
 use evaluate::short::{ReportError, report_on};
-use job::progress::Progress;
+use job::{Job, Progress};
 
 use super::args::ReportArguments;
 use super::failure::Failure;
@@ -17,7 +17,7 @@ pub fn run(arguments: &ReportArguments, terminal: &Terminal) -> Result<(), Failu
     let path = &arguments.bundle;
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
     let report = |step: Progress| terminal.progress(step);
-    let document = report_on(&bytes, &report).map_err(|error| match error {
+    let document = report_on(&bytes, &Job::new(&report)).map_err(|error| match error {
         ReportError::Picture(_) => Failure::Ours(error.into()),
         _ => Failure::Input(anyhow::Error::from(error).context(path.display().to_string())),
     })?;

@@ -1,10 +1,12 @@
 //! Progress and log on stderr.
 
+use std::ops::ControlFlow;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use job::progress::Progress;
+use job::Progress;
 
 /// A stage shows a bar once it has run for this long.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -21,6 +23,21 @@ struct Stage {
     bar: Option<ProgressBar>,
 }
 
+/// The user wants the work to stop.
+static STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// Lets the first interrupt ask the work to stop, and the second one end the program.
+pub fn stop_when_interrupted() {
+    let interrupted = || {
+        if STOPPED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("stopping; once more to stop at once");
+    };
+    // Without it an interrupt ends the program, as it does anyway where nothing else is said.
+    let _ = ctrlc::set_handler(interrupted);
+}
+
 impl Terminal {
     /// A terminal that shows bars and log lines, or only errors where `quiet`.
     pub fn new(quiet: bool) -> Self {
@@ -28,7 +45,13 @@ impl Terminal {
     }
 
     /// Shows the progress of a stage; a new name ends the bar of the stage before.
-    pub fn progress(&self, progress: Progress) {
+    /// Asks to stop once the user did.
+    pub fn progress(&self, progress: Progress) -> ControlFlow<()> {
+        self.show(progress);
+        if STOPPED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn show(&self, progress: Progress) {
         if self.quiet {
             return;
         }

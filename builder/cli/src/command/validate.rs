@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 use bundle::{Finding, Severity, validate};
 use capture_io::import::{Warning, import};
+use job::Job;
 use reprise::pack::{PackError, PackOptions};
 use reprise::preflight::preflight;
 use serde::Serialize;
@@ -33,7 +34,8 @@ pub fn run(arguments: &ValidateArguments, terminal: &Terminal) -> Result<(), Fai
             validate(&bytes).into_iter().map(of_bundle).collect()
         }
         inputs => {
-            let options = PackOptions { import: import_options(&arguments.import), ..PackOptions::default() };
+            let mut options = PackOptions::default();
+            options.import = import_options(&arguments.import);
             of_input(inputs, options, terminal)
         }
     };
@@ -64,9 +66,12 @@ fn of_bundle(finding: Finding) -> Line {
 fn of_input(inputs: &[String], options: PackOptions, terminal: &Terminal) -> Vec<Line> {
     let report = |step| terminal.progress(step);
     let warning = |Warning { code, message }| Line { code, severity: "warning", message };
-    match import(inputs, &options.import, &report) {
+    let reading = |step| {
+        let _ = report(step);
+    };
+    match import(inputs, &options.import, &reading) {
         Ok(imported) => {
-            let found = preflight(&imported, &options, &report);
+            let found = preflight(&imported, &options, &Job::new(&report));
             let error = |error: PackError| Line { code: error.code(), severity: "error", message: error.to_string() };
             let warnings = imported.warnings.into_iter().chain(found.warnings).map(warning);
             warnings.chain(found.refusal.map(error)).collect()

@@ -24,6 +24,7 @@ use appearance::pca::components;
 use appearance::store::Store;
 use bundle::BundleReader;
 use glam::Vec3;
+use job::Job;
 use kernels::poisson::{KeyedPose, PoissonInterpolator};
 use kernels::topology::{Topology, barycentric_areas};
 use pipeline::distance::DistanceMatrix;
@@ -120,7 +121,7 @@ fn dtw(series: &str, length: usize, out: &str) -> Result<f64> {
         slope: None,
         choice: LengthChoice::Total,
     };
-    let (found, time) = timed(|| optimal_transitions(&distances, &timeline, &options, &|_| ()));
+    let (found, time) = timed(|| optimal_transitions(&distances, &timeline, &options, &Job::silent()));
     let found = found?;
     // By first frames of both windows.
     let windows = n + 1 - length;

@@ -5,14 +5,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use actor::graph::EssentialGraph;
 use rayon::prelude::*;
 
-use super::{SKATE_TRANSITIONS, Walks, walks_table};
+use super::walks::{SKATE_TRANSITIONS, Walks, walks_table};
 use crate::EvaluateError;
 use crate::contacts::Contacts;
 use crate::document::{Cell, SectionReport, Table};
 use crate::stage::{Recordings, Stage};
 use crate::statistics::{Moments, percentile};
 use crate::subject::{Subject, told};
-use job::progress::Report;
+use job::Job;
 use pipeline::transitions::LengthChoice;
 
 /// Slides in metres per frame: of all that touches the ground, and of feet that are known to stand.
@@ -56,10 +56,10 @@ pub(super) fn skate(
     order: &[u32],
     graph: &EssentialGraph,
     chosen: &[usize],
-    report: Report,
+    job: &Job,
 ) -> Result<Slides, EvaluateError> {
     let contacts = Contacts::of(&recordings, subject.truth.as_ref());
-    let told = told(report, "foot skate");
+    let told = told(job, "foot skate");
     let done = AtomicUsize::new(0);
     let parts: Vec<Slides> = chosen
         .par_chunks(4)
@@ -79,7 +79,7 @@ pub(super) fn skate(
                 }
             }
             let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / chosen.len() as f64);
+            told((before + chunk.len()) as f64 / chosen.len() as f64)?;
             Ok(slides)
         })
         .collect::<Result<_, EvaluateError>>()?;
@@ -134,7 +134,7 @@ pub(super) fn skate_table(
         }
     }
     section.tables.push(table);
-    section.tables.push(walks_table(skates, fps));
+    section.tables.push(walks_table(skates.iter().map(|(choice, walks, _)| (*choice, walks)), fps));
     if let (Some(_), [held, free, ..]) = (&subject.truth, sliding.as_slice()) {
         section.text.push(format!(
             "A foot that stands slides {:.2} mm a frame in synthetic frames, {:.2} mm where the blend follows the centre \

@@ -3,32 +3,24 @@
 mod foot_skate;
 mod seam_tables;
 mod turning;
+mod walks;
 
-use actor::graph::EssentialGraph;
-use actor::walk::{Leg, Walk};
 use kernels::cholesky::elimination_order;
-use rayon::prelude::*;
-use search::cheapest_walk;
 
 use super::EvaluateError;
-use super::document::{Cell, SectionReport, Table};
+use super::document::SectionReport;
 use super::seams::{self, Ease, Own};
 use super::stage::Recordings;
-use super::statistics::Moments;
 use super::subject::{Subject, told};
 use foot_skate::{Skate, skate, skate_table};
-use job::progress::{Progress, Report};
+use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
 use seam_tables::{SeamReport, seam_tables};
-
-/// Cheapest walks between frames drawn at random.
-const WALKS: u64 = 300;
-/// Transitions on them whose frames are all made, for foot skate.
-const SKATE_TRANSITIONS: usize = 200;
+use walks::{SKATE_TRANSITIONS, walks};
 
 /// Makes the section.
-pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let order = elimination_order(&subject.capture.topology);
     let mut section = SectionReport::default();
@@ -38,12 +30,12 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
     let mut reports = Vec::new();
     let mut skates = Vec::new();
     for choice in [LengthChoice::Total, LengthChoice::Mean] {
-        let graph = subject.graph(choice, report)?;
+        let graph = subject.graph(choice, job)?;
         let of_graph = draw(graph.transitions().len(), subject.options.seam_transitions, subject.options.seed);
-        let walks = walks(subject, &graph, report);
+        let walks = walks(subject, &graph, job)?;
         for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
             for ease in [Ease::Smooth, Ease::Linear] {
-                let told = told(report, "seams");
+                let told = told(job, "seams");
                 let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &told)?;
                 reports.push(SeamReport { choice, population, ease, seams });
             }
@@ -54,43 +46,14 @@ pub(super) fn section(subject: &Subject, report: Report) -> Result<SectionReport
             .collect();
         let free = Recordings { contacts: &actor::contacts::Contacts::default(), ..recordings };
         let slides = Skate {
-            held: skate(subject, recordings, &order, &graph, &few, report)?,
-            free: skate(subject, free, &order, &graph, &few, report)?,
+            held: skate(subject, recordings, &order, &graph, &few, job)?,
+            free: skate(subject, free, &order, &graph, &few, job)?,
         };
         skates.push((choice, walks, slides));
     }
     skate_table(subject, &recordings, &skates, &mut section);
     seam_tables(subject, &reports, &own, limit, &mut section);
     Ok(section)
-}
-
-/// Cheapest walks between frames drawn at random, as users ask for them.
-struct Walks {
-    /// The transitions on them, as often as they are used.
-    transitions: Vec<usize>,
-    /// Cost, deformation, duration in frames, transitions.
-    moments: [Moments; 4],
-}
-
-fn walks(subject: &Subject, graph: &EssentialGraph, report: Report) -> Walks {
-    let (n, seed) = (u64::from(subject.timeline().frame_count()), subject.options.seed);
-    let frame = |index: u64| (mix(seed, index) % n) as u32;
-    report(Progress { what: "walks", done: 0, total: 0 });
-    let found: Vec<Option<Walk>> = (0..WALKS)
-        .into_par_iter()
-        .map(|index| cheapest_walk(graph, subject.timeline(), frame(2 * index), frame(2 * index + 1)))
-        .collect();
-    let mut walks = Walks { transitions: Vec::new(), moments: [Moments::default(); 4] };
-    for walk in found.iter().flatten() {
-        let values = [walk.cost, walk.deformation, f64::from(walk.duration), walk.transition_count() as f64];
-        values.into_iter().zip(&mut walks.moments).for_each(|(value, moments)| moments.add(value));
-        walks.transitions.extend(walk.legs.iter().filter_map(|leg| match leg {
-            Leg::Synthetic(index) => Some(*index as usize),
-            Leg::Recorded { .. } => None,
-        }));
-    }
-    walks.transitions.sort_unstable();
-    walks
 }
 
 /// Up to `most` of 0..count, in order.
@@ -103,29 +66,4 @@ pub(crate) fn draw(count: usize, most: usize, seed: u64) -> Vec<usize> {
     let mut chosen: Vec<usize> = keyed.into_iter().take(most).map(|(_, index)| index).collect();
     chosen.sort_unstable();
     chosen
-}
-
-fn walks_table(skates: &[(LengthChoice, Walks, Skate)], fps: f64) -> Table {
-    let mut table = Table::new(
-        "walks",
-        format!("{WALKS} cheapest walks between frames drawn at random, those that exist."),
-        &["lengths by", "walks", "cost", "deformation", "duration, s", "deviation, s", "transitions"],
-    );
-    for (choice, walks, _) in skates {
-        let [cost, deformation, duration, transitions] = walks.moments;
-        table.rows.push(vec![
-            lengths_by(*choice).into(),
-            Cell::Count(cost.count),
-            Cell::Number(cost.mean, 3),
-            Cell::Number(deformation.mean, 3),
-            Cell::Number(duration.mean / fps, 2),
-            Cell::Number(duration.deviation() / fps, 2),
-            Cell::Number(transitions.mean, 2),
-        ]);
-    }
-    table
-}
-
-fn lengths_by(choice: LengthChoice) -> &'static str {
-    if choice == LengthChoice::Total { "sum" } else { "mean" }
 }

@@ -1,6 +1,6 @@
 //! Seams of transitions against the capture's own change from frame to frame.
 
-use super::lengths_by;
+use super::walks::lengths_by;
 use crate::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use crate::plot::{Kind, Plot, Series, histogram};
 use crate::seams::{Change, Ease, Own, SeamSummary, Seams};

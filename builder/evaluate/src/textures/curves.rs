@@ -11,20 +11,23 @@ use serde::Serialize;
 use texture::quality::Similarity;
 
 use super::ghosting::{AgainstTruth, Crossings, Scene, against_truth};
+use super::quality::{Quality, evenly};
 use super::seams::{Moment, changes, worn};
 use super::views::Views;
 use crate::EvaluateError;
 use appearance::AppearanceError;
 use appearance::align::{AlignOptions, Aligned, align, colours};
-use appearance::build::{Basis, combine, compared, means, split};
+use appearance::basis::Basis;
 use appearance::charts::Charts;
+use appearance::learn::split;
 use appearance::naive::captured;
 use appearance::pca::{Components, components};
+use appearance::rebuilt::{combine, compared, means};
 use appearance::store::Store;
 use appearance::stored;
 use appearance::textures::TextureSource;
 use appearance::warp::Warping;
-use job::progress::{Progress, Report};
+use job::Job;
 
 /// Numbers of components on the curves.
 const COUNTS: [usize; 9] = [2, 3, 6, 12, 20, 30, 40, 50, 80];
@@ -38,15 +41,6 @@ const SHARES: [usize; 4] = [10, 25, 50, 75];
 const DISTANCES: [usize; 3] = [4, 8, 16];
 /// Frames, or pairs of frames, on which each point of a curve is measured.
 const SAMPLE: usize = 24;
-
-/// Similarity and error at a point of a curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Quality {
-    /// Structural similarity.
-    pub ssim: f64,
-    /// Mean square error of colours from 0 to 1.
-    pub mse: f64,
-}
 
 /// One number of components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -150,16 +144,16 @@ pub struct Subject<'a, S: TextureSource + ?Sized> {
 pub fn curves(
     subject: &Subject<'_, impl TextureSource + ?Sized>,
     options: &AlignOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<Curves, EvaluateError> {
     let Subject { source, charts, sequences, seams, crossings, views } = subject;
-    let aligned = align(*source, charts, options, report)?;
+    let aligned = align(*source, charts, options, job)?;
     let raw = captured(*source, charts)?;
     let all = aligned.complete.clone();
     let similarity = Similarity::new(charts.width as u32, &charts.active());
     let bench = Bench { source: *source, aligned, raw, similarity, views };
-    let told = |done: usize| report(Progress { what: "appearance curves", done: done as u64, total: 11 });
-    told(0);
+    let told = |done: usize| job.tell("appearance curves", done as u64, 11);
+    told(0)?;
     let full = bench.learn(&all, USUAL)?;
     let ghosting = bench.ghosting(&full, sequences)?;
     let halves = bench.halves(&full, &all);
@@ -176,7 +170,7 @@ pub fn curves(
     let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
     for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
-        told(1 + done);
+        told(1 + done)?;
         let basis = bench.learn(&all, count)?;
         reconstruction.push(bench.reconstruction(count, &basis, &naive, &all)?);
         if count < USUAL {
@@ -184,7 +178,7 @@ pub fn curves(
         }
     }
     drop(naive);
-    told(10);
+    told(10)?;
     Ok(Curves {
         reconstruction,
         generalisation: bench.generalisation(&all)?,
@@ -207,7 +201,7 @@ struct Bench<'a, S: TextureSource + ?Sized> {
 impl<S: TextureSource + ?Sized> Bench<'_, S> {
     fn learn(&self, training: &[usize], count: usize) -> Result<Basis, AppearanceError> {
         let (textures, warps) = split(count);
-        Basis::new(self.source, &self.aligned, training, textures, warps)
+        Basis::new(self.source, &self.aligned, training, (textures, warps), &Job::silent())
     }
 
     fn original(&self, frame: usize) -> Result<Vec<f32>, AppearanceError> {
@@ -346,11 +340,6 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
             frames.par_iter().map(|&frame| Ok((steepness(&make(frame)), steepness(&self.original(frame)?)))).collect();
         means(found).map(|(made, recorded)| made / recorded.max(1e-12))
     }
-}
-
-/// At most `most` of `frames`, evenly spread.
-pub(super) fn evenly<T: Copy>(frames: &[T], most: usize) -> Vec<T> {
-    frames.iter().copied().step_by(frames.len().div_ceil(most).max(1)).collect()
 }
 
 /// `frames` in an order that looks random but is always the same.

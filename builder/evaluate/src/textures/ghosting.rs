@@ -6,11 +6,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use texture::quality::Similarity;
 
-use super::curves::{Quality, evenly};
+use super::quality::{Quality, evenly};
 use super::seams::{Moment, worn};
 use appearance::AppearanceError;
 use appearance::align::{Aligned, colours};
-use appearance::build::Basis;
+use appearance::basis::Basis;
 use appearance::charts::Charts;
 use appearance::stored::{self, CYCLES};
 use appearance::textures::{Texture, TextureSource};

@@ -3,6 +3,7 @@
 pub mod curves;
 pub mod ghosting;
 mod performed;
+pub mod quality;
 pub mod seams;
 mod section;
 pub mod views;

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use appearance::align::Aligned;
-use appearance::build::{Basis, combine};
+use appearance::basis::Basis;
+use appearance::rebuilt::combine;
 use appearance::warp::Warping;
 
 /// What the actor wears at one frame of a walk: the coefficients of two recorded frames, blended.

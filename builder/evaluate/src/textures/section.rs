@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use actor::blend::Blend;
 
-use super::curves::{Curves, Quality, Subject as Textured, curves};
+use super::curves::{Curves, Subject as Textured, curves};
 use super::ghosting::Crossings;
 use super::performed::{self, Performed};
+use super::quality::Quality;
 use super::seams::Moment;
 use super::views::Views;
 use crate::blending::draw;
@@ -21,14 +22,14 @@ use appearance::align::AlignOptions;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{AppearanceError, Charts};
 use capture_io::export::ExportError;
-use job::progress::{Progress, Report};
+use job::Job;
 use pipeline::transitions::LengthChoice;
 
 /// Transitions whose seams are looked at.
 const SEAM_TRANSITIONS: usize = 150;
 
 /// Makes the section.
-pub(crate) fn section(subject: &Subject, report: Report) -> Result<SectionReport, EvaluateError> {
+pub(crate) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let Some(paths) = subject.textures.clone() else {
         return Ok(missing(
             "The capture has no texture for every frame. The built-in performer has them with its artefacts: \
@@ -43,15 +44,15 @@ pub(crate) fn section(subject: &Subject, report: Report) -> Result<SectionReport
         subject.timeline().sequences().iter().map(|s| range(s.first_frame, s.frame_count)).collect();
     let poses: Vec<Vec<glam::Vec3>> = subject.capture.poses.iter().map(<[glam::Vec3]>::to_vec).collect();
     let views = Views::new(&subject.capture.surface, &poses, &charts);
-    let blends = drawn(subject, report)?;
+    let blends = drawn(subject, job)?;
     let seams = seams(&blends);
     let pairs = performed::pairs(&blends, subject.timeline());
     let first = files.paths.first().map_or(Path::new(""), PathBuf::as_path);
-    report(Progress { what: "truth of transitions", done: 0, total: 0 });
+    job.begin("truth of transitions")?;
     let truth = Performed::again(first, &files, &charts, subject.timeline(), &pairs);
     let crossings = truth.as_ref().ok().map(|truth| Crossings { pairs: &pairs, truth });
     let textured = Textured { source: &files, charts: &charts, sequences: &sequences, seams: &seams, crossings, views };
-    match curves(&textured, &AlignOptions::default(), report) {
+    match curves(&textured, &AlignOptions::default(), job) {
         Ok(curves) => {
             let mut section = write(&curves, (width, height));
             match (&curves.against_truth, &truth) {
@@ -72,8 +73,8 @@ pub(crate) fn section(subject: &Subject, report: Report) -> Result<SectionReport
 }
 
 /// Transitions drawn from the essential graph, node by node.
-fn drawn(subject: &Subject, report: Report) -> Result<Vec<Vec<Blend>>, EvaluateError> {
-    let graph = subject.graph(LengthChoice::Total, report)?;
+fn drawn(subject: &Subject, job: &Job) -> Result<Vec<Vec<Blend>>, EvaluateError> {
+    let graph = subject.graph(LengthChoice::Total, job)?;
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
     let drawn = draw(graph.transitions().len(), SEAM_TRANSITIONS, subject.options.seed);
     let blends = drawn.into_iter().map(|index| Ok(recordings.blends(&graph.transitions()[index])?));

@@ -7,8 +7,8 @@ use glam::Vec3;
 use image::{ImageFormat, RgbImage};
 use texture::quality::Similarity;
 
-use appearance::build::compared;
 use appearance::charts::Charts;
+use appearance::rebuilt::compared;
 use capture_io::export::{ExportError, Picture, Raster};
 
 /// Width and height of a picture in pixels.

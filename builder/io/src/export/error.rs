@@ -9,6 +9,9 @@ use thiserror::Error;
 /// Why a walk could not be written.
 #[derive(Debug, Error)]
 pub enum ExportError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] job::Stopped),
     /// The bundle has not arrived in full.
     #[error("the bundle is not whole")]
     NotWhole,

@@ -17,7 +17,7 @@ use super::error::ExportError;
 use super::output::write_whole;
 use super::play::Played;
 use super::{Actor, ExportOptions, bounds};
-use job::progress::Report;
+use job::Job;
 
 /// The largest file in bytes: viewers hold all of it in memory.
 const MOST_BYTES: u64 = 2 << 30;
@@ -33,7 +33,7 @@ pub(super) fn write(
     played: &mut Played,
     path: &Path,
     options: &ExportOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<u32, ExportError> {
     let (total, corners) = (played.written(options.every), actor.surface.corners.len());
     let bytes = u64::from(total) * corners as u64 * 12;
@@ -44,7 +44,7 @@ pub(super) fn write(
     let mut file = File::default();
     let mut base: Vec<Vec3> = Vec::new();
     let mut targets = Vec::new();
-    let frames = played.each(options.every, ("frames", report), |frame, pose| {
+    let frames = played.each(options.every, ("frames", job), |frame, pose| {
         let positions = actor.corners(pose);
         if frame == 0 {
             base = positions;

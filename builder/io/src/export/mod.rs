@@ -24,7 +24,7 @@ use actor::surface::Surface;
 use bundle::BundleReader;
 use glam::Vec3;
 
-use job::progress::Report;
+use job::Job;
 
 /// How a walk is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,13 +79,13 @@ pub fn export(
     played: &mut Played,
     output: &Output,
     options: &ExportOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<u32, ExportError> {
     match output {
-        Output::Glb(path) => glb::write(actor, played, path, options, report),
-        Output::Obj(pattern) => obj::write(actor, played, pattern, options, report),
-        Output::Ply(pattern) => ply::write(actor, played, pattern, options, report),
-        Output::Png(pattern) => turntable::write(actor, played, pattern, options, report),
+        Output::Glb(path) => glb::write(actor, played, path, options, job),
+        Output::Obj(pattern) => obj::write(actor, played, pattern, options, job),
+        Output::Ply(pattern) => ply::write(actor, played, pattern, options, job),
+        Output::Png(pattern) => turntable::write(actor, played, pattern, options, job),
     }
 }
 

@@ -6,7 +6,7 @@ use super::error::ExportError;
 use super::output::{FramePattern, write_textures, write_whole};
 use super::play::Played;
 use super::{Actor, ExportOptions};
-use job::progress::Report;
+use job::Job;
 
 const MATERIALS: &str = "materials.mtl";
 
@@ -16,13 +16,13 @@ pub(super) fn write(
     played: &mut Played,
     pattern: &FramePattern,
     options: &ExportOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<u32, ExportError> {
     pattern.make_folder()?;
     let textures = write_textures(&actor.surface, &pattern.folder)?;
     write_whole(&pattern.folder.join(MATERIALS), materials(actor, &textures).as_bytes())?;
     let rest = faces(actor);
-    played.each(options.every, ("frames", report), |frame, pose| {
+    played.each(options.every, ("frames", job), |frame, pose| {
         let mut text = format!("mtllib {MATERIALS}\n");
         for position in pose {
             let _ = writeln!(text, "v {} {} {}", position.x, position.y, position.z);

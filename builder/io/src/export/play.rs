@@ -9,7 +9,7 @@ use kernels::align::{Placement, centre_of_mass};
 use synthesis::Synthesiser;
 
 use super::error::ExportError;
-use job::progress::{Progress, Report};
+use job::Job;
 
 /// A walk that is being played.
 pub struct Played<'a> {
@@ -65,14 +65,14 @@ impl Played<'_> {
     pub(super) fn each(
         &mut self,
         every: u32,
-        (what, report): (&'static str, Report),
+        (what, job): (&'static str, &Job),
         mut write: impl FnMut(u32, &[Vec3]) -> Result<(), ExportError>,
     ) -> Result<u32, ExportError> {
         let total = u64::from(self.written(every));
         let (mut step, mut written) = (0_u32, 0);
         while let Some(pose) = self.next_pose()? {
             if step.is_multiple_of(every.max(1)) {
-                report(Progress { what, done: u64::from(written), total });
+                job.tell(what, u64::from(written), total)?;
                 write(written, pose)?;
                 written += 1;
             }

@@ -4,7 +4,7 @@ use super::error::ExportError;
 use super::output::{FramePattern, write_textures, write_whole};
 use super::play::Played;
 use super::{Actor, ExportOptions};
-use job::progress::Report;
+use job::Job;
 
 /// Writes all frames. A PLY names one texture: that of the first material which has one.
 pub(super) fn write(
@@ -12,7 +12,7 @@ pub(super) fn write(
     played: &mut Played,
     pattern: &FramePattern,
     options: &ExportOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<u32, ExportError> {
     pattern.make_folder()?;
     let textures = write_textures(&actor.surface, &pattern.folder)?;
@@ -20,7 +20,7 @@ pub(super) fn write(
     let texture = surface.materials.iter().find_map(|material| textures.get(material.image? as usize));
     let texture = texture.map_or(String::new(), |name| format!("comment TextureFile {name}\n"));
     let faces = faces(actor);
-    played.each(options.every, ("frames", report), |frame, pose| {
+    played.each(options.every, ("frames", job), |frame, pose| {
         let header = format!(
             "ply\nformat binary_little_endian 1.0\n{texture}element vertex {}\nproperty float x\nproperty float y\n\
              property float z\nelement face {}\nproperty list uchar int vertex_indices\n\

@@ -10,7 +10,7 @@ use super::output::{FramePattern, write_whole};
 use super::picture::{Picture, Raster};
 use super::play::Played;
 use super::{Actor, ExportOptions, bounds};
-use job::progress::Report;
+use job::Job;
 
 /// How much of the way to the actor the camera goes in a second, on a logarithmic scale: it does not shake with its steps.
 const FOLLOW: f32 = 3.0;
@@ -25,13 +25,13 @@ pub(super) fn write(
     played: &mut Played,
     pattern: &FramePattern,
     options: &ExportOptions,
-    report: Report,
+    job: &Job,
 ) -> Result<u32, ExportError> {
     pattern.make_folder()?;
     let raster = Raster::new(&actor.surface)?;
     let seconds = options.every.max(1) as f32 / actor.fps;
     let mut follow: Option<(Vec3, f32)> = None;
-    played.each(options.every, ("pictures", report), |frame, pose| {
+    played.each(options.every, ("pictures", job), |frame, pose| {
         let positions = actor.corners(pose);
         let (middle, height) = extent(&positions);
         let (at, tall) = follow.map_or((middle, height), |(at, tall)| {

@@ -2,9 +2,8 @@
 //!
 //! Captures move between machines, so that paths in them are often those of another one.
 
+use super::folder::list;
 use std::path::{Path, PathBuf};
-
-use super::inputs::list;
 
 /// A file that was found.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -240,13 +240,27 @@ pub enum ImportError {
         /// Object and fault, for example `accessor 3: ...`.
         reason: String,
     },
-    /// A glTF file is compressed in a way that is not read.
-    #[error("{path}: the geometry is compressed ({extension}): re-export without compression")]
-    Compressed {
+    /// A file shows one mesh after the other, and they do not go together as the frames of one.
+    #[error(
+        "{path}: {reason}. All frames need the same mesh (tracked geometry), each of them once: export one mesh that moves, \
+         by shape keys or a rig"
+    )]
+    ChangingMesh {
         /// The file.
         path: PathBuf,
-        /// The extension.
-        extension: String,
+        /// Which meshes, and where they differ.
+        reason: String,
+    },
+    /// A frame has no surface.
+    #[error(
+        "{path}, frame {frame}: the whole mesh has no area there (is its scale 0?): leave the frame out, or let the motion \
+         begin and end at full size"
+    )]
+    Collapsed {
+        /// The file.
+        path: PathBuf,
+        /// Frame within its sequence, from 0.
+        frame: usize,
     },
     /// A glTF file requires an extension that is not read.
     #[error("{path}: requires the extension {extension}, which is not read: export without it")]
@@ -353,7 +367,8 @@ impl ImportError {
             Self::TextureCount { .. } => "E_TEXTURE_COUNT",
             Self::Mask { .. } => "E_MASK",
             Self::Gltf { .. } => "E_GLTF",
-            Self::Compressed { .. } => "E_GLTF_COMPRESSED",
+            Self::ChangingMesh { .. } => "E_MESH_CHANGES",
+            Self::Collapsed { .. } => "E_COLLAPSED",
             Self::Extension { .. } => "E_GLTF_EXTENSION",
             Self::UnknownClip { .. } => "E_CLIP_UNKNOWN",
             Self::Manifest { .. } => "E_MANIFEST",

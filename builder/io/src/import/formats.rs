@@ -1,8 +1,7 @@
 //! Files that captures come in and that are not read here: what they are, and the way to go.
 
+use super::paths::ending;
 use std::path::Path;
-
-use super::inputs::ending;
 
 /// A format by the ending of its files.
 struct Format {

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 use super::error::ImportError;
 use super::formats::disguised;
 use super::images::read_file;
-use super::inputs::ending;
-use super::looks::{Look, NamedTexture, looks};
+use super::looks::{Look, looks};
 use super::manifest::UpAxis;
 use super::mesh::{FaceList, FileMesh, Frame};
+use super::paths::ending;
 use super::warning::Note;
+use super::worn::NamedTexture;
 use super::{obj, ply};
 
 /// Turns positions of the input into metres, +Y up, near the origin.

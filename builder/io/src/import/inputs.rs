@@ -2,14 +2,16 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::error::ImportError;
+use super::folder::list;
 use super::formats::unread;
 use super::gltf::GltfFile;
 use super::numbered::{Run, double_warning, gap_warning, name_of, natural, negative_warning, run_of_folders, runs};
+use super::paths::ending;
+use super::paths::stem;
 use super::pattern::Pattern;
 use super::warning::Warning;
 
@@ -445,27 +447,6 @@ pub(super) fn name_of_folder(folder: &Path) -> String {
         Some(name) => name.to_string_lossy().into_owned(),
         None => folder.canonicalize().map(|folder| name_of(&folder)).unwrap_or_default(),
     }
-}
-
-/// The file name without its ending.
-pub(super) fn stem(path: &Path) -> String {
-    path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "capture".to_owned())
-}
-
-/// The ending in lower case.
-pub(super) fn ending(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
-}
-
-/// The entries of a folder that are not hidden, by name.
-pub(super) fn list(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let fail = |source| ImportError::Io { path: folder.to_owned(), source };
-    let entries = fs::read_dir(folder).map_err(fail)?;
-    let mut paths = entries.map(|e| e.map(|e| e.path()).map_err(fail)).collect::<Result<Vec<_>, _>>()?;
-    // Hidden files are no frames: macOS leaves "._" twins behind.
-    paths.retain(|path| path.file_name().is_none_or(|name| !name.to_string_lossy().starts_with('.')));
-    paths.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    Ok(paths)
 }
 
 /// The files and folders that a glob names within `base` and that are not hidden, by name.

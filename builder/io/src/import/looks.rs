@@ -8,30 +8,12 @@ use super::beside;
 use super::error::ImportError;
 use super::images::read_file;
 use super::mesh::{Frame, plain_material};
-use super::mtl::{self, LibraryMaterial, UvTransform};
+use super::mtl::{self, LibraryMaterial};
 use super::warning::Note;
+use super::worn::{NamedTexture, UvTransform};
 
 /// A statement that names more libraries is none.
 const MOST_LIBRARIES: usize = 64;
-
-/// A texture that a mesh file or its library names.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum NamedTexture {
-    /// The file is there.
-    Found(PathBuf),
-    /// It is not; the name as it is written.
-    Missing(String),
-}
-
-impl NamedTexture {
-    /// The file, where it is there.
-    pub fn found(&self) -> Option<&PathBuf> {
-        match self {
-            Self::Found(path) => Some(path),
-            Self::Missing(_) => None,
-        }
-    }
-}
 
 /// A material as a mesh file wants it drawn.
 #[derive(Clone, Debug, PartialEq)]

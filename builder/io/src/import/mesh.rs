@@ -3,10 +3,9 @@
 use actor::surface::{Image, Material};
 use glam::{DVec3, Vec3};
 
-use super::looks::NamedTexture;
-use super::mtl::UvTransform;
 use super::polygon::triangulate;
 use super::warning::Note;
+use super::worn::{NamedTexture, UvTransform};
 
 /// Faces over file vertices, flattened; the same in every frame of a capture.
 #[derive(Clone, Debug, Default, PartialEq)]

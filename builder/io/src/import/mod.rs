@@ -36,22 +36,27 @@
 mod assemble;
 mod beside;
 mod colour;
+mod draco;
 mod error;
+mod folder;
 mod formats;
 mod frames;
 mod gltf;
 mod images;
 mod inputs;
+mod ktx2;
 mod looks;
 mod loops;
 mod manifest;
 mod masks;
 mod mesh;
+mod meshopt;
 mod mtl;
 mod nearby;
 mod numbered;
 mod obj;
 mod pairing;
+mod paths;
 mod pattern;
 mod places;
 mod plan;
@@ -65,6 +70,7 @@ mod textures;
 mod topologies;
 mod warning;
 mod weld;
+mod worn;
 
 use std::path::PathBuf;
 
@@ -75,7 +81,7 @@ pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
 pub use self::scratch::Scratch;
 pub use self::warning::Warning;
-use job::progress::Progress;
+use job::Progress;
 
 /// Frames per second where nothing else is said.
 pub const DEFAULT_FPS: f32 = 30.0;

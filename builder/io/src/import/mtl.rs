@@ -9,6 +9,7 @@ use super::error::ImportError;
 use super::mesh::{linear_from_srgb, plain_material};
 use super::text::{Continues, for_each_line, keyword_and_rest, number, without_comment};
 use super::warning::Note;
+use super::worn::UvTransform;
 
 /// A material and the texture file that it names.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,29 +27,6 @@ pub(super) struct LibraryMaterial {
 pub(super) struct Library {
     pub materials: Vec<LibraryMaterial>,
     pub notes: Vec<Note>,
-}
-
-/// Scale and offset of texture coordinates, v upwards: `-s` and `-o` of a texture statement.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct UvTransform {
-    pub scale: [f32; 2],
-    pub offset: [f32; 2],
-}
-
-impl Default for UvTransform {
-    fn default() -> Self {
-        Self { scale: [1.0; 2], offset: [0.0; 2] }
-    }
-}
-
-impl UvTransform {
-    /// `uv`, whose v points downwards, moved.
-    pub fn apply(self, [u, v]: [f32; 2]) -> [f32; 2] {
-        if self == Self::default() {
-            return [u, v];
-        }
-        [u * self.scale[0] + self.offset[0], 1.0 - ((1.0 - v) * self.scale[1] + self.offset[1])]
-    }
 }
 
 /// A texture statement: options, then a file name, which may hold spaces.

@@ -7,10 +7,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
+use super::folder::list;
 use super::images::is_image;
-use super::inputs::list;
 use super::numbered::{Run, numbers_of, runs};
-use super::pairing::folder_of;
+use super::paths::folder_of;
 use super::plan::PlannedSequence;
 use super::warning::Warning;
 

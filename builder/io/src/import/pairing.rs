@@ -1,7 +1,7 @@
 //! Which image belongs to which frame: by the number in its name, never by its place in a list.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::error::ImportError;
 use super::numbered::numbers_of;
@@ -175,10 +175,4 @@ pub(super) fn numbers_worn(worn: &[Worn]) -> Vec<Option<i64>> {
     let own: Vec<PathBuf> = worn.iter().filter(|worn| worn.own).map(|worn| worn.path.clone()).collect();
     let mut numbers = numbers_of(&own).map(Vec::into_iter);
     worn.iter().map(|worn| numbers.as_mut().filter(|_| worn.own).and_then(Iterator::next)).collect()
-}
-
-/// The folder that holds a file, also where its path has none.
-pub(super) fn folder_of(path: &Path) -> &Path {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }

@@ -3,11 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::error::ImportError;
+use super::folder::list;
 use super::formats::unread_image;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, ending, list, name_of_folder, stem, with_slashes};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, name_of_folder, with_slashes};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
-use super::pairing::folder_of;
+use super::paths::ending;
+use super::paths::folder_of;
+use super::paths::stem;
 use super::warning::Warning;
 use super::{Cyclic, DEFAULT_FPS, ImportOptions};
 

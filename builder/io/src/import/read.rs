@@ -11,7 +11,6 @@ use super::error::ImportError;
 use super::frames::{Axes, First, Reference, Seen, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
-use super::looks::NamedTexture;
 use super::mesh::FileMesh;
 use super::places::{coarse, offset_of, recentred};
 use super::plan::{Plan, PlannedSequence};
@@ -19,6 +18,7 @@ use super::scratch::Scratch;
 use super::stills::{StillReader, read_stills};
 use super::topologies;
 use super::warning::{Notes, Warning};
+use super::worn::NamedTexture;
 
 /// No capture has more file vertices.
 const MAX_VERTICES: usize = 1 << 24;
@@ -78,6 +78,7 @@ pub(super) fn read(
             Source::Stills(paths) => reader.stills(paths, out, &report, (index, &mut scratch))?,
             Source::Clip { file, clip } => {
                 reader.clip(file, *clip, plan.fps, out, &report)?;
+                warnings.extend(file.rate_warning(*clip, plan.fps));
                 Vec::new()
             }
         });
@@ -95,9 +96,9 @@ fn as_written(unit: f32) -> f64 {
 
 /// The mesh of a source, its first pose as the file has it, and whether that was written with 32 bits.
 fn mesh_and_pose(source: &Source) -> Result<(FileMesh, Vec<DVec3>, bool), ImportError> {
-    let still = |file: &GltfFile, clip: usize| {
-        let pose = file.pose(clip, 1.0, 0).iter().map(|p| p.as_dvec3()).collect();
-        (file.mesh().clone(), pose, true)
+    let still = |file: &GltfFile, clip: usize| -> Result<_, ImportError> {
+        let pose = file.pose(clip, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
+        Ok((file.mesh().clone(), pose, true))
     };
     let (mesh, pose, narrow) = match source {
         Source::Files(paths) => {
@@ -105,8 +106,8 @@ fn mesh_and_pose(source: &Source) -> Result<(FileMesh, Vec<DVec3>, bool), Import
             let first = First::read(path)?;
             (shared_mesh(&first, path)?, first.frame.positions, first.frame.narrow)
         }
-        Source::Stills(paths) => still(&GltfFile::open(paths.first().ok_or(ImportError::NoInput)?)?, 0),
-        Source::Clip { file, clip } => still(file, *clip),
+        Source::Stills(paths) => still(&GltfFile::open(paths.first().ok_or(ImportError::NoInput)?)?, 0)?,
+        Source::Clip { file, clip } => still(file, *clip)?,
     };
     if mesh.vertex_count > MAX_VERTICES {
         let reason = format!("{} vertices, of at most {MAX_VERTICES}", mesh.vertex_count);
@@ -224,8 +225,9 @@ impl Reader<'_> {
                 .map(|(k, out)| {
                     let frame = batch * BATCH + k;
                     let pose: Vec<DVec3> =
-                        file.pose(clip, f64::from(fps), frame).iter().map(|p| p.as_dvec3()).collect();
-                    place(&pose, file.path(), frame, axes, out)
+                        file.pose(clip, f64::from(fps), frame)?.iter().map(|p| p.as_dvec3()).collect();
+                    place(&pose, file.path(), frame, axes, out)?;
+                    check_area(file, frame, out)
                 })
                 .collect();
             results.into_iter().collect::<Result<(), _>>()?;
@@ -242,4 +244,17 @@ impl Reader<'_> {
         check_same_mesh(mesh.vertex_count, &mesh.faces, file.path(), 0, &self.reference)
             .map_err(|error| topologies::explained(error, self.sequence, &[]))
     }
+}
+
+/// Refuses a frame in which nothing is left of the surface, as where its scale is 0.
+fn check_area(file: &GltfFile, frame: usize, pose: &[Vec3]) -> Result<(), ImportError> {
+    let corner = |&v: &u32| pose.get(v as usize).copied().unwrap_or_default().as_dvec3();
+    let has_area = |face: &[u32]| {
+        let points: Vec<_> = face.iter().map(corner).collect();
+        points.windows(2).any(|w| (w[0] - points[0]).cross(w[1] - points[0]).length_squared() > 0.0)
+    };
+    if file.mesh().faces.iter().any(has_area) {
+        return Ok(());
+    }
+    Err(ImportError::Collapsed { path: file.path().to_owned(), frame })
 }

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::error::ImportError;
 use super::frames::{Axes, Reference, Seen, attributes_differ, check_same_mesh, place};
 use super::gltf::GltfFile;
-use super::looks::NamedTexture;
 use super::mesh::FileMesh;
 use super::scratch::Scratch;
 use super::warning::{Note, Warning};
+use super::worn::NamedTexture;
 
 /// What the frames of a sequence of glTF files are compared with, and where their own textures go.
 pub(super) struct StillReader {
@@ -96,7 +96,7 @@ pub(super) fn read_stills(
             let (file, frame) = (GltfFile::open(path)?, first_frame + k);
             let mesh = file.mesh();
             check_same_mesh(mesh.vertex_count, &mesh.faces, path, frame, reference)?;
-            let pose: Vec<DVec3> = file.pose(0, 1.0, 0).iter().map(|p| p.as_dvec3()).collect();
+            let pose: Vec<DVec3> = file.pose(0, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
             place(&pose, path, frame, axes, out)?;
             let prefix = format!("{}: ", path.display());
             let told = |w: &Warning| Note::new(w.code, w.message.strip_prefix(&prefix).unwrap_or(&w.message));

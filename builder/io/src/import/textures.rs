@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use super::error::ImportError;
 use super::images::{ImageStore, size_of};
 use super::inputs::Source;
-use super::looks::NamedTexture;
 use super::mesh::FileMesh;
 use super::nearby;
 use super::pairing::{self, Worn};
 use super::plan::{Plan, PlannedSequence};
 use super::warning::Warning;
+use super::worn::NamedTexture;
 
 /// The textures of a sequence.
 enum Textures {

@@ -4,9 +4,9 @@
 //! taken over blocks of vertices in `f32` and from block to block in `f64`.
 
 use glam::{DVec3, Vec3};
+use kernels::lanes::lane_sum;
 use rayon::prelude::*;
 
-use super::lanes::lane_sum;
 use super::tiles::{self, Tile};
 use kernels::simd::{Kernel, Level};
 

@@ -1,11 +1,13 @@
 //! The Euclidean residual of a block of vertices, for comparison with the deformation.
 
+use kernels::lanes::lane_sum;
+
 use super::alignment::{BLOCK, VertexBlock};
-use super::lanes::lane_sum;
 
 /// The weighted sum of squared distances over a block, with j turned about +Y by twice the angle of (`cos`, `sin`).
 ///
-/// Thesis equation 2.2: both are already centred in the ground plane and scaled by the roots of the weights.
+/// Thesis equation 2.2, but with heights, too: both are already centred in the ground plane and scaled by the roots of
+/// the weights.
 #[inline(always)]
 pub(super) fn residual(i: &VertexBlock, j: &VertexBlock, cos: f32, sin: f32) -> f64 {
     let (turn_cos, turn_sin) = (cos.mul_add(cos, -(sin * sin)), 2.0 * cos * sin);

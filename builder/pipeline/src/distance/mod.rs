@@ -8,13 +8,16 @@ mod alignment;
 mod deformation;
 mod euclidean;
 mod headings;
-mod lanes;
 mod matrix;
 mod tiles;
 mod triangles;
 
+use std::ops::Range;
+
 use actor::capture::Poses;
 use glam::Vec3;
+use job::work::Key;
+use job::{Job, Stopped};
 use kernels::topology::Topology;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -24,20 +27,20 @@ pub use self::matrix::DistanceMatrix;
 use self::tiles::Tile;
 use kernels::simd::{Kernel, Level};
 
-/// The default weight of stretch against rotation, w of the equation.
+/// The default weight of stretch against rotation, w of TVCG equation 2.
 pub const DEFAULT_STRETCH_WEIGHT: f32 = 0.01;
 
 /// What a pose distance measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DistanceKind {
     /// Mean over the triangles of the rotation angle plus w times the norm of the logarithm of the stretch, in radians
-    /// (TVCG equation 2).
+    /// (TVCG equation 2; thesis equation 2.14).
     #[default]
     Deformation,
     /// The same with the Frobenius norm of the stretch minus the identity (thesis equation 2.13); for comparison.
     DeformationFrobenius,
-    /// Weighted sum of squared distances between vertices after alignment, in square metres (thesis equation 2.2); for
-    /// comparison.
+    /// Weighted sum of squared distances between vertices after alignment, in square metres (thesis equation 2.2, but
+    /// with heights, too); for comparison.
     Euclidean,
 }
 
@@ -59,7 +62,8 @@ impl Default for DistanceOptions {
 }
 
 /// Why there are no pose distances.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum DistanceError {
     /// The poses are of another mesh.
     #[error("the poses have {poses} vertices, but the mesh has {mesh}")]
@@ -75,22 +79,28 @@ pub enum DistanceError {
         /// The first frame after which no triangle is left.
         frame: u32,
     },
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// What was measured cannot be kept in the work folder.
+    #[error("cannot write to the work folder: {0}")]
+    Work(#[from] std::io::Error),
 }
 
 /// Pose distances between all pairs of frames of `poses`, after planar alignment of each pair.
 ///
-/// Triangles that are degenerate in any frame are left out. `progress` is told the share that is done, in [0, 1]. The
-/// result does not depend on the number of threads or on the processor.
+/// Triangles that are degenerate in any frame are left out. The result does not depend on the number of threads or on the
+/// processor. What is measured goes into the job's work folder band by band.
 ///
 /// # Errors
-/// Poses of another mesh, or no triangle left.
+/// Poses of another mesh, or no triangle left; being stopped; a work folder that cannot be written.
 pub fn pose_distances(
     topology: &Topology,
     poses: &Poses,
     options: &DistanceOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    job: &Job,
 ) -> Result<DistanceMatrix, DistanceError> {
-    Ok(measure(topology, poses, options, progress)?.distances)
+    Ok(measure(topology, poses, options, job)?.distances)
 }
 
 /// What is known of all pairs of frames.
@@ -105,84 +115,208 @@ pub struct Measured {
 /// As [`pose_distances`], with the alignment of each pair, which later stages need too.
 ///
 /// # Errors
-/// Poses of another mesh, or no triangle left.
+/// As [`pose_distances`].
 pub fn measure(
     topology: &Topology,
     poses: &Poses,
     options: &DistanceOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    job: &Job,
 ) -> Result<Measured, DistanceError> {
-    measure_at(Level::best(), topology, poses, options, progress)
+    measure_at(Level::best(), topology, poses, options, job)
 }
-
-/// The share of the progress that alignment gets.
-const ALIGNMENT_SHARE: f64 = 0.05;
 
 fn measure_at(
     level: Level,
     topology: &Topology,
     poses: &Poses,
     options: &DistanceOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    job: &Job,
 ) -> Result<Measured, DistanceError> {
     if poses.vertex_count() != topology.vertex_count() {
         return Err(DistanceError::VertexCount { poses: poses.vertex_count(), mesh: topology.vertex_count() });
     }
+    let key = job.work().map(|_| key(topology, poses, options));
     let poses: Vec<&[Vec3]> = poses.iter().collect();
-    let mut tiles = tiles::tiles(poses.len());
-    alignment::align_all(level, &poses, topology.weights(), &mut tiles);
-    progress(ALIGNMENT_SHARE);
-    let divisor = match options.kind {
-        DistanceKind::Deformation => sum_deformation::<true>(level, topology, &poses, options, &mut tiles, progress)?,
-        DistanceKind::DeformationFrobenius => {
-            sum_deformation::<false>(level, topology, &poses, options, &mut tiles, progress)?
-        }
-        DistanceKind::Euclidean => {
-            sum_residual(level, topology, &poses, &mut tiles, progress);
-            1.0
+    let measure = match options.kind {
+        DistanceKind::Euclidean => Measure::residuals(topology, &poses),
+        DistanceKind::Deformation | DistanceKind::DeformationFrobenius => {
+            Measure::deformations(topology, &poses, options)?
         }
     };
     let mut distances = DistanceMatrix::zeros(poses.len());
     let mut headings = HeadingMatrix::zeros(poses.len());
-    for tile in &tiles {
-        for i in tile.rows() {
-            for j in tile.columns(i) {
-                let slot = tile.slot(i, j);
-                let [half_cos, half_sin] = tile.alignment[slot];
-                distances.set(i, j, (tile.sum[slot] / divisor) as f32);
-                headings.set(i, j, (2.0 * half_sin.atan2(half_cos)) as f32);
+    let total = (poses.len() * poses.len().saturating_sub(1) / 2).max(1) as f64;
+    let mut done = 0;
+    for (number, rows) in tiles::bands(poses.len(), measure.terms()).into_iter().enumerate() {
+        let key = key.as_ref().map(|key| key.part("band", number as u64));
+        let pairs = tiles::pairs(poses.len(), rows.clone());
+        let told = |share: f64| job.share("pose distances", (done as f64 + share * pairs as f64) / total);
+        told(0.0)?;
+        let band = match job.work().zip(key) {
+            None => measure.band(level, rows.clone(), &told)?,
+            Some((work, key)) => match work.get(&key).and_then(|bytes| band_from(&bytes, pairs)) {
+                Some(band) => band,
+                None => {
+                    let band = measure.band(level, rows.clone(), &told)?;
+                    work.put(&key, bytemuck::cast_slice(&band))?;
+                    band
+                }
+            },
+        };
+        let mut band = band.into_iter();
+        for i in rows {
+            for (j, [distance, heading]) in (i + 1..poses.len()).zip(&mut band) {
+                distances.set(i, j, distance);
+                headings.set(i, j, heading);
             }
         }
+        done += pairs;
     }
     Ok(Measured { distances, headings })
 }
 
-/// Leaves each pair's weighted sum over the triangles in the tiles; returns the sum of the triangles' weights.
-fn sum_deformation<const LOG: bool>(
-    level: Level,
-    topology: &Topology,
-    poses: &[&[Vec3]],
-    options: &DistanceOptions,
-    tiles: &mut [Tile],
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<f64, DistanceError> {
-    let Some(&first_pose) = poses.first() else { return Ok(1.0) };
-    let (triangles, weights) = usable_triangles(topology, poses, options.area_weighted)?;
-    let triangles: Vec<_> =
-        triangles.into_iter().map(|corners| triangles::turned_to_shortest_edge(corners, first_pose)).collect();
-    let block_count = triangles.len().div_ceil(triangles::BLOCK);
-    let chunks = triangles.chunks(triangles::BLOCK).zip(weights.chunks(triangles::BLOCK));
-    for (index, (chunk, chunk_weights)) in chunks.enumerate() {
-        let mut block_weights = [0.0; triangles::BLOCK];
-        block_weights[..chunk.len()].copy_from_slice(chunk_weights);
-        let blocks: Vec<_> = poses.par_iter().map(|pose| triangles::TriangleBlock::new(chunk, pose)).collect();
-        tiles::for_each(tiles, |tile| {
-            let stretch_weight = options.stretch_weight;
-            level.run(SumDeformation::<LOG> { blocks: &blocks, weights: &block_weights, stretch_weight, tile });
-        });
-        progress(ALIGNMENT_SHARE + (1.0 - ALIGNMENT_SHARE) * (index + 1) as f64 / block_count as f64);
+/// Changes whenever other numbers come out of the same input.
+const VERSION: u32 = 1;
+
+fn key(topology: &Topology, poses: &Poses, options: &DistanceOptions) -> Key {
+    let mut key = Key::new("distances", VERSION).told(options).told(&poses.len());
+    key = key.of(bytemuck::cast_slice(topology.triangles())).of(bytemuck::cast_slice(topology.weights()));
+    poses.iter().fold(key, |key, pose| key.of(bytemuck::cast_slice(pose)))
+}
+
+/// Distance and heading of the pairs of a band as they were kept, unless their number is another.
+fn band_from(bytes: &[u8], pairs: usize) -> Option<Vec<[f32; 2]>> {
+    let band: Vec<[f32; 2]> = bytes
+        .chunks_exact(8)
+        .map(|pair| [0, 4].map(|at| f32::from_le_bytes([pair[at], pair[at + 1], pair[at + 2], pair[at + 3]])))
+        .collect();
+    (band.len() == pairs && bytes.len() == 8 * pairs).then_some(band)
+}
+
+/// What is summed over the mesh for each pair of frames.
+struct Measure<'a> {
+    poses: &'a [&'a [Vec3]],
+    vertex_weights: &'a [f32],
+    terms: Terms,
+}
+
+enum Terms {
+    /// Over triangles, with their weights.
+    Deformations { triangles: Vec<[u32; 3]>, weights: Vec<f32>, stretch_weight: f32, log: bool },
+    /// Over vertices.
+    Residuals,
+}
+
+impl<'a> Measure<'a> {
+    fn deformations(
+        topology: &'a Topology,
+        poses: &'a [&'a [Vec3]],
+        options: &DistanceOptions,
+    ) -> Result<Self, DistanceError> {
+        let (triangles, weights) = match poses.first() {
+            None => (Vec::new(), Vec::new()),
+            Some(first) => {
+                let (triangles, weights) = usable_triangles(topology, poses, options.area_weighted)?;
+                let turned = triangles.into_iter().map(|corners| triangles::turned_to_shortest_edge(corners, first));
+                (turned.collect(), weights)
+            }
+        };
+        let log = options.kind == DistanceKind::Deformation;
+        let terms = Terms::Deformations { triangles, weights, stretch_weight: options.stretch_weight, log };
+        Ok(Self { poses, vertex_weights: topology.weights(), terms })
     }
-    Ok(weights.iter().map(|&weight| f64::from(weight)).sum())
+
+    fn residuals(topology: &'a Topology, poses: &'a [&'a [Vec3]]) -> Self {
+        Self { poses, vertex_weights: topology.weights(), terms: Terms::Residuals }
+    }
+
+    /// Terms of a pair's sum.
+    fn terms(&self) -> usize {
+        match &self.terms {
+            Terms::Deformations { triangles, .. } => triangles.len(),
+            Terms::Residuals => self.vertex_weights.len(),
+        }
+    }
+
+    /// Distance and heading of the pairs (i, j), i < j, with i in `rows`, in order.
+    fn band(
+        &self,
+        level: Level,
+        rows: Range<usize>,
+        told: &dyn Fn(f64) -> Result<(), Stopped>,
+    ) -> Result<Vec<[f32; 2]>, Stopped> {
+        let mut tiles = tiles::tiles(self.poses.len(), rows.clone());
+        alignment::align_all(level, self.poses, self.vertex_weights, &mut tiles);
+        let divisor = match &self.terms {
+            Terms::Deformations { log: true, .. } => self.sum_deformation::<true>(level, &mut tiles, told)?,
+            Terms::Deformations { log: false, .. } => self.sum_deformation::<false>(level, &mut tiles, told)?,
+            Terms::Residuals => {
+                self.sum_residual(level, &mut tiles, told)?;
+                1.0
+            }
+        };
+        let mut band = vec![[0.0; 2]; tiles::pairs(self.poses.len(), rows.clone())];
+        let before = |i: usize| tiles::pairs(self.poses.len(), rows.start..i);
+        for tile in &tiles {
+            for i in tile.rows() {
+                for j in tile.columns(i) {
+                    let slot = tile.slot(i, j);
+                    let [half_cos, half_sin] = tile.alignment[slot];
+                    let heading = (2.0 * half_sin.atan2(half_cos)) as f32;
+                    band[before(i) + j - i - 1] = [(tile.sum[slot] / divisor) as f32, heading];
+                }
+            }
+        }
+        Ok(band)
+    }
+
+    /// Leaves each pair's weighted sum over the triangles in the tiles; returns the sum of the triangles' weights.
+    fn sum_deformation<const LOG: bool>(
+        &self,
+        level: Level,
+        tiles: &mut [Tile],
+        told: &dyn Fn(f64) -> Result<(), Stopped>,
+    ) -> Result<f64, Stopped> {
+        let Terms::Deformations { triangles, weights, stretch_weight, .. } = &self.terms else { return Ok(1.0) };
+        if triangles.is_empty() {
+            return Ok(1.0);
+        }
+        let block_count = triangles.len().div_ceil(triangles::BLOCK);
+        let chunks = triangles.chunks(triangles::BLOCK).zip(weights.chunks(triangles::BLOCK));
+        for (index, (chunk, chunk_weights)) in chunks.enumerate() {
+            let mut block_weights = [0.0; triangles::BLOCK];
+            block_weights[..chunk.len()].copy_from_slice(chunk_weights);
+            let blocks: Vec<_> = self.poses.par_iter().map(|pose| triangles::TriangleBlock::new(chunk, pose)).collect();
+            tiles::for_each(tiles, |tile| {
+                let stretch_weight = *stretch_weight;
+                level.run(SumDeformation::<LOG> { blocks: &blocks, weights: &block_weights, stretch_weight, tile });
+            });
+            told((index + 1) as f64 / block_count as f64)?;
+        }
+        Ok(weights.iter().map(|&weight| f64::from(weight)).sum())
+    }
+
+    /// Leaves each pair's Euclidean residual in the tiles.
+    fn sum_residual(
+        &self,
+        level: Level,
+        tiles: &mut [Tile],
+        told: &dyn Fn(f64) -> Result<(), Stopped>,
+    ) -> Result<(), Stopped> {
+        let weights = self.vertex_weights;
+        let centres = alignment::centres(self.poses, weights);
+        for start in (0..weights.len()).step_by(alignment::BLOCK) {
+            let blocks: Vec<_> = self
+                .poses
+                .par_iter()
+                .zip(&centres)
+                .map(|(pose, &centre)| alignment::VertexBlock::new(pose, weights, centre, start))
+                .collect();
+            tiles::for_each(tiles, |tile| level.run(SumResidual { blocks: &blocks, tile }));
+            told(start as f64 / weights.len() as f64)?;
+        }
+        Ok(())
+    }
 }
 
 struct SumDeformation<'a, const LOG: bool> {
@@ -248,28 +382,6 @@ fn usable_triangles(
     Ok((kept().map(|m| triangles[m]).collect(), weights))
 }
 
-/// Leaves each pair's Euclidean residual in the tiles.
-fn sum_residual(
-    level: Level,
-    topology: &Topology,
-    poses: &[&[Vec3]],
-    tiles: &mut [Tile],
-    progress: &(dyn Fn(f64) + Sync),
-) {
-    let weights = topology.weights();
-    let centres = alignment::centres(poses, weights);
-    for start in (0..weights.len()).step_by(alignment::BLOCK) {
-        let blocks: Vec<_> = poses
-            .par_iter()
-            .zip(&centres)
-            .map(|(pose, &centre)| alignment::VertexBlock::new(pose, weights, centre, start))
-            .collect();
-        tiles::for_each(tiles, |tile| level.run(SumResidual { blocks: &blocks, tile }));
-        progress(ALIGNMENT_SHARE + (1.0 - ALIGNMENT_SHARE) * start as f64 / weights.len() as f64);
-    }
-    progress(1.0);
-}
-
 struct SumResidual<'a> {
     blocks: &'a [alignment::VertexBlock],
     tile: &'a mut Tile,
@@ -315,7 +427,7 @@ mod tests {
         let (topology, poses) = strip(40);
         for kind in [DistanceKind::Deformation, DistanceKind::DeformationFrobenius, DistanceKind::Euclidean] {
             let options = DistanceOptions { kind, ..Default::default() };
-            let run = |level| measure_at(level, &topology, &poses, &options, &|_| ()).unwrap();
+            let run = |level| measure_at(level, &topology, &poses, &options, &Job::silent()).unwrap();
             let mut results = Level::available().into_iter().map(run);
             let first = results.next().unwrap();
             assert!(first.distances.row(0).iter().any(|&d| d > 0.01));

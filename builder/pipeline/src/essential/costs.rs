@@ -4,7 +4,7 @@ use actor::timeline::Timeline;
 
 use crate::transitions::TransitionMatrix;
 
-/// Edge costs E(i, j) of the complete digraph (TVCG section 4.1; thesis 3.3.2).
+/// Edge costs E(i, j) of the complete digraph (TVCG equation 10; thesis equations 3.2 and 3.3).
 #[derive(Clone, Copy)]
 pub struct Costs<'a> {
     /// The optimal transitions of all pairs.

@@ -11,8 +11,9 @@ use kernels::align::centre_of_mass;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::sparse::Candidates;
 use crate::distance::{DistanceMatrix, HeadingMatrix};
-use crate::transitions::{TransitionError, TransitionMatrix, TransitionOptions, WarpFinder};
+use crate::transitions::{TransitionCost, TransitionError, TransitionOptions, WarpFinder};
 
 /// Why kept edges are no graph; any of these is a fault of the stages before.
 #[derive(Debug, Error)]
@@ -30,14 +31,6 @@ pub enum BuildError {
     /// The options of the transitions make no sense.
     #[error(transparent)]
     Options(#[from] TransitionError),
-    /// An edge has no transition.
-    #[error("there is no transition from frame {from} to frame {to}")]
-    NoTransition {
-        /// The frame that the edge leaves from.
-        from: u32,
-        /// The frame that it arrives at.
-        to: u32,
-    },
     /// A frame could not be read.
     #[error(transparent)]
     Pose(#[from] PoseError),
@@ -52,13 +45,11 @@ pub struct Findings<'a> {
     pub distances: &'a DistanceMatrix,
     /// Planar alignment of all pairs.
     pub headings: &'a HeadingMatrix,
-    /// Optimal transitions of all pairs.
-    pub transitions: &'a TransitionMatrix,
     /// How transitions were chosen.
     pub options: &'a TransitionOptions,
 }
 
-/// The essential graph of `capture` from the synthetic `edges` (from, to) that are kept, which are sorted.
+/// The essential graph of `capture` from the transitions that are kept.
 ///
 /// `contacts` are what its transitions keep still; none of them, and they follow the papers alone.
 ///
@@ -69,7 +60,7 @@ pub struct Findings<'a> {
 pub fn build_graph(
     capture: &Capture,
     findings: &Findings,
-    edges: &[(u32, u32)],
+    kept: &Candidates,
     alpha: f64,
     contacts: Contacts,
 ) -> Result<EssentialGraph, BuildError> {
@@ -77,11 +68,12 @@ pub fn build_graph(
     let weights = capture.topology.weights();
     let centres: Vec<Vec2> = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
     let warps = WarpFinder::new(findings.distances, timeline, findings.options)?;
+    let edges: Vec<(u32, u32, TransitionCost)> = (0..kept.frame_count())
+        .flat_map(|from| kept.from(from).iter().map(move |&(to, cost)| (from, to, cost)))
+        .collect();
     let transitions = edges
-        .par_iter()
-        .map(|&(from, to)| {
-            let found = findings.transitions.get(from as usize, to as usize);
-            let cost = found.ok_or(BuildError::NoTransition { from, to })?;
+        .into_par_iter()
+        .map(|(from, to, cost)| {
             let warp = warps
                 .find(from, to, cost.source_length.into(), cost.destination_length.into())
                 .map_err(|cause| BuildError::Warp { from, to, cause })?;

@@ -1,9 +1,9 @@
 //! The essential graph: the edges of the complete digraph that no other path replaces.
 //!
-//! Boukhayma and Boyer, TVCG section 4.1; thesis 3.3. It is McGeoch's essential subgraph: an edge stays if and only if
-//! it is strictly cheaper than every path of two or more edges. The transitions of a capture make nearly complete
-//! digraphs, so all shortest paths are found by blocked min-plus products, then each edge that is one of them is
-//! compared with all paths over a node in between.
+//! Boukhayma and Boyer, TVCG section 4.1; thesis section 3.3. It is McGeoch's essential subgraph: an edge stays if and
+//! only if it is strictly cheaper than every path of two or more edges. Packing decides from few candidates ([`sparse`]).
+//! Here it is decided from all transitions, for comparison: they make nearly complete digraphs, so all shortest paths are
+//! found by blocked min-plus products, then each edge that is one of them is compared with all paths over a node in between.
 
 mod components;
 mod costs;
@@ -18,7 +18,7 @@ use actor::timeline::Timeline;
 use rayon::prelude::*;
 use thiserror::Error;
 
-pub use self::components::{Components, strongly_connected};
+pub use self::components::{Components, Reach, strongly_connected};
 pub use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;

@@ -7,7 +7,8 @@ use super::costs::Costs;
 use crate::transitions::TransitionMatrix;
 
 /// The transitions of a motion graph: where E(i, j) is strictly less than at its eight neighbours within the matrix of
-/// its pair of sequences, whatever its value (Kovar 2002, without the threshold); sorted.
+/// its pair of sequences, whatever its value (Kovar and others 2002, without the threshold, as in thesis section
+/// 3.3.4); sorted.
 #[must_use]
 pub fn motion_graph(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Vec<(u32, u32)> {
     let costs = Costs { transitions, timeline, alpha: rounded_alpha(alpha) };

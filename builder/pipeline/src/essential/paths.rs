@@ -25,12 +25,19 @@ pub struct PathLengths {
 impl PathLengths {
     /// Shortest paths between `nodes` nodes with edges of cost `edge(i, j)` >= 0, infinite for none.
     pub fn new(level: Level, nodes: usize, edge: impl Fn(usize, usize) -> f64 + Sync) -> Self {
+        Self::of_rows(level, nodes, |i, row| {
+            for (j, length) in row.iter_mut().enumerate() {
+                *length = edge(i, j);
+            }
+        })
+    }
+
+    /// The same where `fill(i, row)` writes the costs of the edges from node i into a row of infinities.
+    pub fn of_rows(level: Level, nodes: usize, fill: impl Fn(usize, &mut [f64]) + Sync) -> Self {
         let stride = nodes.next_multiple_of(SIDE);
         let mut lengths = vec![f64::INFINITY; stride * stride];
         lengths.par_chunks_mut(stride.max(1)).take(nodes).enumerate().for_each(|(i, row)| {
-            for (j, length) in row[..nodes].iter_mut().enumerate() {
-                *length = edge(i, j);
-            }
+            fill(i, &mut row[..nodes]);
         });
         let mut paths = Self { nodes, stride, lengths };
         for block in 0..stride / SIDE {

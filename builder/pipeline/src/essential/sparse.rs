@@ -1,20 +1,26 @@
-//! The essential graph without all pairs of shortest paths.
+//! The essential graph from candidates instead of all transitions.
 //!
 //! Nearly all transitions of a capture are beaten by a neighbour: arriving one frame earlier and playing on, or playing on
-//! and leaving one frame later, costs less. What is left is a sparse graph with the same shortest paths. Two-edge detours
-//! thin it further, and a search from each frame, no farther than its dearest transition, decides about the rest.
+//! and leaving one frame later, costs no more. What is left is a sparse graph with the same shortest paths. Up to 4,096
+//! frames all of these decide about the rest, O(n^3). Beyond that, two-edge detours thin it further, and a search from each
+//! frame, no farther than its dearest transition, decides.
 //!
 //! A transition that is taken away equals or exceeds a path of two or more edges, each cheaper than itself. By induction
 //! over costs, those that stay have the same shortest paths, whatever the order: rounds are made in parallel. Costs are
-//! positive, for alpha is. Time O(n^2) for the rows and O(n m log n) for m transitions that are left to decide; memory O(m).
+//! positive, for alpha is. Time O(n^2) for the rows and, with searches, O(n m log n) for m transitions that are left to
+//! decide; memory O(m).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use actor::timeline::Timeline;
+use job::Job;
+use kernels::simd::Level;
 use rayon::prelude::*;
 
-use crate::transitions::TransitionCost;
+use super::paths::PathLengths;
+use crate::distance::DistanceMatrix;
+use crate::transitions::{Search, TransitionCost, TransitionError, TransitionMatrix, TransitionOptions};
 
 /// A two-edge round is worth its time where the one before took away this share of the transitions.
 const WORTHWHILE: f64 = 0.1;
@@ -135,9 +141,106 @@ fn recorded(timeline: &Timeline, alpha: f64, i: u32, j: u32) -> f64 {
     }
 }
 
+/// Rows of transitions that are held at once.
+const BAND: usize = 256;
+
+/// The optimal transitions that may stay in an essential graph of `alpha` ([`row_candidates`]), of the same search as
+/// [`crate::transitions::optimal_transitions`], without ever holding all of them: memory is that of the candidates and of a few rows.
+///
+/// # Errors
+/// As [`crate::transitions::optimal_transitions`].
+pub fn candidate_transitions(
+    distances: &DistanceMatrix,
+    timeline: &Timeline,
+    options: &TransitionOptions,
+    alpha: f64,
+    job: &Job,
+) -> Result<Candidates, TransitionError> {
+    let search = Search::new(Level::best(), distances, timeline, options, job)?;
+    let frame_count = distances.frame_count();
+    let mut candidates = Candidates::new();
+    let mut costs = Vec::new();
+    for start in (0..frame_count).step_by(BAND) {
+        let end = (start + BAND).min(frame_count);
+        costs.clear();
+        costs.resize((end - start) * frame_count, TransitionMatrix::NONE);
+        search.rows(start..end, &mut costs)?;
+        let row = |from: usize| &costs[(from - start) * frame_count..][..frame_count];
+        let rows: Vec<_> = (start..end)
+            .into_par_iter()
+            .map(|from| {
+                let next =
+                    timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
+                row_candidates(timeline, alpha, from as u32, row(from), next.map(row))
+            })
+            .collect();
+        rows.into_iter().for_each(|row| candidates.push_row(row));
+    }
+    Ok(candidates)
+}
+
 /// The essential ones among `candidates`, for an `alpha` that is a multiple of [`actor::graph::ALPHA_RESOLUTION`] and not 0.
 #[must_use]
 pub fn essential_of(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
+    match candidates.frame_count() as usize <= ALL_PATHS {
+        true => by_all_paths(candidates, timeline, alpha),
+        false => by_searches(candidates, timeline, alpha),
+    }
+}
+
+/// Frames up to which the lengths of all shortest paths are cheaper to find than what decides single transitions.
+const ALL_PATHS: usize = 4096;
+/// Destinations whose columns are laid out together.
+const GROUP: usize = 64;
+
+/// Decides by the lengths of all shortest paths: O(n^3), whatever the candidates are.
+#[must_use]
+pub fn by_all_paths(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
+    let edges = Edges::new(candidates, timeline, alpha);
+    // No edge from a node to itself: then every path over a node in between is a true detour.
+    let paths = PathLengths::of_rows(Level::best(), candidates.frame_count() as usize, |from, row| {
+        edges.from(from as u32).for_each(|(to, cost)| row[to as usize] = row[to as usize].min(cost));
+    });
+    let frame_count = candidates.frame_count();
+    // As many lists as there are groups of destinations, each by source, so that columns are laid out once.
+    let groups: Vec<Vec<(u32, u32)>> = (0..frame_count)
+        .step_by(GROUP)
+        .collect::<Vec<u32>>()
+        .into_par_iter()
+        .map(|first| {
+            let group = first..(first + GROUP as u32).min(frame_count);
+            let columns: Vec<Vec<f64>> =
+                group.clone().map(|j| (0..frame_count as usize).map(|k| paths.from(k)[j as usize]).collect()).collect();
+            let mut kept = Vec::new();
+            for from in 0..frame_count {
+                let (row, lengths) = (candidates.from(from), paths.from(from as usize));
+                let begin = row.partition_point(|&(to, _)| to < group.start);
+                for &(to, transition) in row[begin..].iter().take_while(|&&(to, _)| to < group.end) {
+                    let cost = transition.cost(alpha);
+                    if cost <= lengths[to as usize] && !has_detour(lengths, &columns[(to - first) as usize], cost) {
+                        kept.push((from, to));
+                    }
+                }
+            }
+            kept
+        })
+        .collect();
+    let mut kept: Vec<(u32, u32)> = groups.into_iter().flatten().collect();
+    kept.sort_unstable();
+    candidates.filtered(|from, _| {
+        candidates.from(from).iter().map(|&(to, _)| kept.binary_search(&(from, to)).is_ok()).collect()
+    })
+}
+
+/// Whether a path over some node costs at most `cost`.
+fn has_detour(from: &[f64], to: &[f64], cost: f64) -> bool {
+    from.iter().zip(to).any(|(a, b)| a + b <= cost)
+}
+
+/// Decides by two-edge detours and searches from each frame: O(n m log n) for m candidates that the former leave, and no
+/// memory for pairs of frames.
+#[must_use]
+pub fn by_searches(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
     let mut left = candidates.clone();
     loop {
         let edges = Edges::new(&left, timeline, alpha);

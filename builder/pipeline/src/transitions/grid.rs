@@ -1,8 +1,8 @@
 //! Dynamic time warping over grids: all end cells of eight neighbouring start cells at a time.
 //!
 //! Thesis section 2.5.2. The grid of the start cell (i, c) has the node (k, l) for frames i + k and c + l. With the
-//! slope limit p (equation 2.53), a move is a diagonal step and then up to p - 1 straight ones, and all the nodes it
-//! passes count. With g the least key to a node that ends a move and e a node's own key:
+//! slope limit p (thesis equation 2.53), a move is a diagonal step and then up to p - 1 straight ones, and all the
+//! nodes it passes count. With g the least key to a node that ends a move and e a node's own key:
 //!
 //! ```text
 //! step(k, l)   = g(k - 1, l - 1) + e       a move's diagonal step

@@ -3,9 +3,10 @@
 /// The optimal transition between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionCost {
-    /// Surface deformation cost D(i, j): the sum of pose distances over the nodes of its warp, in radians.
+    /// Surface deformation cost D(i, j): the sum of pose distances over the nodes of its warp, in radians (TVCG
+    /// equation 8; thesis equation 2.57).
     pub deformation: f32,
-    /// Duration L(i, j) in frames: the number of nodes of its warp.
+    /// Duration L(i, j) in frames: the number of nodes of its warp (thesis equation 2.56).
     pub duration: u16,
     /// Frames li of the source segment [i, i + li - 1].
     pub source_length: u16,
@@ -14,7 +15,31 @@ pub struct TransitionCost {
 }
 
 impl TransitionCost {
-    /// E(i, j) = D + alpha L (TVCG equation 10).
+    /// Bytes of [`Self::to_bytes`].
+    pub(super) const BYTES: usize = 10;
+
+    /// As it is kept.
+    pub(super) fn to_bytes(self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        bytes[..4].copy_from_slice(&self.deformation.to_le_bytes());
+        for (k, number) in [self.duration, self.source_length, self.destination_length].into_iter().enumerate() {
+            bytes[4 + 2 * k..6 + 2 * k].copy_from_slice(&number.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// From [`Self::to_bytes`].
+    pub(super) fn from_bytes(bytes: &[u8]) -> Self {
+        let number = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        Self {
+            deformation: f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+            duration: number(4),
+            source_length: number(6),
+            destination_length: number(8),
+        }
+    }
+
+    /// E(i, j) = D + alpha L (TVCG equation 10; thesis equation 3.3).
     #[must_use]
     pub fn cost(&self, alpha: f64) -> f64 {
         f64::from(self.deformation) + alpha * f64::from(self.duration)
@@ -31,7 +56,7 @@ pub struct TransitionMatrix {
 
 impl TransitionMatrix {
     /// What stands for no transition.
-    pub(super) const NONE: TransitionCost =
+    pub(crate) const NONE: TransitionCost =
         TransitionCost { deformation: f32::INFINITY, duration: 0, source_length: 0, destination_length: 0 };
 
     /// The matrix of `transition(i, j)` for all frames i and j.

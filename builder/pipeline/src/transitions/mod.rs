@@ -12,9 +12,13 @@ mod options;
 mod search;
 mod warp;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use actor::timeline::Timeline;
+use job::Job;
+use job::rows::Rows;
+use job::work::Key;
 use rayon::prelude::*;
 
 use self::grid::{Columns, Diagonal, Slope, Unlimited};
@@ -29,18 +33,19 @@ use kernels::simd::Level;
 /// The optimal transition of every pair of frames: its deformation cost D, its duration L and its segment lengths.
 ///
 /// A pair has none where a segment of the shortest length leaves its sequence. Sequences that are cyclic are wrapped
-/// around, once at most. `progress` is told the share that is done, in [0, 1]. The result does not depend on the number
-/// of threads or on the processor.
+/// around, once at most. The result does not depend on the number of threads or on the processor. Rows that are found go
+/// into the job's work folder.
 ///
 /// # Errors
-/// Options that make no sense, distances of another capture, or distances that are not.
+/// Options that make no sense, distances of another capture, or distances that are not; being stopped; a work folder that
+/// cannot be written.
 pub fn optimal_transitions(
     distances: &DistanceMatrix,
     timeline: &Timeline,
     options: &TransitionOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    job: &Job,
 ) -> Result<TransitionMatrix, TransitionError> {
-    transitions_at(Level::best(), distances, timeline, options, progress)
+    transitions_at(Level::best(), distances, timeline, options, job)
 }
 
 fn transitions_at(
@@ -48,19 +53,16 @@ fn transitions_at(
     distances: &DistanceMatrix,
     timeline: &Timeline,
     options: &TransitionOptions,
-    progress: &(dyn Fn(f64) + Sync),
+    job: &Job,
 ) -> Result<TransitionMatrix, TransitionError> {
-    let job = Job { level, distances, timeline, options, keys: keys_of(distances, timeline, options)?, progress };
-    match options.slope {
-        None => job.search_all::<Unlimited>(),
-        Some(0 | 1) => job.search_all::<Diagonal>(),
-        Some(2) => job.search_all::<Columns<1>>(),
-        Some(3) => job.search_all::<Columns<2>>(),
-        Some(4) => job.search_all::<Columns<3>>(),
-        // No more than `TransitionOptions::MAX_SLOPE`.
-        Some(_) => job.search_all::<Columns<4>>(),
-    }
+    let search = Search::new(level, distances, timeline, options, job)?;
+    let mut matrix = TransitionMatrix::none(distances.frame_count());
+    search.rows(0..distances.frame_count(), matrix.costs_mut())?;
+    Ok(matrix)
 }
+
+/// Changes whenever other transitions come out of the same input.
+const VERSION: u32 = 1;
 
 /// The keys of a search, once its input is known to make sense.
 fn keys_of(
@@ -76,40 +78,96 @@ fn keys_of(
     Keys::new(distances, lengths)
 }
 
-struct Job<'a> {
+/// A search for all transitions, row by row.
+pub(crate) struct Search<'a> {
     level: Level,
     distances: &'a DistanceMatrix,
     timeline: &'a Timeline,
     options: &'a TransitionOptions,
+    lengths: Lengths,
     keys: Keys,
-    progress: &'a (dyn Fn(f64) + Sync),
+    /// Rows found before, and where new ones go.
+    kept: Option<Rows>,
+    job: &'a Job<'a>,
+    done: AtomicUsize,
 }
 
-impl Job<'_> {
-    fn search_all<S: Slope + Default>(&self) -> Result<TransitionMatrix, TransitionError> {
-        let lengths = self.options.lengths(self.timeline)?;
-        let frame_count = self.distances.frame_count();
-        let mut matrix = TransitionMatrix::none(frame_count);
-        let done = AtomicUsize::new(0);
-        matrix.costs_mut().par_chunks_mut(frame_count).enumerate().for_each_init(
-            Scratch::<S>::default,
-            |scratch, task| {
-                let (from, row) = task;
+impl<'a> Search<'a> {
+    pub(crate) fn new(
+        level: Level,
+        distances: &'a DistanceMatrix,
+        timeline: &'a Timeline,
+        options: &'a TransitionOptions,
+        job: &'a Job<'a>,
+    ) -> Result<Self, TransitionError> {
+        let keys = keys_of(distances, timeline, options)?;
+        let frame_count = distances.frame_count();
+        let kept = job.work().map(|work| {
+            let sequences: Vec<_> =
+                timeline.sequences().iter().map(|s| (s.first_frame, s.frame_count, s.cyclic)).collect();
+            let key = Key::new("transitions", VERSION).told(options).told(&timeline.fps()).told(&sequences);
+            let key = (0..frame_count).fold(key, |key, i| key.of(bytemuck::cast_slice(distances.row(i))));
+            let row_bytes = frame_count * TransitionCost::BYTES;
+            Rows::open(Some((work, &key)), frame_count, row_bytes, row_bytes)
+        });
+        let (lengths, done) = (options.lengths(timeline)?, AtomicUsize::new(0));
+        Ok(Self { level, distances, timeline, options, lengths, keys, kept: kept.transpose()?, job, done })
+    }
+
+    /// Writes the transitions from the frames `rows` into `costs`, row after row.
+    pub(crate) fn rows(&self, rows: Range<usize>, costs: &mut [TransitionCost]) -> Result<(), TransitionError> {
+        match self.options.slope {
+            None => self.search::<Unlimited>(rows, costs),
+            Some(0 | 1) => self.search::<Diagonal>(rows, costs),
+            Some(2) => self.search::<Columns<1>>(rows, costs),
+            Some(3) => self.search::<Columns<2>>(rows, costs),
+            Some(4) => self.search::<Columns<3>>(rows, costs),
+            // No more than `TransitionOptions::MAX_SLOPE`.
+            Some(_) => self.search::<Columns<4>>(rows, costs),
+        }
+    }
+
+    fn search<S: Slope + Default>(
+        &self,
+        rows: Range<usize>,
+        costs: &mut [TransitionCost],
+    ) -> Result<(), TransitionError> {
+        let frame_count = self.distances.frame_count().max(1);
+        costs.par_chunks_mut(frame_count).zip(rows).try_for_each_init(Scratch::<S>::default, |scratch, task| {
+            let (row, from) = task;
+            if !self.take(from, row)? {
                 self.level.run(SearchRow {
                     distances: self.distances,
                     timeline: self.timeline,
-                    lengths,
+                    lengths: self.lengths,
                     choice: self.options.choice,
                     keys: self.keys,
                     from: from as u32,
                     scratch,
                     row,
                 });
-                let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-                (self.progress)(done as f64 / frame_count as f64);
-            },
-        );
-        Ok(matrix)
+                self.keep(from, row)?;
+            }
+            let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+            Ok(self.job.tell("transitions", done as u64, frame_count as u64)?)
+        })
+    }
+
+    /// Whether a row was found before; it is in `row` then.
+    fn take(&self, from: usize, row: &mut [TransitionCost]) -> Result<bool, TransitionError> {
+        let Some(kept) = self.kept.as_ref().filter(|kept| kept.has(from)) else { return Ok(false) };
+        let mut bytes = vec![0; row.len() * TransitionCost::BYTES];
+        kept.read(from, &mut bytes)?;
+        for (cost, bytes) in row.iter_mut().zip(bytes.chunks_exact(TransitionCost::BYTES)) {
+            *cost = TransitionCost::from_bytes(bytes);
+        }
+        Ok(true)
+    }
+
+    fn keep(&self, from: usize, row: &[TransitionCost]) -> Result<(), TransitionError> {
+        let Some(kept) = &self.kept else { return Ok(()) };
+        let bytes: Vec<u8> = row.iter().flat_map(|cost| cost.to_bytes()).collect();
+        Ok(kept.write(from, &bytes)?)
     }
 }
 
@@ -129,7 +187,7 @@ mod tests {
         let distances = DistanceMatrix::from_fn(187, |i, j| (0.1 * (i as f32 - 1.3 * j as f32)).sin().abs());
         for choice in [LengthChoice::Total, LengthChoice::Mean] {
             let options = TransitionOptions { choice, ..Default::default() };
-            let run = |level| transitions_at(level, &distances, &timeline, &options, &|_| ()).unwrap();
+            let run = |level| transitions_at(level, &distances, &timeline, &options, &Job::silent()).unwrap();
             let first = run(Level::best());
             assert!(first.get(0, 160).is_some());
             assert!(Level::available().into_iter().all(|level| run(level) == first));

@@ -1,6 +1,7 @@
 //! How transitions are chosen, and their lengths in frames.
 
 use actor::timeline::{Sequence, Timeline};
+use job::Stopped;
 use thiserror::Error;
 
 /// Which segment lengths (li, lj) a pair of frames gets.
@@ -22,7 +23,7 @@ pub struct TransitionOptions {
     /// Longest segment in seconds; a part of a frame does not count.
     pub longest_seconds: f32,
     /// The slope limit p >= 1 of thesis equation 2.53: after a diagonal step at most p - 1 straight ones. `None` for
-    /// paths without a limit (equation 2.52).
+    /// paths without a limit (thesis equation 2.52).
     pub slope: Option<u8>,
     /// Which lengths a pair gets.
     pub choice: LengthChoice,
@@ -36,7 +37,8 @@ impl Default for TransitionOptions {
 }
 
 /// Why there are no transitions.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum TransitionError {
     /// The distances are of another capture.
     #[error("there are distances of {distances} frames, but the capture has {frames}")]
@@ -63,6 +65,12 @@ pub enum TransitionError {
     /// A distance is negative, not a number or absurdly large.
     #[error("the distance between frames {0} and {1} is negative, not a number or too large")]
     Distance(usize, usize),
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+    /// What was found cannot be kept in the work folder.
+    #[error("cannot use the work folder: {0}")]
+    Work(#[from] std::io::Error),
     /// No path of the slope limit joins the corners of a grid of these lengths, or the segments leave their sequences.
     #[error("there is no transition of {li} to {lj} frames from frame {from} to frame {to}")]
     NoTransition {

@@ -59,11 +59,11 @@ impl<'a> WarpFinder<'a> {
     /// # Errors
     /// No such transition.
     pub fn find(&self, from: u32, to: u32, li: usize, lj: usize) -> Result<Warp, TransitionError> {
-        let missing = TransitionError::NoTransition { from, to, li, lj };
-        let mut grid = self.grid(from, to, li, lj).ok_or_else(|| missing.clone())?;
+        let missing = || TransitionError::NoTransition { from, to, li, lj };
+        let mut grid = self.grid(from, to, li, lj).ok_or_else(missing)?;
         let moves = moves(self.options.slope);
         grid.fill(&moves);
-        grid.trace_back(&moves).ok_or(missing)
+        grid.trace_back(&moves).ok_or_else(missing)
     }
 
     fn grid(&self, from: u32, to: u32, li: usize, lj: usize) -> Option<Grid> {

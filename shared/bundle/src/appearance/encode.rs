@@ -4,7 +4,7 @@
 //! square of its coefficients: bits go where the variance is, and what is never seen costs next to nothing. Over the texture,
 //! steps follow how much an error lowers structural similarity: they are larger where there is much to see.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::mixed::Learnt;
 use super::texels::active as code_active;
@@ -24,7 +24,7 @@ use texture::transform::{AREA, OPPONENT, SIDE, cosines, forward, inverse};
 const CLASSES: (i32, i32) = (-4, 12);
 
 /// How finely appearance is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AppearanceQuality {
     /// Step of colours, 1 being the range of a channel: that of blocks where errors count as much as in the mean over blocks.
     pub texture_step: f32,

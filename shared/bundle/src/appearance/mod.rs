@@ -15,7 +15,7 @@ pub use decode::ModeDecoder;
 pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 
 use super::error::EncodeError;
-use super::header::Kind;
+use super::kind::Kind;
 use texture::basis::{Block, Layer, Mode};
 use texture::dealign::{Aligned, Field};
 use texture::mask::{ACTIVE, Mask};

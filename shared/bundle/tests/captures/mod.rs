@@ -141,13 +141,6 @@ pub fn contacts(timeline: &Timeline) -> Contacts {
 /// The real capture of MIT (Vlasic et al. 2008): crane and jumping, 325 frames of 10,002 vertices.
 pub fn crane_and_jumping() -> Capture {
     let fixtures::Captured { topology, poses, timeline } = fixtures::crane_and_jumping(1);
-    let vertex_count = topology.vertex_count() as u32;
-    let triangles = topology.triangles().to_vec();
-    let corners = (0..vertex_count).map(|vertex| Corner { vertex, uv: [0.0; 2], colour: [255; 4] }).collect();
-    let part = Part { material: 0, first_triangle: 0, triangle_count: triangles.len() as u32 };
-    let material =
-        Material { name: "grey".into(), base_colour: [0.7, 0.7, 0.7, 1.0], image: None, double_sided: false };
-    let surface = Surface { corners, triangles, parts: vec![part], materials: vec![material], images: Vec::new() };
-    let vertex_of_file_vertex = (0..vertex_count).collect();
-    Capture { name: "crane and jumping".into(), topology, surface, timeline, poses, vertex_of_file_vertex }
+    let surface = Surface::plain(&topology);
+    Capture::new("crane and jumping", topology, surface, timeline, poses).unwrap()
 }

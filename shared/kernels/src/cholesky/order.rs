@@ -7,14 +7,68 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::{CholeskyError, SymmetricPattern};
+
 /// No column.
 const NONE: u32 = u32::MAX;
 
-/// Vertices in an order of minimum degree, each subtree of the elimination tree in one piece. `neighbours` lists each
-/// vertex' neighbours, both ways; ties go to the smaller number.
-pub(super) fn minimum_degree(neighbours: Vec<Vec<u32>>) -> Vec<u32> {
-    let order = Elimination::new(neighbours.clone()).run();
-    postorder(&neighbours, &order)
+/// The rows of a pattern in the order in which they are eliminated, each once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EliminationOrder {
+    rows: Vec<u32>,
+}
+
+impl EliminationOrder {
+    /// A fill-reducing order, by minimum degree; ties go to the smaller number, and each subtree of the elimination tree is
+    /// in one piece. The same for the same pattern everywhere.
+    #[must_use]
+    pub fn minimum_degree(pattern: &SymmetricPattern) -> Self {
+        let order = Elimination::new(pattern).run();
+        Self { rows: postorder(pattern, &order) }
+    }
+
+    /// The rows as they are numbered: for patterns that are in a good order already, such as narrow bands.
+    #[must_use]
+    pub fn natural(row_count: usize) -> Self {
+        Self { rows: (0..row_count as u32).collect() }
+    }
+
+    /// An order found before.
+    ///
+    /// # Errors
+    /// [`CholeskyError::Order`] where `rows` do not name each of `row_count` rows once.
+    pub fn new(row_count: usize, rows: Vec<u32>) -> Result<Self, CholeskyError> {
+        let mut seen = vec![false; row_count];
+        for &row in &rows {
+            match seen.get_mut(row as usize) {
+                Some(seen) if !*seen => *seen = true,
+                _ => return Err(CholeskyError::Order(row_count)),
+            }
+        }
+        if rows.len() == row_count { Ok(Self { rows }) } else { Err(CholeskyError::Order(row_count)) }
+    }
+
+    /// The rows, those that are eliminated first in front.
+    #[must_use]
+    pub fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
+    /// Where each row is in the order.
+    #[must_use]
+    pub fn positions(&self) -> Vec<u32> {
+        positions(&self.rows)
+    }
+}
+
+/// Where each of the rows of an order is in it.
+#[inline(never)]
+fn positions(rows: &[u32]) -> Vec<u32> {
+    let mut positions = vec![0; rows.len()];
+    for (at, &row) in (0..).zip(rows) {
+        positions[row as usize] = at;
+    }
+    positions
 }
 
 /// The graph of what is not eliminated yet.
@@ -33,8 +87,9 @@ struct Elimination {
 }
 
 impl Elimination {
-    fn new(neighbours: Vec<Vec<u32>>) -> Self {
-        let n = neighbours.len();
+    fn new(pattern: &SymmetricPattern) -> Self {
+        let n = pattern.row_count();
+        let neighbours: Vec<Vec<u32>> = (0..n).map(|row| pattern.row(row).0.to_vec()).collect();
         let degree: Vec<usize> = neighbours.iter().map(Vec::len).collect();
         let queue = (0..).zip(&degree).map(|(vertex, &degree)| Reverse((degree, vertex))).collect();
         let (elements, members) = (vec![Vec::new(); n], vec![Vec::new(); n]);
@@ -104,16 +159,13 @@ impl Elimination {
 }
 
 /// `order` with each subtree of its elimination tree in one piece, which fills in as much.
-fn postorder(neighbours: &[Vec<u32>], order: &[u32]) -> Vec<u32> {
+fn postorder(pattern: &SymmetricPattern, order: &[u32]) -> Vec<u32> {
     let n = order.len();
-    let mut place = vec![0; n];
-    for (at, &vertex) in (0_u32..).zip(order) {
-        place[vertex as usize] = at;
-    }
+    let place = positions(order);
     // Liu's algorithm: a column's parent is the first row below that it reaches; ways up are cut short.
     let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
     for row in 0..n as u32 {
-        for &neighbour in &neighbours[order[row as usize] as usize] {
+        for &neighbour in pattern.row(order[row as usize] as usize).0 {
             let mut column = place[neighbour as usize];
             while column < row {
                 let above = std::mem::replace(&mut ancestor[column as usize], row);
@@ -153,9 +205,9 @@ mod tests {
     use super::*;
 
     /// Entries below the diagonal when a graph is eliminated in `order`, written out edge by edge.
-    fn fill(neighbours: &[Vec<u32>], order: &[u32]) -> usize {
+    fn fill(pattern: &SymmetricPattern, order: &[u32]) -> usize {
         let mut graph: Vec<std::collections::BTreeSet<u32>> =
-            neighbours.iter().map(|list| list.iter().copied().collect()).collect();
+            (0..pattern.row_count()).map(|row| pattern.row(row).0.iter().copied().collect()).collect();
         let mut entries = 0;
         for &vertex in order {
             let joined = std::mem::take(&mut graph[vertex as usize]);
@@ -168,28 +220,32 @@ mod tests {
         entries
     }
 
-    fn grid(width: u32, height: u32) -> Vec<Vec<u32>> {
+    fn minimum_degree(pattern: &SymmetricPattern) -> Vec<u32> {
+        EliminationOrder::minimum_degree(pattern).rows
+    }
+
+    fn grid(width: u32, height: u32) -> SymmetricPattern {
         let at = |x: u32, y: u32| y * width + x;
-        let mut neighbours = vec![Vec::new(); (width * height) as usize];
+        let mut edges = Vec::new();
         for y in 0..height {
             for x in 0..width {
                 for (dx, dy) in [(1, 0), (0, 1), (1, 1)] {
                     if x + dx < width && y + dy < height {
-                        neighbours[at(x, y) as usize].push(at(x + dx, y + dy));
-                        neighbours[at(x + dx, y + dy) as usize].push(at(x, y));
+                        edges.push([at(x, y), at(x + dx, y + dy)]);
                     }
                 }
             }
         }
-        neighbours
+        SymmetricPattern::from_edges((width * height) as usize, &edges).unwrap()
     }
 
     #[test]
     fn every_vertex_comes_once() {
-        for neighbours in [Vec::new(), vec![Vec::new(); 3], grid(1, 1), grid(7, 5), grid(20, 20)] {
-            let mut order = minimum_degree(neighbours.clone());
+        let apart = |rows| SymmetricPattern::from_edges(rows, &[]).unwrap();
+        for pattern in [apart(0), apart(3), grid(1, 1), grid(7, 5), grid(20, 20)] {
+            let mut order = minimum_degree(&pattern);
             order.sort_unstable();
-            assert!(order.into_iter().eq(0..neighbours.len() as u32));
+            assert!(order.into_iter().eq(0..pattern.row_count() as u32));
         }
     }
 
@@ -197,24 +253,21 @@ mod tests {
     fn little_fills_in() {
         let grid = grid(24, 24);
         let natural: Vec<u32> = (0..24 * 24).collect();
-        let order = minimum_degree(grid.clone());
+        let order = minimum_degree(&grid);
         assert!(fill(&grid, &order) * 3 < fill(&grid, &natural) * 2, "{} entries", fill(&grid, &order));
     }
 
     #[test]
     fn subtrees_in_one_piece_fill_in_as_much() {
         let grid = grid(13, 9);
-        let order = Elimination::new(grid.clone()).run();
+        let order = Elimination::new(&grid).run();
         assert_eq!(fill(&grid, &postorder(&grid, &order)), fill(&grid, &order));
     }
 
     #[test]
     fn a_tree_does_not_fill_in() {
-        let mut neighbours = vec![Vec::new(); 31];
-        for child in 1..31_u32 {
-            neighbours[child as usize].push((child - 1) / 2);
-            neighbours[(child as usize - 1) / 2].push(child);
-        }
-        assert_eq!(fill(&neighbours, &minimum_degree(neighbours.clone())), 30);
+        let edges: Vec<[u32; 2]> = (1..31).map(|child| [child, (child - 1) / 2]).collect();
+        let tree = SymmetricPattern::from_edges(31, &edges).unwrap();
+        assert_eq!(fill(&tree, &minimum_degree(&tree)), 30);
     }
 }

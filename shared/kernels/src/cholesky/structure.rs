@@ -57,9 +57,9 @@ impl Run {
 }
 
 impl Structure {
-    /// Analyses a symmetric matrix of `n` rows that has entries where each row's `neighbours` say, which are in order.
-    /// `None` where the factor has more than `most` entries.
-    pub fn new<'a>(n: usize, most: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Option<Self> {
+    /// Analyses a symmetric matrix of `n` rows that has entries where each row's `neighbours` say, in any order; those
+    /// above `n` do not count. `None` where the factor has more than `most` entries.
+    pub fn new<I: Iterator<Item = u32>>(n: usize, most: usize, neighbours: impl Fn(usize) -> I) -> Option<Self> {
         let reach = reach(n, most, neighbours)?;
         let mut runs: Vec<Run> = Vec::new();
         for column in 0..reach.len() {
@@ -102,6 +102,11 @@ impl Structure {
         self.value_start.last().copied().unwrap_or(0)
     }
 
+    /// The supernode of a column.
+    pub fn owner(&self, column: usize) -> usize {
+        self.first_column.partition_point(|&first| first as usize <= column) - 1
+    }
+
     pub fn supernode(&self, index: usize) -> Supernode<'_> {
         Supernode {
             start: self.first_column[index] as usize,
@@ -121,13 +126,13 @@ fn is_worth_it(run: &Run, rows_below: usize) -> bool {
 
 /// The rows below the diagonal of each column of the factor, in order. Each row of the matrix reaches the columns on the
 /// ways from its entries up the tree in which a column's parent is the first row that it reaches.
-fn reach<'a>(n: usize, most: usize, neighbours: impl Fn(usize) -> &'a [u32]) -> Option<Vec<Vec<u32>>> {
+fn reach<I: Iterator<Item = u32>>(n: usize, most: usize, neighbours: impl Fn(usize) -> I) -> Option<Vec<Vec<u32>>> {
     let mut entries = n;
     let mut reach: Vec<Vec<u32>> = vec![Vec::new(); n];
     let mut seen_by = vec![n; n];
     for row in 0..n {
         seen_by[row] = row;
-        for &column in neighbours(row).iter().take_while(|&&column| (column as usize) < row) {
+        for column in neighbours(row).filter(|&column| (column as usize) < row) {
             let mut column = column as usize;
             while seen_by[column] != row {
                 seen_by[column] = row;

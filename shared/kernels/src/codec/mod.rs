@@ -1,6 +1,7 @@
 //! The parts of the codecs that run most: for every vertex of every frame that is shown, and for every decision about a mode.
 //!
-//! What they mean is told in `shared`'s `bundle::geometry` and `bundle::appearance`, which read and write sections around them.
+//! What they mean is told in the modules `geometry` and `appearance` of the crate `bundle`, which read and write
+//! sections around them.
 
 pub mod frame;
 pub mod mixing;

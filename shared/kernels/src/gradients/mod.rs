@@ -1,8 +1,8 @@
 //! Deformation gradients of triangles between two poses, and the edges they want at any point in between.
 //!
 //! This work is based on: Boukhayma, thesis (2017), section 2.4.3; Xu, Zhang, Wang and Bao, "Poisson shape
-//! interpolation" (2005). Per triangle `T = R S`, and `T~(lambda) = exp(lambda log R) exp(lambda log S)` (equation
-//! 2.46).
+//! interpolation" (2005). Per triangle `T = R S`, and `T~(lambda) = exp(lambda log R) exp(lambda log S)` (thesis
+//! equation 2.46; TVCG equation 5).
 //!
 //! In the triangle's own orthonormal frame (first edge, in-plane normal to it, normal) `T` maps plane to plane and normal
 //! to normal, so the polar decomposition is that of the 2x2 matrix of the in-plane edges.

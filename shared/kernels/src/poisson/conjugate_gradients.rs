@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec4};
 
-use crate::cholesky::{Factor, SymbolicCholesky};
+use crate::cholesky::{Factor, Symbolic};
 use crate::laplacian::{Laplacian, LaplacianPattern};
 
 /// A system under way: `L x = b` from a guess, in elimination order.
@@ -21,7 +21,7 @@ pub(super) struct System {
 
 /// The factor of a pose.
 pub(super) struct Preconditioner<'a> {
-    pub symbolic: &'a SymbolicCholesky,
+    pub symbolic: &'a Symbolic,
     pub factor: &'a Factor,
     /// Diagonal of that pose's Laplacian.
     pub diagonal: &'a [f32],
@@ -55,7 +55,7 @@ impl System {
     /// errors there would otherwise hardly show in z. Symmetric and positive definite, as M is.
     fn precondition(&mut self, laplacian: &Laplacian, preconditioner: &Preconditioner<'_>) {
         self.preconditioned.copy_from_slice(&self.residual);
-        preconditioner.symbolic.solve(preconditioner.factor, &mut self.preconditioned, &mut self.scratch);
+        preconditioner.symbolic.solve_in_order(preconditioner.factor, &mut self.preconditioned, &mut self.scratch);
         let diagonals = laplacian.diagonal.iter().zip(preconditioner.diagonal);
         for ((z, &r), (&own, &other)) in self.preconditioned.iter_mut().zip(&self.residual).zip(diagonals) {
             let softer = own < other && own > 0.0;

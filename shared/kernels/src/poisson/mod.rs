@@ -1,8 +1,8 @@
 //! Poisson shape interpolation: the surface between two poses whose triangles rotate and stretch evenly.
 //!
-//! This work is based on: Boukhayma, thesis (2017), section 2.4.3, equations 2.46 to 2.49; Xu, Zhang, Wang and Bao,
-//! "Poisson shape interpolation" (2005). Both sides are solved, each on its own pose's cotangent Laplacian, and blended
-//! linearly.
+//! This work is based on: Boukhayma, thesis (2017), section 2.4.3, equations 2.46 to 2.49; Boukhayma and Boyer, TVCG
+//! equations 5 to 7; Xu, Zhang, Wang and Bao, "Poisson shape interpolation" (2005). Both sides are solved, each on its
+//! own pose's cotangent Laplacian, and blended linearly.
 //!
 //! Exact to a stated tolerance: see [`TOLERANCE`]. What makes it fast is that both sides want the same edges
 //! ([`crate::gradients`]); that the system is solved for what is missing from a good guess, the linear blend plus what
@@ -14,11 +14,11 @@ mod factors;
 
 use glam::{Vec3, Vec4};
 
-use crate::cholesky::{CholeskyError, SymbolicCholesky, Workspace, elimination_order};
+use crate::cholesky::{CholeskyError, EliminationOrder, Symbolic, Workspace};
 use crate::gradients::{Batch, PairGradients, TriangleBatches};
-use crate::kept::Kept;
 use crate::lanes::{LANES, Lanes, Lanes3};
 use crate::laplacian::{Laplacian, LaplacianPattern};
+use crate::lru::LruCache;
 use crate::topology::Topology;
 use components::Components;
 use conjugate_gradients::{Preconditioner, Stop, System};
@@ -70,11 +70,11 @@ pub struct Effort {
 pub struct PoissonInterpolator {
     triangles: TriangleBatches,
     pattern: LaplacianPattern,
-    symbolic: SymbolicCholesky,
+    symbolic: Symbolic,
     workspace: Workspace,
     components: Components,
-    laplacians: Kept<Laplacian>,
-    factors: Kept<KeptFactor>,
+    laplacians: LruCache<Laplacian>,
+    factors: LruCache<KeptFactor>,
     gradients: PairGradients,
     system: System,
     /// By vertex: the linear blend, what the solution differs from it, and the guess that the system starts from.
@@ -95,9 +95,14 @@ impl PoissonInterpolator {
         let triangles = TriangleBatches::new(topology.triangles());
         let pattern = match order {
             Some(order) => LaplacianPattern::new(topology, &triangles, order)?,
-            None => LaplacianPattern::new(topology, &triangles, &elimination_order(topology))?,
+            None => {
+                // As `cholesky::elimination_order`, with no more code on the page than the pattern itself needs.
+                let unheld = LaplacianPattern::unheld(topology, &triangles, &[])?;
+                let order = EliminationOrder::minimum_degree(unheld.symmetric());
+                LaplacianPattern::new(topology, &triangles, order.rows())?
+            }
         };
-        let symbolic = SymbolicCholesky::new(&pattern)?;
+        let symbolic = pattern.symbolic()?;
         let n = topology.vertex_count();
         Ok(Self {
             triangles,
@@ -105,8 +110,8 @@ impl PoissonInterpolator {
             symbolic,
             workspace: Workspace::default(),
             components: Components::new(topology),
-            laplacians: Kept::new(KEPT_LAPLACIANS),
-            factors: Kept::new(KEPT_FACTORS),
+            laplacians: LruCache::new(KEPT_LAPLACIANS),
+            factors: LruCache::new(KEPT_FACTORS),
             gradients: PairGradients::default(),
             system: System::default(),
             blend: vec![Vec4::ZERO; n],
@@ -197,7 +202,7 @@ impl PoissonInterpolator {
     /// Slot of a new factor of a pose.
     fn factorise(&mut self, frame: u32, laplacian: usize, effort: &mut Effort) -> Result<usize, CholeskyError> {
         let laplacian = self.laplacians.get(laplacian);
-        let factor = self.symbolic.factorise(laplacian, &mut self.workspace)?;
+        let factor = self.symbolic.factorise_regularised(laplacian, &mut self.workspace)?;
         effort.factorisations += 1;
         let slot = self.factors.claim(frame);
         *self.factors.get_mut(slot) = KeptFactor::new(frame, factor, laplacian.diagonal.clone());

@@ -1,6 +1,6 @@
 //! A Markov chain over a graph: its steps, its stationary distribution, and how good that is.
 
-/// The weight of the distribution against the evenness of choices: the paper's.
+/// The weight of the distribution against the evenness of choices: alpha of Prada and others (2016), section 7.1.
 const EVENNESS: f64 = 0.08;
 /// Most sweeps for a linear system.
 pub(super) const SWEEPS: u32 = 400;
@@ -128,7 +128,7 @@ impl Chain {
         self.probabilities.iter().map(|p| p * p).sum()
     }
 
-    /// The paper's objective for a wanted distribution.
+    /// The objective of Prada and others (2016), section 7.1, for a wanted distribution.
     #[must_use]
     pub fn objective(&self, wanted: &[f64], stationary: &[f64]) -> f64 {
         let off: f64 = stationary.iter().zip(wanted).map(|(s, w)| (s - w) * (s - w)).sum();

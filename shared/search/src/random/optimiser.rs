@@ -28,7 +28,7 @@ pub struct Optimiser {
     gradient: Vec<f64>,
     tried: Chain,
     tries: u32,
-    /// The paper's objective: for equal probabilities, after the proxy, and now.
+    /// The objective of Prada and others (2016), section 7.1: for equal probabilities, after the proxy, and now.
     objectives: [f64; 3],
     step: f64,
 }
@@ -157,7 +157,8 @@ impl Optimiser {
         &self.stationary
     }
 
-    /// The paper's objective: for equal probabilities, after the proxy, and now; infinite before it is known.
+    /// The objective of Prada and others (2016), section 7.1: for equal probabilities, after the proxy, and now;
+    /// infinite before it is known.
     #[must_use]
     pub fn objectives(&self) -> [f64; 3] {
         self.objectives

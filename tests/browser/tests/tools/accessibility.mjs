@@ -40,7 +40,7 @@ export const tests = {
     assert.equal((await asked(player)).target.path.stretches.length, 1);
     await found(player);
     await player.keyboard.press('Enter');
-    await player.until('the actor on its way', (element) => element.state.target !== null, null, 60_000);
+    await player.untilFound('the actor on its way', (element) => element.state.target !== null);
     await player.keyboard.press('Escape');
     assert.equal(await player.run((element) => element.state.target), null);
 

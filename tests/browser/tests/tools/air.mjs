@@ -41,18 +41,12 @@ export const tests = {
     const moved = await drags(25, 0);
     assert.ok(moved[1] === lifted[1] && Math.hypot(moved[0] - lifted[0], moved[2] - lifted[2]) > 0.05, JSON.stringify([lifted, moved]));
     // Handles are put in their places with the next picture, and an answer that arrives may change the stage's size.
-    const apart = async () => {
-      const seen = await player.run((element, [x, y, z]) => Array.from(element.testing.stage.project(x, y, z)), moved);
-      const stage = await player.part('.view').boundingBox();
-      const box = await player.part('.handle').nth(1).boundingBox();
-      return Math.hypot(stage.x + seen[0] - box.x - box.width / 2, stage.y + seen[1] - box.y - box.height / 2);
-    };
-    let distance = await apart();
-    for (let tries = 0; tries < 50 && distance >= 3; tries += 1) {
-      await player.page.waitForTimeout(100);
-      distance = await apart();
-    }
-    assert.ok(distance < 3, `the handle is ${distance} pixels from where its point is`);
+    await player.until('the handle within 3 pixels of where its point is', (element, point) => {
+      const [x, y] = element.testing.stage.project(...point);
+      const stage = element.shadowRoot.querySelector('.view').getBoundingClientRect();
+      const box = element.shadowRoot.querySelectorAll('.handle')[1].getBoundingClientRect();
+      return Math.hypot(stage.x + x - box.x - box.width / 2, stage.y + y - box.y - box.height / 2) < 3;
+    }, moved);
 
     const { path } = await found(player);
     assert.ok(path.samples.some(([, , y]) => y > 0.4), 'the answer has no heights');

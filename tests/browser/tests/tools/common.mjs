@@ -36,7 +36,7 @@ export async function drag(player, points, from = null) {
 
 /** Waits until the search has said something. */
 export async function found(player) {
-  await player.until('an answer', (element) => element.answer !== null, null, 60_000);
+  await player.untilFound('an answer', (element) => element.answer !== null);
   return player.run((element) => element.answer);
 }
 

@@ -54,9 +54,9 @@ export const tests = {
 
     await found(player);
     await player.part('.go').click();
-    await player.until('the actor on its way', (element) => element.state.target !== null, null, 60_000);
+    await player.untilFound('the actor on its way', (element) => element.state.target !== null);
     await player.run((element) => (element.speed = 4));
-    await player.event('arrive', 60_000);
+    await player.event('arrive');
     const walked = await player.run((element) => [element.state.x, element.state.z]);
     assert.ok(Math.hypot(walked[0] - stands[0], walked[1] - stands[1]) > 0.5, 'it has not left');
     await player.close();

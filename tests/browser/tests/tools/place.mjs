@@ -10,7 +10,7 @@ export const tests = {
     const { place: goal } = (await asked(player)).target;
     assert.ok(Math.abs(goal.heading - Math.PI / 2) < 0.15, `heading ${goal.heading}`);
     await player.run((element) => (element.speed = 4));
-    await player.event('arrive', 60_000);
+    await player.event('arrive');
     const { state, answer } = await player.run((element) => ({ state: element.state, answer: element.answer }));
     assert.ok(Math.hypot(state.x - goal.x, state.z - goal.z) < answer.place.distance + 0.05, 'the actor is not where the answer said');
     assert.match(await says(player), /^there in \d+\.\d s, through \d+ transitions?; stops \d+ cm away/);

@@ -1,8 +1,42 @@
 /** What pages ask for by themselves, and what searching costs them. */
 
 import assert from 'node:assert/strict';
-import { turnsDuring } from '../../turns.mjs';
 import { using } from './common.mjs';
+
+/** Milliseconds that pass with every look at the clock, and the states that the search expands between two looks. */
+const TICK = 0.25;
+const STATES = 20;
+
+/**
+ * Runs in the page: asks for a direction, and notes what every slice of the search does, with the turn of the page that it
+ * is in. The clock counts looks instead of time, so that no machine is too slow for this.
+ */
+function countSlices(element, direction) {
+  const { player: inner } = element.testing;
+  let [looks, turn] = [0, 0];
+  performance.now = () => (looks += 1) * 0.25;
+  // Another part of the page that always has something to do.
+  const { port1, port2 } = new MessageChannel();
+  port1.onmessage = () => {
+    turn += 1;
+    port2.postMessage(null);
+  };
+  port2.postMessage(null);
+  window.slices = [];
+  for (const method of ['prepare_search', 'search_on']) {
+    const work = inner[method];
+    let before = 0;
+    inner[method] = function (...values) {
+      const start = looks;
+      const result = work.apply(this, values);
+      const expanded = method === 'search_on' ? JSON.parse(inner.answer()).expanded : 0;
+      window.slices.push({ method, milliseconds: values.at(-1), looks: looks - start, states: Math.max(0, expanded - before), turn });
+      before = expanded;
+      return result;
+    };
+  }
+  element.direction = direction;
+}
 
 export const tests = {
   'pages direct the actor to places and along paths, let it wander and hold': async (browser) => {
@@ -35,16 +69,19 @@ export const tests = {
   'searching leaves the page its time': async (browser) => {
     const player = await using(browser, 'path');
     const target = { path: { points: [[0, 0], [2, 1], [0, 3], [-2, 1], [0, 0], [3, 3]], shape: 'spline' } };
-    const turns = await turnsDuring(browser.chromium, player.page, async () => {
-      await player.run((element, direction) => (element.direction = direction), { version: 1, target });
-      await player.until('the end of the search', (element) => element.testing.search().count > 0 && !element.testing.search().running, null, 60_000);
+    await player.run(countSlices, { version: 1, target });
+    await player.until('many slices', () => window.slices.filter(({ method }) => method === 'search_on').length >= 60);
+    const slices = await player.run((element) => {
+      element.direction = null;
+      return window.slices;
     });
-    const { count, longest } = await player.run((element) => element.testing.search());
-    const most = (values) => Math.max(...values).toFixed(1);
-    // By the clock a turn is also as long as those who draw in software keep the thread from its processor.
-    console.log(`        longest of ${turns.length} turns of the page: ${most(turns.map(({ own }) => own))} ms of its own, ${most(turns.map(({ clock }) => clock))} ms by the clock; ${count} slices, longest ${longest.toFixed(1)} ms by the clock`);
-    assert.ok(turns.length > count, `${turns.length} turns`);
-    assert.ok(count > 20, `${count} slices`);
+    for (const { method, milliseconds, looks, states } of slices) {
+      // Whatever it works on, it stops at the first look at the clock behind its time.
+      assert.ok(looks <= milliseconds / TICK + 2, `${method} has looked ${looks} times at a clock that gave it ${milliseconds} ms`);
+      assert.ok(states <= looks * STATES, `${method} has expanded ${states} states between ${looks} looks`);
+    }
+    assert.ok(slices.some(({ states }) => states > 0), 'nothing was searched');
+    slices.slice(1).forEach(({ turn }, at) => assert.ok(turn > slices[at].turn, `slices ${at} and ${at + 1} in one turn of the page`));
     await player.close();
   },
 };

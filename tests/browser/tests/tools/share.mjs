@@ -57,15 +57,15 @@ export const tests = {
       'a weight of nobody': { wander: { seconds: 10, weights: { nobody: 2 } } },
     })) {
       await player.run((element, request) => (element.direction = request), { version: 1, target });
-      await player.until(`a sentence on ${name}`, (element) => /no (behaviour|frame)/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
+      await player.untilFound(`a sentence on ${name}`, (element) => /no (behaviour|frame)/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''));
       assert.equal(await player.part('.error').isVisible(), false, name);
     }
     // Vertices that there are not, and paths that different vertices are to follow.
     const along = (vertices) => ({ path: { points: [[0, 0], [1, 1]], vertices } });
     await player.run((element, target) => (element.direction = { version: 1, target }), along([1, 999999]));
-    await player.until('a sentence on the vertex', (element) => /no vertex 999999/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''), null, 60_000);
+    await player.untilFound('a sentence on the vertex', (element) => /no vertex 999999/.test(element.shadowRoot.querySelector('.outcome')?.textContent ?? ''));
     await player.run((element, target) => (element.direction = { version: 1, target }), { queue: [along([1, 2, 3]), along([])] });
-    await player.until('a sentence on groups', (element) => /followed by the same ones/.test(element.shadowRoot.querySelector('.status').textContent), null, 60_000);
+    await player.untilFound('a sentence on groups', (element) => /followed by the same ones/.test(element.shadowRoot.querySelector('.status').textContent));
     assert.equal((await player.heard('error')).length, 0);
     await player.close();
   },

@@ -19,7 +19,7 @@ export const tests = {
     const keys = async () => (await asked(player)).target.keys.poses;
     assert.equal((await keys()).length, 2);
     assert.ok(Math.abs((await keys())[1].time - 4.8) < 0.2, JSON.stringify(await keys()));
-    await player.until('both', (element) => element.answer?.keys.length === 2, null, 60_000);
+    await player.untilFound('both', (element) => element.answer?.keys.length === 2);
     const { keys: rows } = await player.run((element) => element.answer);
     assert.deepEqual(rows.map(({ wanted }) => wanted.toFixed(1)), (await keys()).map(({ time }) => time.toFixed(1)));
     await player.until('the table', (element) => element.shadowRoot.querySelectorAll('.times tbody tr').length === 2);
@@ -33,7 +33,7 @@ export const tests = {
     assert.equal((await keys()).length, 1);
     await player.part('.go').click();
     await player.run((element) => (element.speed = 4));
-    await player.event('arrive', 60_000);
+    await player.event('arrive');
     assert.equal((await player.heard('arrive'))[0].frame, (await keys())[0].pose);
     await player.close();
   },

@@ -14,7 +14,7 @@ export const tests = {
     const name = await player.run((element) => element.behaviours[1]);
     assert.equal((await asked(player)).target.wander.weights[name], 1.25);
     await player.part('.go').click();
-    await player.until('the actor on its way', (element) => element.state.target !== null, null, 60_000);
+    await player.untilFound('the actor on its way', (element) => element.state.target !== null);
     // A small picture leaves the search its time, where it is drawn in software.
     await player.run((element) => (element.style.cssText = 'width: 200px; height: 160px'));
     // Near the end of what has been found, more is found.
@@ -25,7 +25,7 @@ export const tests = {
       for (let tick = 0; tick < 400 && JSON.parse(inner.state()).remaining_seconds > 15; tick += 1) inner.tick(0.2);
       element.play();
     });
-    await player.until('the next part', (element) => element.state.remaining_seconds > 40, null, 60_000);
+    await player.untilFound('the next part', (element) => element.state.remaining_seconds > 40);
     // Even where the search comes late, as on a slow machine, the actor goes on from where it waits.
     await player.run((element) => {
       element.pause();
@@ -34,8 +34,8 @@ export const tests = {
       for (let tick = 0; tick < 1000 && JSON.parse(inner.state()).remaining_seconds > 0.2; tick += 1) inner.tick(0.1);
       element.play();
     });
-    await player.event('arrive', 60_000);
-    await player.until('the actor on its way again', (element) => element.state.remaining_seconds > 20, null, 60_000);
+    await player.event('arrive');
+    await player.untilFound('the actor on its way again', (element) => element.state.remaining_seconds > 20);
     await player.close();
   },
 };

@@ -6,7 +6,7 @@ use texture::mask::Mask;
 use texture::transform::{AREA, OPPONENT, SIDE, cosines};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
-use super::{numbers, storage, written};
+use super::bound::{numbers, storage, written};
 use crate::gpu::context::{Gpu, STORAGE, UNIFORM, view};
 use crate::shaders;
 

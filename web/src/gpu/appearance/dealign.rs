@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use texture::mask::{LEVELS, Mask};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
-use super::{numbers, storage, unfiltered, written};
+use super::bound::{numbers, storage, unfiltered, written};
 use crate::gpu::context::{Gpu, Pass, UNIFORM, view};
 use crate::gpu::texture::COLOUR;
 use crate::shaders;

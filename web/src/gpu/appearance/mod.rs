@@ -4,6 +4,7 @@
 //! time. One rebuild is under way at a time: a slow device shows a texture that lags, not a page that does.
 
 pub mod basis;
+mod bound;
 pub mod dealign;
 mod pace;
 
@@ -16,6 +17,7 @@ use texture::transform::AREA;
 use wgpu::TextureFormat;
 
 use self::basis::Basis;
+use self::bound::storage;
 use self::dealign::{Dealign, Motion};
 use self::pace::Pace;
 pub use self::pace::Setting;
@@ -178,36 +180,6 @@ fn flags(gpu: &Gpu, level: &texture::mask::Level) -> wgpu::Texture {
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0]), rows_per_image: None };
     gpu.queue.write_texture(texture.as_image_copy(), &level.flags, layout, extent(size));
     texture
-}
-
-/// A texture of one level that passes read, and write or fill as `usage` says.
-fn storage(gpu: &Gpu, size: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | usage,
-        view_formats: &[],
-    })
-}
-
-/// A texture that is read without filtering.
-fn unfiltered(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
-    wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled: false }
-}
-
-/// Whole numbers, read.
-fn numbers() -> wgpu::BindingType {
-    unfiltered(wgpu::TextureSampleType::Uint)
-}
-
-/// A texture that is written.
-fn written(format: TextureFormat) -> wgpu::BindingType {
-    let access = wgpu::StorageTextureAccess::WriteOnly;
-    wgpu::BindingType::StorageTexture { access, format, view_dimension: wgpu::TextureViewDimension::D2 }
 }
 
 fn mean_colour(appearance: &Appearance, mean: &Mode) -> [f32; 3] {

@@ -1,43 +1,52 @@
 //! A glTF file opened: its JSON, and the bytes of its buffers.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use gltf::binary::Glb;
-use gltf::json::{self, Index, Root};
+use gltf::json::{self, Index, Root, Value, buffer};
 
+use super::animation_json::AnimationJson;
+use super::container::{data_uri, percent_decoded, split};
+use super::views;
 use crate::import::error::ImportError;
 use crate::import::images::read_file;
 
-/// Extensions that may be required: those that change nothing here, or that are read.
-const READ: [&str; 4] = ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp", "KHR_lights_punctual"];
-/// Extensions that compress geometry.
-const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
-
 /// The JSON and the buffers of a glTF file.
 ///
-/// The `gltf` crate reads JSON and container; its own accessor reader and validation are left aside, for they refuse
-/// quantised meshes and may panic on indices out of range. So every index is looked up with a check here.
+/// The `gltf` crate reads the JSON; its own accessor reader and validation are left aside, for they refuse quantised
+/// meshes and may panic on indices out of range. So every index is looked up with a check here. Animations are taken
+/// out beforehand: the crate refuses channels without a node, which the format allows.
 pub(super) struct Document {
     path: PathBuf,
     root: Root,
-    buffers: Vec<Vec<u8>>,
+    animations: Vec<AnimationJson>,
+    /// The bytes of each buffer; none where a compressed file leaves its uncompressed twin out.
+    buffers: Vec<Option<Vec<u8>>>,
+    /// Buffer views that were compressed.
+    inflated: HashMap<usize, Vec<u8>>,
 }
 
 impl Document {
-    /// Opens a `.glb` or `.gltf` file and the buffers beside it.
+    /// The same with the bytes of its compressed buffer views, by their index.
+    pub fn with_inflated(self, inflated: HashMap<usize, Vec<u8>>) -> Self {
+        Self { inflated, ..self }
+    }
+
+    /// Opens a `.glb` or `.gltf` file and the buffers beside it; compressed views are yet to be inflated.
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let wrong = |reason: String| ImportError::Gltf { path: path.to_owned(), reason };
-        let bytes = read_file(path)?;
-        let (json, blob) = if bytes.starts_with(b"glTF") { split_glb(&bytes, path)? } else { (bytes, None) };
-        let root: Root = json::deserialize::from_slice(&json).map_err(|e| wrong(format!("not glTF JSON: {e}")))?;
-        drop(json);
+        let no_json = |e: json::Error| wrong(format!("not glTF JSON: {e}"));
+        let (text, blob) = split(read_file(path)?, path)?;
+        let mut json: Value = json::deserialize::from_slice(&text).map_err(no_json)?;
+        drop(text);
+        let animations = json.as_object_mut().and_then(|object| object.remove("animations"));
+        let animations = animations.map_or(Ok(Vec::new()), json::deserialize::from_value).map_err(no_json)?;
+        let root: Root = json::deserialize::from_value(json).map_err(no_json)?;
         if !root.asset.version.starts_with("2.") {
             return Err(wrong(format!("glTF version {}, only 2 is read", root.asset.version)));
         }
-        check_extensions(&root, path)?;
-        let mut document = Self { path: path.to_owned(), root, buffers: Vec::new() };
+        let (buffers, inflated) = (Vec::new(), HashMap::new());
+        let mut document = Self { path: path.to_owned(), root, animations, buffers, inflated };
         document.buffers = document.load_buffers(blob)?;
         Ok(document)
     }
@@ -47,9 +56,19 @@ impl Document {
         &self.path
     }
 
-    /// The JSON.
+    /// The JSON, without its animations.
     pub fn root(&self) -> &Root {
         &self.root
+    }
+
+    /// The animations.
+    pub fn animations(&self) -> &[AnimationJson] {
+        &self.animations
+    }
+
+    /// Whether the file cannot be read without `extension`.
+    pub fn requires(&self, extension: &str) -> bool {
+        self.root.extensions_required.iter().any(|required| required == extension)
     }
 
     /// An error about this file.
@@ -65,34 +84,41 @@ impl Document {
         self.root.get(index).ok_or_else(|| self.wrong(format!("{user} names {what} {index}, which does not exist")))
     }
 
-    /// The bytes of a buffer view.
-    pub fn view(&self, index: Index<json::buffer::View>, user: &str) -> Result<&[u8], ImportError> {
+    /// The bytes of a buffer view, inflated where it is compressed.
+    pub fn view(&self, index: Index<buffer::View>, user: &str) -> Result<&[u8], ImportError> {
+        if let Some(bytes) = self.inflated.get(&index.value()) {
+            return Ok(bytes);
+        }
         let view = self.get(index, "buffer view", user)?;
-        let buffer = self.buffers.get(view.buffer.value());
-        let buffer =
-            buffer.ok_or_else(|| self.wrong(format!("buffer view {index} names a buffer that is not there")))?;
-        let start = usize::try_from(view.byte_offset.unwrap_or_default().0).ok();
-        let length = usize::try_from(view.byte_length.0).ok();
-        let range = start.zip(length).and_then(|(start, length)| Some(start..start.checked_add(length)?));
-        range.and_then(|range| buffer.get(range)).ok_or_else(|| ImportError::Truncated {
+        let user = format!("buffer view {index}");
+        self.slice(view.buffer.value(), view.byte_offset.unwrap_or_default().0, view.byte_length.0, &user)
+    }
+
+    /// Bytes of a buffer.
+    pub fn slice(&self, buffer: usize, offset: u64, length: u64, user: &str) -> Result<&[u8], ImportError> {
+        let buffer_bytes = self.buffers.get(buffer);
+        let buffer_bytes =
+            buffer_bytes.ok_or_else(|| self.wrong(format!("{user} names a buffer that is not there")))?;
+        let Some(bytes) = buffer_bytes else {
+            return Err(self.wrong(format!("buffer {buffer}, which {user} names, has no bytes in this file")));
+        };
+        let start = usize::try_from(offset).ok();
+        let range = start.zip(usize::try_from(length).ok()).and_then(|(start, n)| Some(start..start.checked_add(n)?));
+        range.and_then(|range| bytes.get(range)).ok_or_else(|| ImportError::Truncated {
             path: self.path.clone(),
-            reason: format!("buffer view {index} reaches beyond its buffer of {} bytes", buffer.len()),
+            reason: format!("{user} reaches beyond its buffer of {} bytes", bytes.len()),
         })
     }
 
-    /// Bytes in all buffers.
+    /// Bytes in all buffers and inflated views.
     pub fn buffer_bytes(&self) -> usize {
-        self.buffers.iter().map(Vec::len).sum()
+        self.buffers.iter().flatten().chain(self.inflated.values()).map(Vec::len).sum()
     }
 
     /// The bytes that a URI stands for: a data URI, or a file beside this one.
     pub fn fetch(&self, uri: &str, user: &str) -> Result<Vec<u8>, ImportError> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let text = data.split_once(";base64,").map(|(_, text)| text);
-            let text = text.ok_or_else(|| self.wrong(format!("{user}: the data URI is not base64")))?;
-            return STANDARD
-                .decode(text.trim())
-                .map_err(|e| self.wrong(format!("{user}: the data URI is damaged: {e}")));
+        if let Some(data) = strip_scheme(uri, "data:") {
+            return data_uri(data).map_err(|reason| self.wrong(format!("{user}: {reason}")));
         }
         if uri.contains("://") {
             return Err(self.wrong(format!("{user} lies on the network ({uri}): save it beside the file")));
@@ -100,97 +126,41 @@ impl Document {
         read_file(&self.beside(uri))
     }
 
-    /// The file that a relative URI names.
+    /// The file that a relative URI names; this file where the URI holds its data itself.
     pub fn beside(&self, uri: &str) -> PathBuf {
-        self.path.parent().unwrap_or(Path::new("")).join(percent_decoded(uri))
-    }
-
-    /// A buffer without bytes: where the file uses compression, it stands in for what a decoder would write.
-    fn missing_buffer(&self, user: &str) -> ImportError {
-        match compression(&self.root.extensions_used) {
-            Some(extension) => ImportError::Compressed { path: self.path.clone(), extension: extension.clone() },
-            None => self.wrong(format!("{user} has no bytes in this file")),
+        if strip_scheme(uri, "data:").is_some() {
+            return self.path.clone();
         }
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        // A file may truly be named "a%20b": the name as it stands is tried where the decoded one does not exist.
+        let decoded = folder.join(percent_decoded(uri));
+        let literal = folder.join(uri);
+        if !decoded.exists() && literal.exists() { literal } else { decoded }
     }
 
-    fn load_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, ImportError> {
-        let buffers = self.root.buffers.iter().enumerate();
-        buffers
-            .map(|(index, buffer)| {
-                let user = format!("buffer {index}");
-                let bytes = match &buffer.uri {
-                    Some(uri) => self.fetch(uri, &user)?,
-                    None => blob.take().ok_or_else(|| self.missing_buffer(&user))?,
-                };
-                if (bytes.len() as u64) < buffer.byte_length.0 {
-                    let reason = format!("{user} has {} of {} bytes", bytes.len(), buffer.byte_length.0);
-                    return Err(ImportError::Truncated { path: self.path.clone(), reason });
-                }
-                Ok(bytes)
-            })
-            .collect()
-    }
-}
-
-/// The extension by which a file says that it is compressed, if it does.
-fn compression(extensions: &[String]) -> Option<&String> {
-    extensions.iter().find(|extension| COMPRESSIONS.contains(&extension.as_str()))
-}
-
-fn split_glb(bytes: &[u8], path: &Path) -> Result<(Vec<u8>, Option<Vec<u8>>), ImportError> {
-    let truncated = |reason: String| ImportError::Truncated { path: path.to_owned(), reason };
-    let length = bytes.get(8..12).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
-    // The crate subtracts the header from the length without a check.
-    match length {
-        Some(length) if (12..=bytes.len() as u64).contains(&u64::from(length)) => {}
-        Some(length) => return Err(truncated(format!("{} of {length} bytes", bytes.len()))),
-        None => return Err(truncated("the GLB header is not complete".into())),
-    }
-    let glb = Glb::from_slice(bytes)
-        .map_err(|e| ImportError::Gltf { path: path.to_owned(), reason: format!("not a GLB container: {e}") })?;
-    Ok((glb.json.into_owned(), glb.bin.map(std::borrow::Cow::into_owned)))
-}
-
-fn check_extensions(root: &Root, path: &Path) -> Result<(), ImportError> {
-    if let Some(extension) = compression(&root.extensions_required) {
-        return Err(ImportError::Compressed { path: path.to_owned(), extension: extension.clone() });
-    }
-    for extension in &root.extensions_required {
-        let path = path.to_owned();
-        if !READ.contains(&extension.as_str()) && !extension.starts_with("KHR_materials_") {
-            return Err(ImportError::Extension { path, extension: extension.clone() });
-        }
-    }
-    Ok(())
-}
-
-fn percent_decoded(uri: &str) -> String {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        let code = tail.get(..2).and_then(|hex| std::str::from_utf8(hex).ok());
-        match code.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
-            Some(byte) if first == b'%' => {
-                bytes.push(byte);
-                rest = &tail[2..];
+    fn load_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Option<Vec<u8>>>, ImportError> {
+        let twins = views::uncompressed_twins(&self.root);
+        let mut buffers = Vec::new();
+        for (index, buffer) in self.root.buffers.iter().enumerate() {
+            let user = format!("buffer {index}");
+            let bytes = match &buffer.uri {
+                _ if twins.contains(&index) => None,
+                Some(uri) => Some(self.fetch(uri, &user)?),
+                None => blob.take(),
+            };
+            let length = bytes.as_ref().map(|bytes| bytes.len() as u64);
+            if let Some(length) = length.filter(|&length| length < buffer.byte_length.0) {
+                let reason = format!("{user} has {length} of {} bytes", buffer.byte_length.0);
+                return Err(ImportError::Truncated { path: self.path.clone(), reason });
             }
-            _ => {
-                bytes.push(first);
-                rest = tail;
-            }
+            buffers.push(bytes);
         }
+        Ok(buffers)
     }
-    String::from_utf8_lossy(&bytes).into_owned()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::percent_decoded;
-
-    #[test]
-    fn decodes_percent_signs() {
-        assert_eq!(percent_decoded("a%20b%C3%A4.bin"), "a bä.bin");
-        assert_eq!(percent_decoded("100%"), "100%");
-        assert_eq!(percent_decoded("%zz%4"), "%zz%4");
-    }
+/// What follows the scheme of a URI, whose letters may be large or small.
+fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
+    let (start, rest) = uri.split_at_checked(scheme.len())?;
+    start.eq_ignore_ascii_case(scheme).then_some(rest)
 }

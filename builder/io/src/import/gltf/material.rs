@@ -1,48 +1,35 @@
-//! Materials: base colour, base colour texture, and where its texture coordinates come from.
+//! Materials: the colour and the texture that stand for each, and where its texture coordinates come from.
 
 use std::collections::HashMap;
 
 use actor::surface::Material;
+use gltf::json::material::AlphaMode;
 use gltf::json::texture::Info;
-use gltf::json::{Index, Texture, Value};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Index, Value};
 
 use super::document::Document;
+use super::texture::{Textures, wrapping};
+use super::uv::TextureUv;
 use crate::import::error::ImportError;
-use crate::import::images::{ImageStore, from_bytes};
 use crate::import::mesh::plain_material;
+use crate::import::warning::Warning;
+
+const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// Materials in the order of their first use, and their images.
 #[derive(Default)]
 pub(super) struct Materials {
     pub materials: Vec<Material>,
-    pub images: ImageStore,
+    pub textures: Textures,
     uvs: Vec<TextureUv>,
     index_of_material: HashMap<Option<usize>, u32>,
-    index_of_image: HashMap<usize, u32>,
 }
 
-/// Which texture coordinates a material uses, and how it moves them (`KHR_texture_transform`).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TextureUv {
-    /// The set, as in `TEXCOORD_0`.
-    pub set: u32,
-    offset: [f32; 2],
-    rotation: f32,
-    scale: [f32; 2],
-}
-
-impl TextureUv {
-    const PLAIN: Self = Self { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
-
-    /// The texture coordinate that is looked up for `uv`.
-    pub fn apply(&self, [u, v]: [f32; 2]) -> [f32; 2] {
-        if *self == (Self { set: self.set, ..Self::PLAIN }) {
-            return [u, v];
-        }
-        let (u, v) = (u * self.scale[0], v * self.scale[1]);
-        let (sin, cos) = self.rotation.sin_cos();
-        [cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]]
-    }
+/// What a material shows: a colour (linear, with alpha), and a texture that it is multiplied with.
+struct Colour {
+    factor: [f32; 4],
+    texture: Option<Info>,
 }
 
 impl Materials {
@@ -50,8 +37,9 @@ impl Materials {
     pub fn load(
         &mut self,
         document: &Document,
-        index: Option<Index<gltf::json::Material>>,
+        index: Option<Index<json::Material>>,
         user: &str,
+        warnings: &mut Vec<Warning>,
     ) -> Result<u32, ImportError> {
         let key = index.map(|index| index.value());
         if let Some(&known) = self.index_of_material.get(&key) {
@@ -61,13 +49,19 @@ impl Materials {
         let mut uv = TextureUv::PLAIN;
         if let Some(index) = index {
             let source = document.get(index, "material", user)?;
-            let surface = &source.pbr_metallic_roughness;
+            let user = match &source.name {
+                Some(name) if !name.is_empty() => format!("material \"{name}\""),
+                _ => format!("material {index}"),
+            };
+            let colour = colour(document, source, &user, warnings)?;
             material.name = source.name.clone().unwrap_or_default();
             material.double_sided = source.double_sided;
-            material.base_colour = surface.base_color_factor.0;
-            if let Some(info) = &surface.base_color_texture {
-                material.image = self.image(document, info.index, &format!("material {index}"))?;
-                uv = texture_uv(info);
+            material.base_colour = colour.factor;
+            if let Some(info) = &colour.texture {
+                material.image = self.textures.image(document, info.index, &user, warnings)?;
+                if let Some(image) = material.image {
+                    uv = TextureUv::read(info, wrapping(document, info.index), self.textures.size(image));
+                }
             }
         }
         let number = self.materials.len() as u32;
@@ -82,52 +76,64 @@ impl Materials {
         self.uvs.get(number as usize).copied().unwrap_or(TextureUv::PLAIN)
     }
 
-    fn image(&mut self, document: &Document, texture: Index<Texture>, user: &str) -> Result<Option<u32>, ImportError> {
-        let texture = document.get(texture, "texture", user)?;
-        let webp = texture.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp"));
-        let webp = webp.and_then(|e| e.get("source")).and_then(Value::as_u64);
-        let plain = Some(texture.source.value()).filter(|&source| source != u32::MAX as usize);
-        let Some(source) = webp.and_then(|source| usize::try_from(source).ok()).or(plain) else { return Ok(None) };
-        if let Some(&known) = self.index_of_image.get(&source) {
-            return Ok(Some(known));
-        }
-        let image = document.root().images.get(source);
-        let image =
-            image.ok_or_else(|| document.wrong(format!("{user} names image {source}, which does not exist")))?;
-        let user = format!("image {source}");
-        let mut path = document.path().to_owned();
-        let bytes = match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => {
-                if !uri.starts_with("data:") {
-                    path = document.beside(uri);
-                }
-                document.fetch(uri, &user)?
-            }
-            (None, Some(view)) => document.view(view, &user)?.to_vec(),
-            (None, None) => return Err(document.wrong(format!("{user} has neither a URI nor a buffer view"))),
-        };
-        let number = self.images.push(from_bytes(bytes, &path)?);
-        self.index_of_image.insert(source, number);
-        Ok(Some(number))
+    /// The loaded material `number`.
+    pub fn get(&self, number: u32) -> Option<&Material> {
+        self.materials.get(number as usize)
     }
 }
 
-fn texture_uv(info: &Info) -> TextureUv {
-    let mut uv = TextureUv { set: info.tex_coord, ..TextureUv::PLAIN };
-    let Some(transform) = info.extensions.as_ref().and_then(|e| e.others.get("KHR_texture_transform")) else {
-        return uv;
+/// What stands for `material`: its base colour, the diffuse colour of the older extension, or, of a material that only
+/// glows, that glow.
+fn colour(
+    document: &Document,
+    material: &json::Material,
+    user: &str,
+    warnings: &mut Vec<Warning>,
+) -> Result<Colour, ImportError> {
+    let mut warn = |code, what: &str| {
+        warnings.push(Warning::new(code, format!("{}: {user} {what}", document.path().display())));
     };
-    let number = |value: &Value| value.as_f64().map(|n| n as f32).filter(|n| n.is_finite());
-    let pair = |key: &str, default: [f32; 2]| {
-        let values = transform.get(key);
-        let get = |k: usize| values.and_then(|v| v.get(k)).and_then(number).unwrap_or(default[k]);
-        [get(0), get(1)]
-    };
-    uv.offset = pair("offset", uv.offset);
-    uv.scale = pair("scale", uv.scale);
-    uv.rotation = transform.get("rotation").and_then(number).unwrap_or(0.0);
-    if let Some(set) = transform.get("texCoord").and_then(Value::as_u64) {
-        uv.set = u32::try_from(set).unwrap_or(uv.set);
+    if material.alpha_mode != Checked::Valid(AlphaMode::Opaque) {
+        warn("W_GLTF_ALPHA", "asks for transparency (alphaMode): it is drawn opaque");
     }
-    uv
+    let surface = &material.pbr_metallic_roughness;
+    let mut base = Colour { factor: surface.base_color_factor.0, texture: surface.base_color_texture.clone() };
+    let extensions = material.extensions.as_ref().map(|e| &e.others);
+    if let Some(older) = extensions.and_then(|e| e.get(SPECULAR_GLOSSINESS)) {
+        let older = diffuse(older).map_err(|reason| document.wrong(format!("{user}: {reason}")))?;
+        // A file may have both, for readers of either; then the one with a texture says more.
+        if older.texture.is_some() || base.texture.is_none() {
+            base = older;
+        }
+    }
+    let strength = extensions.and_then(|e| e.get("KHR_materials_emissive_strength")?.get("emissiveStrength")?.as_f64());
+    let glow = material.emissive_factor.0.map(|c| c * strength.unwrap_or(1.0) as f32);
+    let brightest = glow.iter().copied().fold(0.0, f32::max);
+    if brightest <= 0.0 {
+        return Ok(base);
+    }
+    let black = base.factor[..3].iter().all(|&c| c == 0.0);
+    if black || (base.texture.is_none() && material.emissive_texture.is_some()) {
+        if !black {
+            warn("W_GLTF_GLOW", "has a texture only where it glows: that is drawn in place of its plain colour");
+        }
+        let [r, g, b] = glow.map(|c| c / brightest.max(1.0));
+        return Ok(Colour { factor: [r, g, b, base.factor[3]], texture: material.emissive_texture.clone() });
+    }
+    warn("W_GLTF_GLOW", "also glows: it is drawn without that");
+    Ok(base)
+}
+
+/// The diffuse colour and texture of `KHR_materials_pbrSpecularGlossiness`.
+fn diffuse(extension: &Value) -> Result<Colour, String> {
+    let mut factor = [1.0; 4];
+    if let Some(values) = extension.get("diffuseFactor") {
+        for (k, slot) in factor.iter_mut().enumerate() {
+            let value = values.get(k).and_then(Value::as_f64);
+            *slot = value.ok_or("diffuseFactor does not hold four numbers")? as f32;
+        }
+    }
+    let texture = extension.get("diffuseTexture").cloned().map(json::deserialize::from_value).transpose();
+    let texture = texture.map_err(|e| format!("diffuseTexture cannot be read: {e}"))?;
+    Ok(Colour { factor, texture })
 }

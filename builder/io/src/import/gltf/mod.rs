@@ -1,70 +1,126 @@
 //! glTF and GLB: every animation clip of the scene's meshes, baked to vertex positions.
 //!
+//! ```text
+//! container -> document -> extensions          what the file is, and what of it is read
+//!                 |  views (meshopt)
+//!              nodes, animation (channel)
+//!              drawn (primitive: Draco; shape; material: texture, uv)
+//!                 |
+//!              orientation, flipbook           which side is out, which meshes are shown in turn
+//!                 |
+//!              instance -> pose
+//! ```
+//!
 //! All drawn meshes of the scene together are one mesh: the file vertices are those of the nodes, depth first in the
-//! file's order, and of each node's primitives in order, each with the vertices of its POSITION accessor.
+//! file's order, and of each node's primitives in order, each with the vertices of its POSITION accessor. Meshes that are
+//! shown in turn are there once, at the place of the first.
 
 mod accessor;
 mod animation;
+mod animation_json;
+mod channel;
+mod clips;
+mod container;
 mod document;
+mod drawn;
+mod extensions;
+mod flipbook;
+mod inflate;
+mod instance;
 mod material;
 mod nodes;
+mod orientation;
+mod primitive;
+mod scenes;
 mod shape;
+mod texture;
+mod uv;
+mod views;
 
 use std::path::{Path, PathBuf};
 
-use glam::{Mat4, Vec3};
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
+use glam::Vec3;
 
 use self::animation::Clip;
 use self::document::Document;
-use self::material::Materials;
+use self::drawn::Reader;
+use self::flipbook::Shown;
+use self::inflate::inflate_all;
+use self::instance::{Instances, Turn, assemble, assemble_scenes};
 use self::nodes::Nodes;
-use self::shape::{Joints, Shape, attribute};
+use self::shape::Joints;
 use super::error::ImportError;
-use super::inputs::stem;
-use super::mesh::{FileMesh, byte, srgb_from_linear};
+use super::mesh::FileMesh;
+use super::paths::stem;
 use super::warning::Warning;
-
-/// No file draws more vertices.
-const MAX_VERTICES: usize = 1 << 24;
 
 /// An opened glTF file; what is needed to pose its meshes at any time.
 pub(super) struct GltfFile {
     path: PathBuf,
     nodes: Nodes,
     skins: Vec<Joints>,
-    instances: Vec<Instance>,
     clips: Vec<Clip>,
+    /// Number of scenes that are the frames of the only clip; 0 where clips have keyframes.
+    scene_frames: usize,
+    /// Node and skin of everything that was read, for [`Shown::pages`].
+    drawn: Vec<(usize, Option<usize>)>,
+    shown: Shown,
+    instances: Instances,
     mesh: FileMesh,
     warnings: Vec<Warning>,
-}
-
-/// A primitive as a node draws it.
-struct Instance {
-    node: usize,
-    skin: Option<usize>,
-    /// Morph weights that no animation changes.
-    weights: Vec<f32>,
-    shape: Shape,
 }
 
 impl GltfFile {
     /// Opens a file and reads all but the poses.
     pub fn open(path: &Path) -> Result<Self, ImportError> {
         let document = Document::open(path)?;
+        let inflated = inflate_all(&document)?;
+        let document = document.with_inflated(inflated);
         let mut warnings = Vec::new();
+        extensions::check(&document, &mut warnings)?;
         let nodes = Nodes::read(&document)?;
         let skins = document.root().skins.iter().enumerate();
         let skins = skins.map(|(k, skin)| Joints::read(&document, skin, &format!("skin {k}")));
         let skins = skins.collect::<Result<Vec<_>, _>>()?;
-        let clips = animation::clips(&document, &stem(path), &mut warnings)?;
-        let mut builder = Builder::new(&document, &nodes, &skins);
-        for &node in &nodes.drawn {
-            builder.add_node(node, &mut warnings)?;
+        let stem = stem(path);
+        let clips = animation::clips(&document, &nodes, &stem, &mut warnings)?;
+
+        let mut reader = Reader::new(&document, &skins);
+        let still = clips.iter().all(|clip| clip.channels.is_empty());
+        let mut scenes = scenes::read(&document, &nodes, &mut reader, still, &mut warnings)?;
+        let clips = clips::moving(clips, &document, &nodes, &skins, scenes.iter().flatten(), &mut warnings)?;
+        let mut clips = clips::join(clips, &document, &stem, &mut warnings);
+        for drawn in &mut scenes {
+            if let Some(node) = orientation::settle(&nodes, &skins, &clips, drawn) {
+                warnings.push(Warning::new(
+                    "W_GLTF_MIRRORED",
+                    format!(
+                        "{}: {} is mirrored in some frames only: its triangles are inside out in those",
+                        path.display(),
+                        nodes.name(node)
+                    ),
+                ));
+            }
         }
-        let (instances, mesh) = builder.finish()?;
-        Ok(Self { path: path.to_owned(), nodes, skins, instances, clips, mesh, warnings })
+        let scene_frames = if scenes.len() > 1 { scenes.len() } else { 0 };
+        let (instances, mesh, shown, of_drawn);
+        if scene_frames > 0 {
+            (shown, of_drawn) = (Shown::default(), Vec::new());
+            let materials = reader.finish(&mut warnings);
+            (instances, mesh) = assemble_scenes(&document, scenes, materials, &mut warnings)?;
+        } else {
+            let drawn = scenes.pop().unwrap_or_default();
+            shown = Shown::find(&document, &nodes, &skins, &clips, &drawn, &mut warnings)?;
+            shown.settle(&nodes, &drawn, &mut clips);
+            of_drawn = drawn.iter().map(|drawn| (drawn.node, drawn.skin)).collect();
+            let materials = reader.finish(&mut warnings);
+            (instances, mesh) = assemble(&document, drawn, &shown, materials, &mut warnings)?;
+        }
+        if clips.is_empty() {
+            clips.push(Clip::still(&stem));
+        }
+        let path = path.to_owned();
+        Ok(Self { path, nodes, skins, clips, scene_frames, drawn: of_drawn, shown, instances, mesh, warnings })
     }
 
     /// The file.
@@ -84,6 +140,9 @@ impl GltfFile {
 
     /// Number of frames of a clip at `fps`.
     pub fn frame_count(&self, clip: usize, fps: f32) -> u64 {
+        if self.scene_frames > 0 {
+            return self.scene_frames as u64;
+        }
         self.clips.get(clip).map_or(0, |clip| clip.frame_count(f64::from(fps)))
     }
 
@@ -92,192 +151,58 @@ impl GltfFile {
         &self.mesh
     }
 
-    /// Positions of the file vertices, in the file's units, `frame` frames after the clip's first keyframe.
-    pub fn pose(&self, clip: usize, fps: f64, frame: usize) -> Vec<Vec3> {
+    /// A sentence where a clip jumps from pose to pose at another rate than `fps`, so that frames repeat or miss some.
+    pub fn rate_warning(&self, clip: usize, fps: f32) -> Option<Warning> {
+        let clip = self.clips.get(clip)?;
+        let rate = clip.key_rate()?;
+        let frames_a_key = f64::from(fps) / rate;
+        // What adds up to a quarter of a frame over the whole clip shows.
+        let drift = (frames_a_key - frames_a_key.round().max(1.0)).abs() * rate * (clip.end - clip.start);
+        let rate = (100.0 * rate).round() / 100.0;
+        (drift > 0.25).then(|| {
+            Warning::new(
+                "W_GLTF_FPS",
+                format!(
+                    "{}: \"{}\" jumps from pose to pose {rate} times a second, and is read {fps} times a second: some poses \
+                     come twice or not at all; --fps {rate} shows each once",
+                    self.path.display(),
+                    clip.name
+                ),
+            )
+        })
+    }
+
+    /// Positions of the file vertices, in the file's units, at frame `frame` of a clip.
+    ///
+    /// # Errors
+    /// Where the frame shows more or fewer of those meshes that are shown in turn.
+    pub fn pose(&self, clip: usize, fps: f64, frame: usize) -> Result<Vec<Vec3>, ImportError> {
         let mut pose = Vec::with_capacity(self.mesh.vertex_count);
-        let Some(clip) = self.clips.get(clip) else { return pose };
-        let time = (clip.start + frame as f64 / fps).min(clip.end);
-        let animated = clip.apply(time, &self.nodes.rest);
+        let Some(clip) = self.clips.get(clip) else { return Ok(pose) };
+        let animated = clip.apply_frame(frame, fps, &self.nodes.rest);
         let world = self.nodes.world_from_nodes(&animated.transforms);
         let joints: Vec<_> = self.skins.iter().map(|skin| skin.world_from_mesh(&world)).collect();
-        for instance in &self.instances {
-            let driven = animated.weights.iter().rev().find(|(node, _)| *node == instance.node);
-            let weights = driven.map_or(instance.weights.as_slice(), |(_, weights)| weights);
-            let of_skin = instance.skin.and_then(|skin| joints.get(skin)).map_or(&[][..], Vec::as_slice);
-            instance.shape.pose(weights, world[instance.node], of_skin, &mut pose);
-        }
-        pose
-    }
-}
-
-/// Collects the drawn primitives.
-struct Builder<'a> {
-    document: &'a Document,
-    /// World matrices of the nodes at rest.
-    world_from_nodes: Vec<Mat4>,
-    skins: &'a [Joints],
-    instances: Vec<Instance>,
-    materials: Materials,
-    mesh: FileMesh,
-    has_uvs: bool,
-    has_colours: bool,
-}
-
-impl<'a> Builder<'a> {
-    fn new(document: &'a Document, nodes: &Nodes, skins: &'a [Joints]) -> Self {
-        Self {
-            document,
-            world_from_nodes: nodes.world_from_nodes(&nodes.rest),
-            skins,
-            instances: Vec::new(),
-            materials: Materials::default(),
-            mesh: FileMesh::default(),
-            has_uvs: false,
-            has_colours: false,
-        }
-    }
-
-    fn add_node(&mut self, index: usize, warnings: &mut Vec<Warning>) -> Result<(), ImportError> {
-        let Some(node) = self.document.root().nodes.get(index) else { return Ok(()) };
-        let Some(mesh_index) = node.mesh else { return Ok(()) };
-        let mesh = self.document.get(mesh_index, "mesh", &format!("node {index}"))?;
-        let skin =
-            node.skin.map(|skin| self.document.get(skin, "skin", &format!("node {index}")).map(|_| skin.value()));
-        let skin = skin.transpose()?;
-        let weights = node.weights.clone().or_else(|| mesh.weights.clone()).unwrap_or_default();
-        for (k, primitive) in mesh.primitives.iter().enumerate() {
-            let user = format!("mesh {mesh_index}, primitive {k}");
-            if compressed(primitive) && primitive_is_empty(self.document, primitive) {
-                let extension = "KHR_draco_mesh_compression".to_owned();
-                return Err(ImportError::Compressed { path: self.document.path().to_owned(), extension });
+        let mut open_pages: Vec<Vec<usize>> = Vec::new();
+        for book in &self.shown.books {
+            let pages = self.shown.pages(book, &self.nodes, &self.skins, &self.drawn, &animated.transforms);
+            if pages.len() != book.shown {
+                let all = book.pages.len();
+                let reason = format!("of {all} meshes that are shown in turn, frame {frame} shows {}", pages.len());
+                return Err(ImportError::ChangingMesh { path: self.path.clone(), reason });
             }
-            if !matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) {
-                warnings.push(Warning::new(
-                    "W_GLTF_PRIMITIVE",
-                    format!("{}: {user} is no triangles and is left out", self.document.path().display()),
-                ));
-                continue;
-            }
-            let joints = skin.and_then(|skin| self.skins.get(skin));
-            let shape = Shape::read(self.document, primitive, joints, &user)?;
-            self.add_faces(primitive, &shape, index, skin.is_some(), &user)?;
-            self.instances.push(Instance { node: index, skin, weights: weights.clone(), shape });
+            open_pages.push(pages);
         }
-        Ok(())
-    }
-
-    /// Appends faces and attributes of a primitive whose vertices follow those so far.
-    fn add_faces(
-        &mut self,
-        primitive: &Primitive,
-        shape: &Shape,
-        node: usize,
-        skinned: bool,
-        user: &str,
-    ) -> Result<(), ImportError> {
-        let first = self.mesh.vertex_count;
-        self.mesh.vertex_count += shape.len();
-        if self.mesh.vertex_count > MAX_VERTICES {
-            let reason = format!("more than {MAX_VERTICES} vertices");
-            return Err(ImportError::TooLarge { path: self.document.path().to_owned(), reason });
-        }
-        let indices: Vec<u32> = match primitive.indices {
-            Some(index) => self.document.whole_numbers::<1>(index, user)?.into_iter().flatten().collect(),
-            None => (0..shape.len() as u32).collect(),
+        let page_of = |turn| match turn {
+            Turn::Always => 0,
+            Turn::Scene => frame,
+            Turn::Book { book, place } => open_pages[book][place],
         };
-        if let Some(at) = indices.iter().position(|&v| v as usize >= shape.len()) {
-            let place = format!("{user}, index {at}");
-            let (path, index) = (self.document.path().to_owned(), indices[at].into());
-            return Err(ImportError::IndexRange { path, place, index, count: shape.len() });
+        for page in self.instances.shown(page_of) {
+            let driven = animated.weights.iter().rev().find(|(node, _)| *node == page.node);
+            let weights = driven.map_or(page.weights.as_slice(), |(_, weights)| weights);
+            let of_skin = page.skin.and_then(|skin| joints.get(skin)).map_or(&[][..], Vec::as_slice);
+            page.shape.pose(weights, world[page.node], of_skin, &mut pose);
         }
-        let mut triangles = triangles(&indices, primitive.mode);
-        // A mirroring node turns the triangles inside out (specification, section 3.7.4); a skin ignores its node.
-        if !skinned && self.world_from_nodes[node].determinant() < 0.0 {
-            triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        let material = self.materials.load(self.document, primitive.material, user)?;
-        let uvs = self.texture_coordinates(primitive, material, shape.len(), user)?;
-        for triangle in &triangles {
-            self.mesh.faces.sizes.push(3);
-            self.mesh.faces.vertices.extend(triangle.map(|v| first as u32 + v));
-            self.mesh.material_of_face.push(material);
-            self.mesh.uvs.extend(triangle.map(|v| uvs.get(v as usize).copied().unwrap_or([0.0, 0.0])));
-        }
-        let colours = match attribute(primitive, &Semantic::Colors(0)) {
-            Some(index) => self.document.colours(index, user)?,
-            None => Vec::new(),
-        };
-        self.has_colours |= !colours.is_empty();
-        self.mesh.colours.extend((0..shape.len()).map(|v| match colours.get(v) {
-            // The format's colours are in linear light.
-            Some(&[r, g, b, a]) => {
-                [byte(srgb_from_linear(r)), byte(srgb_from_linear(g)), byte(srgb_from_linear(b)), byte(a)]
-            }
-            None => [255; 4],
-        }));
-        Ok(())
+        Ok(pose)
     }
-
-    fn texture_coordinates(
-        &mut self,
-        primitive: &Primitive,
-        material: u32,
-        vertex_count: usize,
-        user: &str,
-    ) -> Result<Vec<[f32; 2]>, ImportError> {
-        let transform = self.materials.uv(material);
-        let Some(index) = attribute(primitive, &Semantic::TexCoords(transform.set)) else { return Ok(Vec::new()) };
-        let uvs = self.document.floats::<2>(index, user)?;
-        if uvs.len() != vertex_count {
-            return Err(self.document.wrong(format!("{user}: the texture coordinates do not match the vertices")));
-        }
-        self.has_uvs = true;
-        let uvs: Vec<[f32; 2]> = uvs.into_iter().map(|uv| transform.apply(uv)).collect();
-        match uvs.iter().position(|uv| !(uv[0].is_finite() && uv[1].is_finite())) {
-            Some(v) => Err(self.document.wrong(format!("{user}: the texture coordinate of vertex {v} is not finite"))),
-            None => Ok(uvs),
-        }
-    }
-
-    fn finish(self) -> Result<(Vec<Instance>, FileMesh), ImportError> {
-        let mut mesh = self.mesh;
-        if mesh.faces.sizes.is_empty() {
-            return Err(ImportError::NoTriangles { path: self.document.path().to_owned() });
-        }
-        if !self.has_uvs {
-            mesh.uvs.clear();
-        }
-        if !self.has_colours {
-            mesh.colours.clear();
-        }
-        mesh.materials = self.materials.materials;
-        mesh.images = self.materials.images.images;
-        Ok((self.instances, mesh))
-    }
-}
-
-/// The triangles of a list, strip or fan of indices, all with the same orientation.
-fn triangles(indices: &[u32], mode: Checked<Mode>) -> Vec<[u32; 3]> {
-    match mode {
-        Checked::Valid(Mode::TriangleStrip) => {
-            let windows = indices.windows(3).enumerate();
-            windows.map(|(k, w)| if k % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] }).collect()
-        }
-        Checked::Valid(Mode::TriangleFan) => {
-            let Some((&apex, rest)) = indices.split_first() else { return Vec::new() };
-            rest.windows(2).map(|w| [apex, w[0], w[1]]).collect()
-        }
-        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-    }
-}
-
-fn compressed(primitive: &Primitive) -> bool {
-    primitive.extensions.as_ref().is_some_and(|e| e.others.contains_key("KHR_draco_mesh_compression"))
-}
-
-/// Whether a compressed primitive has no uncompressed copy beside it.
-fn primitive_is_empty(document: &Document, primitive: &Primitive) -> bool {
-    let position = attribute(primitive, &Semantic::Positions);
-    let accessor = position.and_then(|index| document.root().accessors.get(index.value()));
-    accessor.is_none_or(|accessor| accessor.buffer_view.is_none())
 }

@@ -1,15 +1,15 @@
 //! Shapes: the vertices of a primitive before its node moves them, with morph targets and skin.
 
 use glam::{Mat4, Vec3};
-use gltf::json::accessor::Accessor;
-use gltf::json::mesh::{Primitive, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, Skin};
+use gltf::json::Skin;
+use gltf::json::mesh::{MorphTarget, Semantic};
 
 use super::document::Document;
+use super::primitive::PrimitiveData;
 use crate::import::error::ImportError;
 
 /// The vertices of a primitive.
+#[derive(Default)]
 pub(super) struct Shape {
     positions: Vec<Vec3>,
     /// Offsets of each morph target, one per vertex; empty where a target moves nothing.
@@ -32,34 +32,52 @@ pub(super) struct Joints {
 }
 
 impl Shape {
-    /// Reads the vertices of `primitive`; `skin` says with how many joints, where it is skinned.
+    /// Reads the vertices of a primitive with the morph targets `targets`; `skin` says with how many joints, where it is
+    /// skinned.
     pub fn read(
         document: &Document,
-        primitive: &Primitive,
+        data: &PrimitiveData<'_>,
+        targets: &[MorphTarget],
         skin: Option<&Joints>,
-        user: &str,
     ) -> Result<Self, ImportError> {
-        let position = attribute(primitive, &Semantic::Positions);
-        let position = position.ok_or_else(|| document.wrong(format!("{user} has no POSITION")))?;
-        let positions = vectors(document, position, user)?;
-        let mut targets = Vec::new();
-        for target in primitive.targets.iter().flatten() {
-            let offsets = target.positions.map_or(Ok(Vec::new()), |index| vectors(document, index, user))?;
+        let user = data.user;
+        let positions = data.floats::<3>(&Semantic::Positions)?;
+        let positions = positions.ok_or_else(|| document.wrong(format!("{user} has no POSITION")))?;
+        let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from_array).collect();
+        let mut offsets_of_targets = Vec::new();
+        for target in targets {
+            let offsets = target.positions.map_or(Ok(Vec::new()), |index| document.floats::<3>(index, user))?;
             if !offsets.is_empty() && offsets.len() != positions.len() {
                 return Err(document.wrong(format!("{user}: a morph target has another number of vertices")));
             }
-            targets.push(offsets);
+            offsets_of_targets.push(offsets.into_iter().map(Vec3::from_array).collect());
         }
         let influences = match skin {
-            Some(skin) => Influences::read(document, primitive, positions.len(), skin.nodes.len(), user)?,
+            Some(skin) => Influences::read(document, data, positions.len(), skin.nodes.len())?,
             None => None,
         };
-        Ok(Self { positions, targets, influences })
+        Ok(Self { positions, targets: offsets_of_targets, influences })
     }
 
     /// Number of vertices.
     pub fn len(&self) -> usize {
         self.positions.len()
+    }
+
+    /// Number of morph targets.
+    pub fn target_count(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// For each vertex whether the joints that hold it mirror, by the sign of `signs` (one per joint) that outweighs the
+    /// other; `None` where the shape is not skinned.
+    pub fn mirrored_vertices(&self, signs: &[f32]) -> Option<Vec<bool>> {
+        let influences = self.influences.as_ref()?;
+        let sign = |vertex: usize| -> f32 {
+            let of_vertex = influences.of_vertex(vertex);
+            of_vertex.map(|&(joint, weight)| weight * signs.get(joint as usize).copied().unwrap_or(1.0)).sum()
+        };
+        Some((0..self.len()).map(|vertex| sign(vertex) < 0.0).collect())
     }
 
     /// Appends the vertices to `pose`, morphed by `weights` and moved by `matrices`: one per joint where the shape
@@ -86,18 +104,15 @@ impl Shape {
 impl Influences {
     fn read(
         document: &Document,
-        primitive: &Primitive,
+        data: &PrimitiveData<'_>,
         vertex_count: usize,
         joint_count: usize,
-        user: &str,
     ) -> Result<Option<Self>, ImportError> {
+        let user = data.user;
         let mut sets = Vec::new();
         for set in 0.. {
-            let joints = attribute(primitive, &Semantic::Joints(set));
-            let weights = attribute(primitive, &Semantic::Weights(set));
-            let Some((joints, weights)) = joints.zip(weights) else { break };
-            let joints = document.whole_numbers::<4>(joints, user)?;
-            let weights = document.floats::<4>(weights, user)?;
+            let joints = data.whole_numbers(&Semantic::Joints(set))?;
+            let Some((joints, weights)) = joints.zip(data.floats::<4>(&Semantic::Weights(set))?) else { break };
             if joints.len() != vertex_count || weights.len() != vertex_count {
                 return Err(document.wrong(format!("{user}: JOINTS or WEIGHTS do not match the vertices")));
             }
@@ -160,18 +175,20 @@ impl Joints {
         Ok(Self { nodes, joint_from_mesh })
     }
 
+    /// The nodes that move the joints.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// Whether each joint mirrors, where `mirrored` says so of the nodes' world matrices.
+    pub fn mirrored<'a>(&'a self, mirrored: &'a [bool]) -> impl Iterator<Item = bool> + 'a {
+        let joints = self.nodes.iter().zip(&self.joint_from_mesh);
+        joints.map(|(&node, bind)| mirrored.get(node).copied().unwrap_or(false) != (bind.determinant() < 0.0))
+    }
+
     /// The matrix of each joint for the nodes' world matrices.
     pub fn world_from_mesh(&self, world_from_nodes: &[Mat4]) -> Vec<Mat4> {
         let joints = self.nodes.iter().zip(&self.joint_from_mesh);
         joints.map(|(&node, &bind)| world_from_nodes.get(node).copied().unwrap_or(Mat4::IDENTITY) * bind).collect()
     }
-}
-
-/// The accessor of an attribute.
-pub(super) fn attribute(primitive: &Primitive, semantic: &Semantic) -> Option<Index<Accessor>> {
-    primitive.attributes.get(&Checked::Valid(semantic.clone())).copied()
-}
-
-fn vectors(document: &Document, index: Index<Accessor>, user: &str) -> Result<Vec<Vec3>, ImportError> {
-    Ok(document.floats::<3>(index, user)?.into_iter().map(Vec3::from_array).collect())
 }

@@ -1,7 +1,7 @@
-//! A handful of things kept by frame, the least recently used giving way.
+//! A cache of a handful of things by frame, of which the least recently used gives way.
 
 /// Up to a number of things, each of a frame.
-pub struct Kept<T> {
+pub struct LruCache<T> {
     slots: Vec<Slot<T>>,
     most: usize,
     clock: u64,
@@ -13,7 +13,7 @@ struct Slot<T> {
     thing: T,
 }
 
-impl<T: Default> Kept<T> {
+impl<T: Default> LruCache<T> {
     /// Room for `most` things.
     pub fn new(most: usize) -> Self {
         Self { slots: Vec::new(), most, clock: 0 }
@@ -56,7 +56,7 @@ impl<T: Default> Kept<T> {
         &mut self.slots[index].thing
     }
 
-    /// Frees a slot.
+    /// Frees a slot. The last slot takes its number.
     pub fn forget(&mut self, index: usize) {
         self.slots.swap_remove(index);
     }
@@ -64,5 +64,30 @@ impl<T: Default> Kept<T> {
     fn touch(&mut self, index: usize) {
         self.clock += 1;
         self.slots[index].used = self.clock;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_used_longest_ago_gives_way() {
+        let mut cache = LruCache::<u32>::new(2);
+        for frame in [10, 20] {
+            let slot = cache.claim(frame);
+            *cache.get_mut(slot) = 7 * frame;
+        }
+        assert!(cache.find(10).is_some());
+        let slot = cache.claim(30);
+        assert_eq!(*cache.get(slot), 140, "the slot of frame 20, to be overwritten");
+        assert_eq!(cache.find(20), None);
+        assert_eq!(cache.nearest(31), Some(slot));
+        // Being found or near counts as use: frame 10 has not been since.
+        let slot = cache.claim(40);
+        assert_eq!(*cache.get(slot), 70);
+        cache.forget(slot);
+        assert_eq!(cache.find(40), None);
+        assert!(cache.find(30).is_some());
     }
 }

@@ -1,0 +1,106 @@
+//! What packing can be told, and why there may be no bundle.
+
+use appearance::{AppearanceError, AppearanceOptions};
+use bundle::EncodeError;
+use capture_io::import::{ImportError, ImportOptions};
+use job::Stopped;
+use pipeline::distance::{DistanceError, DistanceOptions};
+use pipeline::graph::{GraphError, GraphOptions};
+use pipeline::transitions::TransitionError;
+use thiserror::Error;
+
+/// The frame that the player shows first.
+pub(crate) const FIRST_FRAME: u32 = 0;
+
+/// Everything that `builder pack` can be told.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct PackOptions {
+    /// How the input is read.
+    pub import: ImportOptions,
+    /// How pose distances are measured.
+    pub distance: DistanceOptions,
+    /// How transitions are chosen, and which of them stay.
+    pub graph: GraphOptions,
+    /// Largest error of a stored vertex position in metres; by the body's height where not given.
+    pub max_error: Option<f32>,
+    /// What becomes of textures that change from frame to frame.
+    pub appearance: AppearanceChoice,
+}
+
+/// What becomes of textures that change from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum AppearanceChoice {
+    /// The first frame's texture is used for all.
+    Static,
+    /// They become Eigen textures and Eigen warps.
+    Eigen(AppearanceOptions),
+}
+
+impl Default for AppearanceChoice {
+    fn default() -> Self {
+        Self::Eigen(AppearanceOptions::default())
+    }
+}
+
+/// Why there is no bundle.
+#[derive(Debug, Error)]
+pub enum PackError {
+    /// The input cannot be read as a capture.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The textures of the frames cannot become an appearance.
+    #[error(transparent)]
+    Appearance(#[from] AppearanceError),
+    /// The capture cannot be packed, or not with these options: the sentence says what to do.
+    #[error("{0}")]
+    Option(String),
+    /// The poses cannot be compared.
+    #[error(transparent)]
+    Distance(#[from] DistanceError),
+    /// There is no graph.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The bundle cannot hold it.
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    /// It was asked to stop: nothing was written.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl PackError {
+    /// Whether Reprise itself is at fault, not what it was given.
+    #[must_use]
+    pub fn is_ours(&self) -> bool {
+        matches!(self, Self::Graph(GraphError::Build(_)))
+    }
+
+    /// Whether it was stopped, in whatever stage.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Stopped(_)
+                | Self::Appearance(AppearanceError::Stopped(_))
+                | Self::Distance(DistanceError::Stopped(_))
+                | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
+        )
+    }
+}
+
+impl PackError {
+    /// A name for the kind of error that never changes, for scripts and for `builder validate`.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Import(error) => error.code(),
+            Self::Appearance(_) => "E_APPEARANCE",
+            Self::Option(_) | Self::Distance(_) | Self::Encode(_) => "E_OPTION",
+            Self::Graph(GraphError::Build(_)) => "E_INTERNAL",
+            Self::Graph(_) => "E_OPTION",
+            Self::Stopped(_) => "E_STOPPED",
+        }
+    }
+}

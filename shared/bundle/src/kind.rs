@@ -1,0 +1,147 @@
+//! The version of the format, and the kinds of its sections.
+
+/// The first bytes of a bundle. A transfer as text would change the byte above 127 or the line end.
+pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
+/// Readers refuse a file with a larger major version.
+pub const VERSION_MAJOR: u16 = 1;
+/// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
+pub const VERSION_MINOR: u16 = 3;
+
+/// What a section holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Names, counts, sequences, where frames lie.
+    Meta,
+    /// Triangles, corners, texture coordinates, materials, alignment weights.
+    Surface,
+    /// How positions are predicted, and how often residuals occur.
+    Model,
+    /// Positions of consecutive frames.
+    Geometry,
+    /// An encoded image file.
+    Image,
+    /// Alpha and the transitions.
+    Graph,
+    /// A fill-reducing order of the vertices.
+    Order,
+    /// The welded vertex of each vertex of the input files.
+    FileVertices,
+    /// As `Appearance`, with all blocks in the same steps. Since 1.1; written until 1.2.
+    EarlierAppearance,
+    /// As `AppearanceMode`, coded without a look at other modes. Since 1.1; written until 1.2.
+    EarlierMode,
+    /// As `EarlierAppearance`, of textures that were not aligned. Since 1.2; not written since.
+    EarlierNaive,
+    /// As `EarlierMode`, of [`Kind::EarlierNaive`]. Since 1.2; not written since.
+    EarlierNaiveMode,
+    /// What all frames' textures share, and each frame's coefficients. Since 1.3.
+    Appearance,
+    /// The mean of the textures or of the warps, or one of their modes. Since 1.3.
+    AppearanceMode,
+    /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.3.
+    Naive,
+    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.3.
+    NaiveMode,
+    /// Where the actor is and which way it faces in every frame. Since 1.1.
+    Motion,
+    /// What stands on the ground in every frame. Since 1.2.
+    Contacts,
+}
+
+impl Kind {
+    /// All kinds of this version.
+    pub const ALL: [Self; 18] = [
+        Self::Meta,
+        Self::Surface,
+        Self::Model,
+        Self::Geometry,
+        Self::Image,
+        Self::Graph,
+        Self::Order,
+        Self::FileVertices,
+        Self::EarlierAppearance,
+        Self::EarlierMode,
+        Self::EarlierNaive,
+        Self::EarlierNaiveMode,
+        Self::Appearance,
+        Self::AppearanceMode,
+        Self::Naive,
+        Self::NaiveMode,
+        Self::Motion,
+        Self::Contacts,
+    ];
+
+    /// Its number in the file. Numbers 32 to 63 are reserved for appearance, those from 64 on for direction.
+    #[must_use]
+    pub fn number(self) -> u16 {
+        match self {
+            Self::Meta => 1,
+            Self::Surface => 2,
+            Self::Model => 3,
+            Self::Geometry => 4,
+            Self::Image => 5,
+            Self::Graph => 6,
+            Self::Order => 7,
+            Self::FileVertices => 8,
+            Self::EarlierAppearance => 32,
+            Self::EarlierMode => 33,
+            Self::EarlierNaive => 34,
+            Self::EarlierNaiveMode => 35,
+            Self::Appearance => 36,
+            Self::AppearanceMode => 37,
+            Self::Naive => 38,
+            Self::NaiveMode => 39,
+            Self::Motion => 64,
+            Self::Contacts => 65,
+        }
+    }
+
+    /// The kind with this number, if this version knows it.
+    #[must_use]
+    pub fn from_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.number() == number)
+    }
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Meta => "meta",
+            Self::Surface => "surface",
+            Self::Model => "model",
+            Self::Geometry => "geometry",
+            Self::Image => "image",
+            Self::Graph => "graph",
+            Self::Order => "order",
+            Self::FileVertices => "file-vertices",
+            Self::EarlierAppearance => "earlier-appearance",
+            Self::EarlierMode => "earlier-mode",
+            Self::EarlierNaive => "earlier-naive",
+            Self::EarlierNaiveMode => "earlier-naive-mode",
+            Self::Appearance => "appearance",
+            Self::AppearanceMode => "appearance-mode",
+            Self::Naive => "naive",
+            Self::NaiveMode => "naive-mode",
+            Self::Motion => "motion",
+            Self::Contacts => "contacts",
+        }
+    }
+
+    /// Whether a bundle may hold several of it, told apart by their ordinals.
+    #[must_use]
+    pub fn is_repeated(self) -> bool {
+        let modes = [Self::EarlierMode, Self::EarlierNaiveMode, Self::AppearanceMode, Self::NaiveMode];
+        matches!(self, Self::Geometry | Self::Image) || modes.contains(&self)
+    }
+
+    /// The minor version that brought it.
+    #[must_use]
+    pub fn since(self) -> u16 {
+        match self {
+            Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,
+            Self::Contacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,
+            Self::EarlierAppearance | Self::EarlierMode | Self::Motion => 1,
+            _ => 0,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What searches read, where the actor is, and what has been decided so far.
+
+use actor::graph::EssentialGraph;
+use actor::timeline::Timeline;
+use actor::walk::{Leg, Walk};
+use kernels::align::Placement;
+
+use super::answer::{Goal, Part};
+use super::spot::Spot;
+use super::task::State;
+use super::ways::Ways;
+
+/// Most steps of an answer.
+pub(crate) const MOST_STEPS: u32 = 1 << 20;
+
+/// What searches read. It must be the same for all calls of a [`crate::Direction`].
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// The graph.
+    pub graph: &'a EssentialGraph,
+    /// Its sequences.
+    pub timeline: &'a Timeline,
+    /// Its ways.
+    pub ways: &'a Ways,
+}
+
+/// Where the actor is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The frame shown.
+    pub frame: u32,
+    /// Where its recorded frames stand: `world_from_recorded`.
+    pub placement: Placement,
+}
+
+/// What has been decided.
+#[derive(Clone, Debug)]
+pub(super) struct Done {
+    pub frame: u32,
+    pub spot: Spot,
+    pub walk: Walk,
+    pub parts: Vec<Part>,
+}
+
+impl Done {
+    pub fn push(&mut self, scene: &Scene, walk: &Walk, goal: Goal, notes: Vec<String>) {
+        let first_step = self.walk.steps(scene.graph);
+        for leg in &walk.legs {
+            self.follow(scene, leg);
+        }
+        self.walk.append(walk);
+        self.parts.push(Part { first_step, steps: walk.steps(scene.graph), goal, notes });
+    }
+
+    /// Keeps track of where the actor stands.
+    fn follow(&mut self, scene: &Scene, leg: &Leg) {
+        match *leg {
+            Leg::Recorded { steps, .. } => {
+                for _ in 0..steps {
+                    let Some(next) = scene.timeline.next(self.frame) else { return };
+                    if next != self.frame + 1 {
+                        self.spot = self.spot.after(&wrap_of(scene, self.frame));
+                    }
+                    self.frame = next;
+                }
+            }
+            Leg::Synthetic(index) => {
+                if let Some(transition) = scene.graph.transitions().get(index as usize) {
+                    self.spot = self.spot.after(&Spot::from(&transition.placement));
+                    self.frame = transition.to;
+                }
+            }
+        }
+    }
+
+    pub fn state(&self) -> State {
+        State::start(self.frame, self.spot)
+    }
+}
+
+/// Where the first frame of a cyclic sequence stands after `last`, its last one.
+fn wrap_of(scene: &Scene, last: u32) -> Spot {
+    let mut recorded = scene.ways.from(last).map(|way| scene.ways.way(way)).filter(|way| way.transition.is_none());
+    recorded.next().map_or(Spot::IDENTITY, |way| way.spot)
+}
