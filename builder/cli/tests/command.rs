@@ -59,7 +59,7 @@ fn packs_inspects_and_validates() {
     assert_eq!(code(&packed), 0, "{}", stderr(&packed));
     let report: Value = serde_json::from_slice(&packed.stdout).unwrap();
     assert_eq!(report["capture"]["frames"], 60);
-    for stage in ["import", "distances", "transitions", "graph", "appearance", "bundle"] {
+    for stage in ["import", "distances", "graph", "appearance", "bundle"] {
         assert!(report["seconds"][stage].is_number(), "{stage}");
     }
     assert_eq!(report["bundle"]["bytes"], fs::metadata(bundle).unwrap().len());
