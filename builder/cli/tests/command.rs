@@ -236,7 +236,7 @@ fn what_cannot_be_packed_is_refused_by_validate_and_inspect() {
         let flat = square("flat", if frame == 2 { 0.0 } else { 1.0 }, 1.0);
         fs::write(path.join(format!("flat/f_{frame:02}.obj")), flat).unwrap();
     }
-    for (name, said) in [("far", "frame 5 of sequence \"far\": vertex 3"), ("flat", "frame 2 of sequence \"flat\"")] {
+    for (name, said) in [("far", "frame 5 of sequence \"far\": vertex 3"), ("flat", "f_02.obj, frame 2")] {
         let input = path.join(name);
         let input = input.to_str().unwrap();
         let bundle = path.join("x.reprise");

@@ -61,7 +61,8 @@ impl Manifest {
         let manifest: Self = toml::from_str(&text).map_err(|error| {
             let error = error.to_string();
             // "C:\Users" is no string of TOML.
-            let hint = if (error.contains("escape") || error.contains("unicode")) { "\nwrite / for \\ in paths" } else { "" };
+            let hint =
+                if (error.contains("escape") || error.contains("unicode")) { "\nwrite / for \\ in paths" } else { "" };
             wrong(format!("{}{hint}", error.trim_end()))
         })?;
         if manifest.sequences.is_empty() {
