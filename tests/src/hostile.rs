@@ -3,6 +3,7 @@
 //! The fuzz targets in `fuzz/` call these with what they make up; `tests/tests/findings.rs` with the seeds, and with whatever
 //! they ever stumbled over. Each returns whether the bytes were accepted; a panic is a fault.
 
+use job::Job;
 use std::path::Path;
 
 use actor::pose_source::PoseSource;
@@ -108,5 +109,5 @@ fn read(files: &[(&str, &[u8])]) -> bool {
             return false;
         }
     }
-    import(&[folder.path().display().to_string()], &ImportOptions::default(), &|_| ()).is_ok()
+    import(&[folder.path().display().to_string()], &ImportOptions::default(), &Job::silent()).is_ok()
 }

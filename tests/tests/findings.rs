@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 
 use tests::hostile;
 
+/// Whatever reads bytes, and says whether it accepts them.
+type Target = fn(&[u8]) -> bool;
+
 /// The targets, by the names of their folders.
-const TARGETS: [(&str, fn(&[u8]) -> bool); 7] = [
+const TARGETS: [(&str, Target); 7] = [
     ("bundle", hostile::bundle),
     ("glb", hostile::glb),
     ("gltf", hostile::gltf),
