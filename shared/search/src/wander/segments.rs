@@ -13,7 +13,7 @@ use kernels::sort;
 /// The share of synthetic steps that sequences may lead to by how often they are shown.
 const SYNTHETIC: f64 = 0.2;
 /// How much less often than others a sequence is shown at least, if it is too short for that.
-const RAREST: f64 = 1.0 / 32.0;
+const RAREST: f64 = 1.0 / 6.0;
 
 /// Recorded frames in a row that are always shown together.
 #[derive(Clone, Copy, Debug)]
