@@ -410,6 +410,37 @@ fn a_glb_shows_each_frame_in_its_texture() {
     }
 }
 
+/// Characters as game studios make them: vertices split for texture coordinates and for normals, several parts.
+#[test]
+#[ignore = "reads ../shared/data"]
+fn characters_come_out_as_they_went_in() {
+    for (file, sequence) in [("lumberjack/lumberjack.glb", "Walk"), ("cesium-man/CesiumMan.glb", "CesiumMan")] {
+        let input = fixtures::data().join("gltf").join(file);
+        let folder = tempfile::tempdir().unwrap();
+        let bundle = folder.path().join("a.reprise");
+        let path = bundle.to_str().unwrap();
+        run(&["pack", input.to_str().unwrap(), "-o", path, "--fps", "30", "--cyclic", "none", "-q"]);
+        let most = run(&["inspect", path, "--json"])["max_error"].as_f64().unwrap() as f32 + 2e-5;
+        let wanted = read(&input, &ImportOptions::default());
+        let own = wanted.capture.timeline.sequences().iter().find(|own| own.name == sequence).unwrap();
+        for out in ["walk.glb", "objs/f_%03d.obj", "plys/f_%03d.ply"] {
+            let out = folder.path().join(out);
+            run(&["direct", path, "--sequence", sequence, "-q", "-o", out.to_str().unwrap()]);
+            let is_glb = out.extension().unwrap() == "glb";
+            let again = read(if is_glb { &out } else { out.parent().unwrap() }, &ImportOptions::default());
+            assert_eq!(again.capture.poses.len(), own.frame_count as usize, "{file}");
+            same_shape(&again, &wanted, own.first_frame, most);
+            let (a, b) = (&again.files.faces, &wanted.files.faces);
+            assert_eq!(a.as_ref().map(|faces| &faces.corners), b.as_ref().map(|faces| &faces.corners), "{file}");
+            // PLY has no materials.
+            if out.extension().unwrap() != "ply" {
+                same_looks(&again, &wanted);
+            }
+            assert_eq!(again.capture.surface.images.len(), wanted.capture.surface.images.len());
+        }
+    }
+}
+
 #[test]
 fn a_glb_of_too_many_textures_wears_the_first_and_says_so() {
     let (folder, _, bundle) = textured();

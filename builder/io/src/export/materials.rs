@@ -38,7 +38,8 @@ pub(super) fn library(surface: &Surface, names: &[String], textures: &[Option<St
     for ((material, name), texture) in surface.materials.iter().zip(names).zip(textures) {
         // MTL says nothing of colour spaces; programs take colours as sRGB.
         let [r, g, b, a] = material.base_colour;
-        let [r, g, b] = [r, g, b].map(srgb_from_linear);
+        let rounded = |component: f32| (1e6 * srgb_from_linear(component)).round() / 1e6;
+        let [r, g, b] = [r, g, b].map(rounded);
         let _ = writeln!(text, "newmtl {name}\nKd {r} {g} {b}\nd {a}");
         if let Some(texture) = texture {
             let _ = writeln!(text, "map_Kd {texture}");
