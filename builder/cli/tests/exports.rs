@@ -14,6 +14,7 @@ use bundle::{BundleReader, ModeDecoder};
 use capture_io::import::{Cyclic, ImportOptions, Imported, import};
 use glam::{DVec3, Vec3};
 use image::RgbImage;
+use job::Job;
 use kernels::align::Placement;
 use serde_json::Value;
 use synthesis::{FrameKind, Synthesiser};
@@ -149,7 +150,7 @@ fn write_take(folder: &Path, frames: usize, from: f32, textured: bool, site: Sit
 
 fn read(input: &Path, options: &ImportOptions) -> Imported {
     let options = ImportOptions { fps: Some(30.0), cyclic: Cyclic::None, ..options.clone() };
-    import(&[input.to_str().unwrap().to_owned()], &options, &|_| {}).unwrap()
+    import(&[input.to_str().unwrap().to_owned()], &options, &Job::silent()).unwrap()
 }
 
 /// Every file vertex of every frame where it was, within `most` metres; the same faces over them.

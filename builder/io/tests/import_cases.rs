@@ -5,6 +5,7 @@
 
 mod import_support;
 
+use job::Job;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -37,7 +38,7 @@ fn options() -> ImportOptions {
 }
 
 fn try_with(input: &str, options: &ImportOptions) -> Result<Imported, ImportError> {
-    import(&[cases().join(input).to_str().unwrap().to_owned()], options, &|_| {})
+    import(&[cases().join(input).to_str().unwrap().to_owned()], options, &Job::silent())
 }
 
 fn read(input: &str) -> Imported {
@@ -300,7 +301,7 @@ fn case_28_and_29_frames_that_cannot_be_used_are_named() {
 fn loops_of_characters_are_found() {
     let clips = |path: &Path| {
         let options = ImportOptions::default();
-        let imported = import(&[path.to_str().unwrap().to_owned()], &options, &|_| {}).unwrap();
+        let imported = import(&[path.to_str().unwrap().to_owned()], &options, &Job::silent()).unwrap();
         check(&imported);
         let sequences = imported.capture.timeline.sequences().iter();
         let (loops, others): (Vec<_>, Vec<_>) = sequences.partition(|sequence| sequence.cyclic);
@@ -338,7 +339,7 @@ fn going_round_a_loop_is_as_even_as_the_loop() {
     let path = data().join("gltf/fox/Fox.glb").to_str().unwrap().to_owned();
     let with = |cyclic: Cyclic| {
         let options = ImportOptions { cyclic, ..ImportOptions::default() };
-        import(std::slice::from_ref(&path), &options, &|_| {}).unwrap().capture
+        import(std::slice::from_ref(&path), &options, &Job::silent()).unwrap().capture
     };
     let (closed, open) = (with(Cyclic::Auto), with(Cyclic::None));
     for (round, whole) in closed.timeline.sequences().iter().zip(open.timeline.sequences()) {
@@ -363,7 +364,7 @@ fn takes_of_a_stage_are_no_loops() {
     for name in ["crane", "jumping"] {
         let files = fixtures::unpacked(name);
         let folder = files[0].parent().unwrap().to_str().unwrap().to_owned();
-        let imported = import(&[folder], &ImportOptions::default(), &|_| {}).unwrap();
+        let imported = import(&[folder], &ImportOptions::default(), &Job::silent()).unwrap();
         assert!(imported.capture.timeline.sequences().iter().all(|sequence| !sequence.cyclic), "{name}");
         assert!(!codes(&imported).contains(&"W_CYCLIC"), "{name}");
     }

@@ -145,7 +145,7 @@ fn write(
 
 fn failure(error: ExportError) -> Failure {
     match error {
-        ExportError::Mesh(_) => Failure::Ours(error.into()),
+        ExportError::Mesh(_) => Failure::Internal(error.into()),
         _ => Failure::Input(error.into()),
     }
 }
