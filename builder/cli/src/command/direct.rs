@@ -107,7 +107,7 @@ fn sequence(name: &str, arguments: &DirectArguments, output: &Output, terminal: 
     };
     let (first, steps) = (found.first_frame, found.frame_count - 1);
     let legs = vec![Leg::Recorded { first, last: first + steps, steps }];
-    let walk = Walk::of_legs(legs, &graph).map_err(|error| Failure::Ours(error.into()))?;
+    let walk = Walk::of_legs(legs, &graph).map_err(|error| Failure::Internal(error.into()))?;
     let begin = (first, Placement::IDENTITY);
     let (written, _) = write(&mut reader, (&graph, &timeline), begin, &walk, arguments, output, terminal)?;
     let Written { frames, warnings } = written;
