@@ -5,12 +5,13 @@
 //! Here it is decided from all transitions, for comparison: they make nearly complete digraphs, so all shortest paths are
 //! found by blocked min-plus products, then each edge that is one of them is compared with all paths over a node in between.
 
-mod components;
+
 mod costs;
 mod graph;
 pub mod hidden_paths;
 mod motion_graph;
 mod paths;
+mod reach;
 pub mod sparse;
 
 use actor::graph::{ALPHA_RESOLUTION, rounded_alpha};
@@ -18,7 +19,8 @@ use actor::timeline::Timeline;
 use rayon::prelude::*;
 use thiserror::Error;
 
-pub use self::components::{Components, Reach, strongly_connected};
+pub use self::reach::{Reach, reach};
+pub use actor::components::{Components, strongly_connected};
 pub use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;
