@@ -25,30 +25,29 @@ pub fn walk_to_any(graph: &EssentialGraph, timeline: &Timeline, from: u32, targe
     cheapest_walk_to(graph, timeline, from, &|frame| is_target[frame as usize])
 }
 
-/// The cheapest walk to frames that show a behaviour ([`frames_of`](crate::frames_of)) and that it can be seen from: half a
-/// second of it follows that leads into no dead end ([`MainComponent::live`](crate::MainComponent)), or as much as there is.
+/// The cheapest walk to frames that show a behaviour, by its number in [`Ways`], and that it can be seen from: half a second
+/// of it follows, or as much as there is.
 #[must_use]
 pub fn walk_to_behaviour(
     graph: &EssentialGraph,
     timeline: &Timeline,
-    live: &[bool],
+    ways: &Ways,
     from: u32,
-    shows: &[bool],
+    behaviour: usize,
 ) -> Option<Walk> {
-    let is_shown = |frame: u32| shows.get(frame as usize).copied().unwrap_or(false);
     let follows = |frame: u32, steps: i64| {
         let later = timeline.offset(frame, steps);
-        later.is_some_and(|later| is_shown(later) && live.get(later as usize).copied().unwrap_or(false))
+        later.is_some_and(|later| ways.shows(behaviour, later) && ways.live[later as usize])
     };
     for seconds in [0.5, 0.2, 0.0] {
-        let steps = (seconds * f64::from(timeline.fps())) as i64;
-        let seen = |frame: &u32| is_shown(*frame) && follows(*frame, steps);
-        let targets: Vec<u32> = (0..timeline.frame_count()).filter(seen).collect();
+        let steps = (seconds * ways.fps) as i64;
+        let shows = |frame: &u32| ways.shows(behaviour, *frame) && follows(*frame, steps);
+        let targets: Vec<u32> = (0..ways.frame_count()).filter(shows).collect();
         if let Some(walk) = walk_to_any(graph, timeline, from, &targets) {
             return Some(walk);
         }
     }
-    let targets: Vec<u32> = (0..timeline.frame_count()).filter(|&frame| is_shown(frame)).collect();
+    let targets: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.shows(behaviour, frame)).collect();
     walk_to_any(graph, timeline, from, &targets)
 }
 

@@ -43,9 +43,37 @@ pub fn find_behaviour(behaviours: &[Behaviour], name: &str) -> Result<usize, Req
     })
 }
 
-/// For every frame, whether it shows `behaviour`.
+/// The frames that show `behaviour`, in order.
 #[must_use]
-pub fn frames_of(behaviour: &Behaviour, timeline: &Timeline) -> Vec<bool> {
-    let shown = timeline.sequences().iter().zip(&behaviour.shown_by);
-    shown.flat_map(|(sequence, &shown)| (0..sequence.frame_count).map(move |_| shown)).collect()
+pub fn frames_of(behaviour: &Behaviour, timeline: &Timeline) -> Vec<u32> {
+    let shown = timeline.sequences().iter().zip(&behaviour.shown_by).filter(|&(_, &shown)| shown);
+    shown.flat_map(|(sequence, _)| sequence.first_frame..sequence.end_frame()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use actor::timeline::Sequence;
+
+    #[test]
+    fn a_label_wins_over_a_sequence_of_the_same_name() {
+        let list = [("walk", &["locomotion"][..]), ("run", &["locomotion", "walk"]), ("jump", &[])];
+        let sequences = (0..).zip(list).map(|(index, (name, labels))| Sequence {
+            name: name.into(),
+            labels: labels.iter().map(|&label| label.into()).collect(),
+            first_frame: 3 * index,
+            frame_count: 3,
+            cyclic: false,
+        });
+        let timeline = Timeline::new(25.0, sequences.collect()).unwrap();
+        let found = behaviours(&timeline);
+        let names: Vec<_> = found.iter().map(|behaviour| behaviour.name.as_str()).collect();
+        assert_eq!(names, ["locomotion", "walk", "run", "jump"]);
+        let frames = |name: &str| frames_of(&found[find_behaviour(&found, name).unwrap()], &timeline);
+        assert_eq!(frames("locomotion"), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(frames("walk"), [3, 4, 5]);
+        assert_eq!(frames("jump"), [6, 7, 8]);
+        let unknown = find_behaviour(&found, "fly").unwrap_err();
+        assert_eq!(unknown.to_string(), r#"there is no behaviour "fly"; there are: locomotion, walk, run, jump"#);
+    }
 }

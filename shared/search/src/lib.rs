@@ -52,7 +52,7 @@ pub use keys::{KeyLeg, LegEnd};
 pub use meter::edges_looked_at;
 pub use path::{Demand, PathReport, PathTask};
 pub use place::{PlaceReport, PlaceTask};
-pub use plan::{plan_to_behaviour, plan_walk};
+pub use plan::plan_walk;
 pub use random::{Chain, Optimiser};
 pub use request::{
     BehaviourRequest, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,

@@ -7,21 +7,17 @@ use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::{Leg, Walk};
 
-use super::behaviour::{walk_to_any, walk_to_behaviour};
+use super::behaviour::walk_to_any;
 use super::components::{reached, reaching};
 
 /// The cheapest walk from `from` to the nearest of `targets`, in one search over all of them.
 ///
-/// From a dead end it first steps back along the recording, as few frames as it takes; likewise it ends with steps back
-/// where no transition can arrive. `None` where even that does not help.
+/// Where no walk leads to any of them, it first steps back along the recording, as few frames as it takes: out of a dead end.
+/// Likewise it ends with steps back where no transition can arrive. `None` where even that does not help.
 #[must_use]
 pub fn plan_walk(graph: &EssentialGraph, timeline: &Timeline, from: u32, targets: &[u32]) -> Option<Walk> {
     if let Some(walk) = walk_out(graph, timeline, from, targets) {
         return Some(walk);
-    }
-    let own = timeline.sequence_of(from)?;
-    if let Some(&to) = targets.iter().filter(|&&to| own.contains(to) && to < from).max() {
-        return steps_back(graph, from, to);
     }
     let beyond = |start| {
         let reached = reached(graph, timeline, start);
@@ -32,25 +28,10 @@ pub fn plan_walk(graph: &EssentialGraph, timeline: &Timeline, from: u32, targets
         targets.iter().filter_map(turn).min()
     };
     // Out of a dead end, whatever its sequence's first frame reaches can be reached too.
-    let (_, to, turn) = beyond(from).or_else(|| beyond(own.first_frame))?;
+    let (_, to, turn) = beyond(from).or_else(|| beyond(timeline.sequence_of(from)?.first_frame))?;
     let mut walk = walk_out(graph, timeline, from, &[turn])?;
     walk.append(&steps_back(graph, turn, to)?);
     Some(walk)
-}
-
-/// The walk to a behaviour: as searches go there ([`walk_to_behaviour`]), or with steps back. `live` and `shows` as there.
-#[must_use]
-pub fn plan_to_behaviour(
-    graph: &EssentialGraph,
-    timeline: &Timeline,
-    live: &[bool],
-    from: u32,
-    shows: &[bool],
-) -> Option<Walk> {
-    walk_to_behaviour(graph, timeline, live, from, shows).or_else(|| {
-        let targets: Vec<u32> = (0..).zip(shows).filter(|&(_, &shown)| shown).map(|(frame, _)| frame).collect();
-        plan_walk(graph, timeline, from, &targets)
-    })
 }
 
 /// The cheapest walk to any of `targets`, after as few steps back as it takes.

@@ -5,7 +5,6 @@ use glam::Vec3Swizzles;
 use super::answer::Goal;
 use super::anytime::{Anytime, Progress};
 use super::behaviour::{LoopSearch, walk_to_any, walk_to_behaviour};
-use super::behaviours::frames_of;
 use super::curve::Curve;
 use super::key_plan::KeyPlan;
 use super::notes::{keys_notes, path_notes, place_notes, substitute_note};
@@ -192,8 +191,7 @@ fn hold(scene: &Scene, done: &mut Done, holding: &Holding) {
             Some(walk)
         }
         None => {
-            let shows = frames_of(&ways.behaviours()[number], timeline);
-            let mut walk = walk_to_behaviour(graph, timeline, &ways.live, done.frame, &shows);
+            let mut walk = walk_to_behaviour(graph, timeline, ways, done.frame, number);
             if let Some(walk) = walk.as_mut().filter(|_| wanted > 0) {
                 held = play_on(scene, walk, done.frame, number, wanted);
                 notes.push(format!("{:?} has no loop: it is played once.", request.name));

@@ -26,6 +26,8 @@ pub struct Bench {
     pub plan: f64,
     /// Transitions measured.
     pub transitions: usize,
+    /// Searches for walks to poses and behaviours that the player has made so far; those measured are not among them.
+    pub plans: u64,
 }
 
 /// Transitions measured, spread over the graph.
@@ -69,7 +71,9 @@ impl Player {
         let mut transitions = 0;
         for edge in (0..graph.transitions().len()).step_by(stride).take(TRANSITIONS) {
             let walk = Walk { legs: vec![Leg::Synthetic(edge as u32)], ..Walk::default() };
-            synthesiser.begin_walk(graph.transitions()[edge].from, Placement::IDENTITY, &walk);
+            let from = graph.transitions()[edge].from;
+            let begun = synthesiser.begin_walk(&graph, &actor.timeline, (from, Placement::IDENTITY), &walk);
+            begun.map_err(|_| PlayerError::Damaged(from))?;
             transitions += 1;
             let before = synthetic.len();
             loop {
@@ -90,6 +94,7 @@ impl Player {
             recorded_frame: median(&recorded),
             plan: median(&plans),
             transitions,
+            plans: self.plans(),
         })
     }
 }
