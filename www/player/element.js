@@ -230,8 +230,12 @@ export class ReprisePlayer extends AttributeElement {
   }
 
   direct(request, { anywhere = false } = {}) {
-    const { player } = this.#ready();
-    player.check_request(JSON.stringify(request) ?? 'null');
+    try {
+      this.#ready().player.check_request(JSON.stringify(request) ?? 'null');
+    } catch (error) {
+      // Whoever is promised an answer hears of trouble in one way.
+      return Promise.reject(error);
+    }
     this.#core.queue.clear();
     return this.#core.toolbox.search.go(request, anywhere ? 'anywhere' : 'here');
   }

@@ -158,3 +158,145 @@ fn bad_usage_is_exit_code_2() {
     assert_eq!(code(&builder(&["pack", "x", "-o", "y", "--threads", "0"])), 2);
     assert_eq!(code(&builder(&["--version"])), 0);
 }
+
+/// Frames of a square that bends, with texture coordinates, and a texture beside each.
+fn write_textured(folder: &Path, count: usize) {
+    fs::create_dir_all(folder).unwrap();
+    for frame in 0..count {
+        let bend = 0.3 * (0.4 * frame as f32).sin() + 0.02 * frame as f32;
+        let text = format!(
+            "v 0 0 0\nv 1 0 {bend}\nv 1 1 0\nv 0 1 {}\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+            0.5 * bend
+        );
+        fs::write(folder.join(format!("f_{frame:03}.obj")), text).unwrap();
+        let pixel = |x: u32, y: u32| image::Rgb([(40 * (x / 4) + 5 * y) as u8, (9 * x) as u8, (3 * frame + 90) as u8]);
+        let picture = image::RgbImage::from_fn(32, 32, pixel);
+        picture.save(folder.join(format!("f_{frame:03}.png"))).unwrap();
+    }
+}
+
+/// The codes of a command's findings: what `validate` lists, or the warnings of what `pack` and `inspect` print.
+fn codes_of(output: &Output) -> Vec<String> {
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(output)));
+    let list = if found.is_array() { &found } else { &found["warnings"] };
+    let codes = list.as_array().unwrap().iter().map(|finding| finding["code"].as_str().unwrap().to_owned());
+    // What only the long stages find out.
+    codes.filter(|code| code != "W_UNREACHABLE" && code != "W_APPEARANCE_SSIM").collect()
+}
+
+#[test]
+fn validate_and_inspect_say_what_pack_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("sheet");
+    write_textured(&frames, 24);
+    // One texture with a hole, and one that is lost.
+    let hole =
+        image::RgbaImage::from_fn(32, 32, |x, y| image::Rgba([200, 90, 40, if x < 8 && y < 8 { 0 } else { 255 }]));
+    hole.save(frames.join("f_004.png")).unwrap();
+    fs::remove_file(frames.join("f_009.png")).unwrap();
+    let (path, bundle) = (frames.to_str().unwrap(), folder.path().join("sheet.reprise"));
+    let bundle = bundle.to_str().unwrap();
+    let pack = || builder(&["pack", path, "-o", bundle, "--json"]);
+    let validate = || builder(&["validate", path, "--json"]);
+    let inspect = || builder(&["inspect", path, "--json"]);
+
+    let packed = pack();
+    assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+    let expected = ["W_FPS_ASSUMED", "W_TEXTURE_LOST", "W_TEXTURE_HOLES"];
+    assert_eq!(codes_of(&packed), expected);
+    assert_eq!((code(&validate()), codes_of(&validate())), (0, expected.map(str::to_owned).to_vec()));
+    assert_eq!((code(&inspect()), codes_of(&inspect())), (0, expected.map(str::to_owned).to_vec()));
+
+    // A texture whose header is sound and whose rest is cut off: all three refuse it, and name it.
+    fs::remove_file(bundle).unwrap();
+    let whole = fs::read(frames.join("f_015.png")).unwrap();
+    fs::write(frames.join("f_015.png"), &whole[..whole.len() / 2]).unwrap();
+    for output in [pack(), validate(), inspect()] {
+        assert_eq!(code(&output), 1);
+        let said = stderr(&output) + &String::from_utf8_lossy(&output.stdout);
+        assert!(said.contains("f_015.png"), "{said}");
+    }
+    assert!(codes_of(&validate()).contains(&"E_APPEARANCE".to_owned()));
+    assert!(!Path::new(bundle).exists());
+}
+
+#[test]
+fn what_cannot_be_packed_is_refused_by_validate_and_inspect() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let square = |name: &str, size: f32, away: f32| {
+        let text = format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nv 0 0 {away}\nf 1 2 3\nf 1 3 2\n");
+        fs::create_dir_all(path.join(name)).unwrap();
+        text
+    };
+    // A vertex that flies off, and a surface without area in the third frame.
+    for frame in 0..12 {
+        let far = square("far", 1.0, if frame == 5 { 90_000.0 } else { 1.0 });
+        fs::write(path.join(format!("far/f_{frame:02}.obj")), far).unwrap();
+        let flat = square("flat", if frame == 2 { 0.0 } else { 1.0 }, 1.0);
+        fs::write(path.join(format!("flat/f_{frame:02}.obj")), flat).unwrap();
+    }
+    for (name, said) in [("far", "frame 5 of sequence \"far\": vertex 3"), ("flat", "f_02.obj, frame 2")] {
+        let input = path.join(name);
+        let input = input.to_str().unwrap();
+        let bundle = path.join("x.reprise");
+        let all = [
+            builder(&["pack", input, "-o", bundle.to_str().unwrap()]),
+            builder(&["validate", input]),
+            builder(&["inspect", input]),
+        ];
+        for output in all {
+            let told = stderr(&output) + &String::from_utf8_lossy(&output.stdout);
+            assert!(code(&output) == 1 && told.contains(said), "{told}");
+        }
+        assert!(!bundle.exists());
+    }
+}
+
+#[test]
+fn sequences_without_a_way_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = ["turn", "short"].map(|name| folder.path().join(name));
+    write_frames(&inputs[0], 40);
+    write_frames(&inputs[1], 4);
+    let bundle = folder.path().join("x.reprise");
+    let [turn, short] = inputs.each_ref().map(|path| path.to_str().unwrap());
+    let packed = builder(&["pack", turn, short, "-o", bundle.to_str().unwrap(), "--fps", "30", "--json"]);
+    assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+    let report: Value = serde_json::from_slice(&packed.stdout).unwrap();
+    let message = |code: &str| {
+        let warnings = report["warnings"].as_array().unwrap();
+        let warning = warnings.iter().find(|warning| warning["code"] == code).unwrap_or_else(|| panic!("{warnings:?}"));
+        warning["message"].as_str().unwrap().to_owned()
+    };
+    assert!(message("W_SEQUENCE_SHORT").contains("1 of 2 sequences"), "{}", message("W_SEQUENCE_SHORT"));
+    let unreachable = message("W_UNREACHABLE");
+    assert!(unreachable.contains("nothing leads from turn, short to any other sequence"), "{unreachable}");
+    assert!(stderr(&packed).contains(&unreachable), "{}", stderr(&packed));
+}
+
+#[test]
+fn loops_are_found_or_named_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("swing");
+    fs::create_dir_all(&frames).unwrap();
+    for frame in 0..24 {
+        let (sin, cos) = (std::f32::consts::TAU * frame as f32 / 24.0).sin_cos();
+        let text = format!(
+            "v 0 0 0\nv 1 0 0\nv {} {} 0.3\nv 0.2 0.1 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
+            0.3 * sin,
+            1.0 + 0.3 * cos
+        );
+        fs::write(frames.join(format!("f_{frame:02}.obj")), text).unwrap();
+    }
+    let path = frames.to_str().unwrap();
+    let cyclic = |arguments: &[&str]| -> bool {
+        let inspected = builder(&[&["inspect", path, "--json"], arguments].concat());
+        let found: Value = serde_json::from_slice(&inspected.stdout).unwrap();
+        found["sequences"][0]["cyclic"].as_bool().unwrap()
+    };
+    assert!(cyclic(&[]) && cyclic(&["--cyclic", "auto"]) && cyclic(&["--cyclic", "swing"]));
+    assert!(!cyclic(&["--cyclic", "none"]));
+    let unknown = builder(&["inspect", path, "--cyclic", "walk"]);
+    assert!(code(&unknown) == 1 && stderr(&unknown).contains("swing"), "{}", stderr(&unknown));
+}

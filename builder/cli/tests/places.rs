@@ -89,7 +89,7 @@ fn the_performer_comes_to_places_and_faces_as_asked() {
 
 #[test]
 fn where_no_motion_leads_the_answer_says_so() {
-    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+    let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
     if !data.is_dir() {
         assert!(std::env::var("CI").as_deref() != Ok("true"), "the real data is missing at {}", data.display());
         eprintln!("skipped: no real data at {}", data.display());

@@ -459,7 +459,7 @@ fn places_and_sizes_are_told() {
     // A frame without extent.
     write(f, &[("m/f3.obj", &obj(0).replace("v 1", "v 0").replace("0 1 0", "0 0 0").replace("0 0 1", "0 0 0"))]);
     let (code, message) = refusal(f, &["m"]);
-    assert!(code == "E_FRAME_EMPTY" && message.contains("f3.obj, frame 3 of sequence \"m\""), "{message}");
+    assert!(code == "E_COLLAPSED" && message.contains("f3.obj, frame 3"), "{message}");
 }
 
 #[test]
@@ -529,4 +529,17 @@ fn the_result_does_not_depend_on_threads() {
     assert_eq!(one, with(4));
     assert_eq!(codes(&one), ["W_MATERIAL_MISSING", "W_TEXTURE_LOST"]);
     let _: Option<Vec<PathBuf>> = one.frame_textures;
+}
+
+#[test]
+fn paths_may_be_written_as_on_another_system() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    (0..3).for_each(|k| write(f, &[(&format!("m/f{k}.obj"), &obj(k))]));
+    (0..3).for_each(|k| write_bytes(f, &format!("t/s{k}.png"), &png(1, [k; 3])));
+    write(f, &[("c.toml", "fps = 25\n[[sequence]]\ninput = 'm\\f%d.obj'\ntexture = 't\\s*.png'\n")]);
+    assert_eq!(worn(&read(f, &["c.toml"], &ImportOptions::default())), ["s0.png", "s1.png", "s2.png"]);
+    write(f, &[("c.toml", "[[sequence]]\ninput = \"m\\Users\"\n")]);
+    let (code, message) = refusal(f, &["c.toml"]);
+    assert!(code == "E_MANIFEST" && message.contains("write / for \\ in paths"), "{message}");
 }

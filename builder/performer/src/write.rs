@@ -198,8 +198,10 @@ impl<'a> Writer<'a> {
         for take in takes {
             let (name, last) = (&take.name, take.frames - 1);
             let label = BEHAVIOURS[take.behaviour].0;
+            // Takes begin and end at rest; none is made as a loop, and what is measured on them is measured so.
             text.push_str(&format!(
-                "\n[[sequence]]\nname = \"{name}\"\ninput = \"{name}/frame_%05d.ply:0:{last}\"\nlabels = [\"{label}\"]\n"
+                "\n[[sequence]]\nname = \"{name}\"\ninput = \"{name}/frame_%05d.ply:0:{last}\"\nlabels = [\"{label}\"]\n\
+                 cyclic = false\n"
             ));
             if own_textures {
                 text.push_str(&format!("texture = \"{name}/texture_%05d.png:0:{last}\"\n"));

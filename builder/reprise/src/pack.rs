@@ -39,6 +39,8 @@ pub struct PackReport {
     pub peak_memory_bytes: Option<u64>,
     /// What the bundle weighs and how exact it is.
     pub bundle: EncodeReport,
+    /// What was taken off all positions so that the actor stands near the origin, in metres, +Y up.
+    pub offset: [f64; 3],
     /// What the user should know about the input.
     pub warnings: Vec<Warning>,
 }
@@ -128,6 +130,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    pack_report.offset = imported.offset.to_array();
     // What the graph says comes last.
     warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
@@ -206,6 +209,7 @@ pub fn pack_with_looks(
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
+        offset: [0.0; 3],
         warnings: unreachable.into_iter().collect(),
     };
     Ok((bytes, pack_report))

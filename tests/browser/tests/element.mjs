@@ -495,6 +495,12 @@ export const tests = {
       assert.equal(await kindOf(player, `(element) => element.goTo(${bad})`), 'bad-argument', bad);
       assert.equal(await kindOf(player, `(element) => element.queue(${bad})`), 'bad-argument', bad);
     }
+    // What promises an answer rejects, and throws nothing.
+    const refused = await player.run((element) => {
+      const asked = [element.direct({ version: 1 }), element.direct(null), element.goTo({ path: [['a']] }), element.hold(3)];
+      return Promise.all(asked.map((promise) => promise.then(() => null, ({ kind }) => kind)));
+    });
+    assert.deepEqual(refused, Array(4).fill('bad-argument'));
     const other = await player.target(frame);
     await player.run((element, targets) => {
       element.speed = 4;

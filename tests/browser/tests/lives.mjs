@@ -6,11 +6,15 @@
 import assert from 'node:assert/strict';
 import { countLives, nothingLeft } from '../lives.mjs';
 
-/** Megabytes that the page's heap, and pages of 64 KB that the module's memory, may grow by while players come and go. */
-const HEAP = 2;
-const MEMORY = 16;
+/**
+ * Megabytes that the page's heap, and pages of 64 KB that the module's memory, may grow by while the second half of the players
+ * come and go. The module's memory grows in steps of about 25 pages, now and then, and then stays; a player needs more.
+ */
+const HEAP = 0.5;
+const MEMORY = 64;
 /** Players that come and go. */
 const CYCLES = 50;
+const HALF = 24;
 
 /** An empty page of the site that counts, with what it has of itself. */
 async function counting(browser, options = {}) {
@@ -92,18 +96,20 @@ export const tests = {
         await (whole ? window.there(element) : new Promise((resolve) => element.addEventListener('ready', resolve, { once: true })));
         element.remove();
         await window.turn();
+        // What the test itself has heard is no memory of the players'.
+        window.heard.length = 0;
       }, [again, all]);
       await nothingLeft(player, alone, 'a player that was ready');
     };
     const taken = [];
     for (let at = 0; at < CYCLES; at += 1) {
-      // The same one again, and another one, in turn. The first ones get all of the actor, so that the module's memory, which
-      // never shrinks, is as large as one player makes it; later ones get as much of it as has come before the first picture.
+      // The same one again, and another one, in turn. The first ones get all of the actor, later ones as much of it as has come
+      // before the first picture: the module's memory, which never shrinks, is as large by half the time as one player makes it.
       await cycle(at % 2 === 1, at < 4);
-      if (at === 9 || at === CYCLES - 1) taken.push(await memory(player, session));
+      if (at === HALF || at === CYCLES - 1) taken.push(await memory(player, session));
     }
     const [before, after] = taken;
-    console.log(`        from the 10th to the ${CYCLES}th: ${JSON.stringify(before)} to ${JSON.stringify(after)}`);
+    console.log(`        from the ${HALF + 1}th to the ${CYCLES}th: ${JSON.stringify(before)} to ${JSON.stringify(after)}`);
     assert.equal(after.modules.length, 1, 'the module was loaded more than once');
     assert.ok(after.modules[0] - before.modules[0] <= MEMORY, `the module's memory grew from ${before.modules[0]} to ${after.modules[0]} pages`);
     assert.ok(after.heap - before.heap < HEAP, `the heap grew from ${before.heap} to ${after.heap} MB`);

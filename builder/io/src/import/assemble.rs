@@ -1,7 +1,6 @@
 //! From a recording to a capture: weld, topology, drawn surface, timeline.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
 
 use actor::capture::{Capture, Poses};
 use actor::surface::{Corner, Part, Surface};
@@ -35,7 +34,6 @@ pub(super) fn assemble(
     let Recording { mesh, mut positions, frame_counts, .. } = recording;
     let file_vertices = mesh.vertex_count;
     let path = plan.sequences.first().map(|s| s.source.path().to_owned()).unwrap_or_default();
-    check_extents(plan, &positions, file_vertices, &frame_counts)?;
     let first = positions.get(..file_vertices).unwrap_or_default();
     let size = body_size(first);
     warn_about_size(size, warnings);
@@ -143,32 +141,6 @@ fn within<'a>(plan: &'a Plan, frame_counts: &[usize], frame: usize) -> (Option<&
         rest -= count;
     }
     (None, rest)
-}
-
-/// Poses this much smaller than the largest are points.
-const POINT: f32 = 1e-6;
-
-/// Refuses frames without any extent: nothing can be compared with them.
-fn check_extents(
-    plan: &Plan,
-    positions: &[Vec3],
-    file_vertices: usize,
-    frame_counts: &[usize],
-) -> Result<(), ImportError> {
-    let sizes: Vec<f32> = positions.chunks_exact(file_vertices.max(1)).map(body_size).collect();
-    let largest = sizes.iter().copied().fold(0.0, f32::max);
-    let Some(point) = sizes.iter().position(|&size| largest > 0.0 && size <= POINT * largest) else { return Ok(()) };
-    let (sequence, frame) = within(plan, frame_counts, point);
-    let source = sequence.map(|sequence| &sequence.source);
-    let path = source.map(|source| source.files().get(frame).map_or(source.path(), PathBuf::as_path).to_owned());
-    let points = sizes.iter().filter(|&&size| size <= POINT * largest).count();
-    let more = if points > 1 { format!(", and so it is in {points} frames in all") } else { String::new() };
-    Err(ImportError::FrameEmpty {
-        path: path.unwrap_or_default(),
-        frame,
-        sequence: sequence.map(|sequence| sequence.name.clone()).unwrap_or_default(),
-        fault: format!("all vertices lie at one point{more}"),
-    })
 }
 
 fn warn_about_welds(file_vertices: usize, kept: usize, tolerance: f64, warnings: &mut Vec<Warning>) {

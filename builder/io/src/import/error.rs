@@ -178,21 +178,6 @@ pub enum ImportError {
         /// What the decoder says.
         reason: String,
     },
-    /// A frame has no extent, so that nothing can be compared with it.
-    #[error(
-        "{path}, frame {frame} of sequence \"{sequence}\": {fault}. Leave the frame out, or repair it (a scale that is \
-         animated from or to zero looks like this)"
-    )]
-    FrameEmpty {
-        /// The file.
-        path: PathBuf,
-        /// Frame within its sequence, from 0.
-        frame: usize,
-        /// The sequence.
-        sequence: String,
-        /// What is wrong with it.
-        fault: String,
-    },
     /// A texture that a file names does not exist.
     #[error(
         "{path}: the texture {texture} is not there, nor beside it: put it there, name another one (--texture), or take it \
@@ -361,7 +346,6 @@ impl ImportError {
             Self::FaceList { .. } => "E_FACE_LIST",
             Self::NoTriangles { .. } => "E_NO_TRIANGLES",
             Self::Image { .. } => "E_IMAGE",
-            Self::FrameEmpty { .. } => "E_FRAME_EMPTY",
             Self::TextureMissing { .. } => "E_TEXTURE_MISSING",
             Self::TexturePairing { .. } => "E_TEXTURE_PAIRING",
             Self::TextureCount { .. } => "E_TEXTURE_COUNT",

@@ -139,6 +139,7 @@ pub(super) fn read_frames(
             let mut frame = read_frame(path)?;
             check_same_mesh(frame.positions.len(), &frame.faces, path, first_frame + k, reference)?;
             place(&frame.positions, path, first_frame + k, axes, out)?;
+            check_area(&frame.faces, path, first_frame + k, out)?;
             let mut notes = std::mem::take(&mut frame.notes);
             let looks = looks_like_first(&frame, path, first, &mut notes)?;
             let mesh = reference.mesh;
@@ -232,4 +233,17 @@ pub(super) fn place(
         *slot = place.as_vec3();
     }
     Ok(())
+}
+
+/// Refuses a frame in which nothing is left of the surface, as where its scale is 0.
+pub(super) fn check_area(faces: &FaceList, path: &Path, frame: usize, pose: &[Vec3]) -> Result<(), ImportError> {
+    let corner = |&v: &u32| pose.get(v as usize).copied().unwrap_or_default().as_dvec3();
+    let has_area = |face: &[u32]| {
+        let points: Vec<_> = face.iter().map(corner).collect();
+        points.windows(2).any(|w| (w[0] - points[0]).cross(w[1] - points[0]).length_squared() > 0.0)
+    };
+    if faces.iter().any(has_area) {
+        return Ok(());
+    }
+    Err(ImportError::Collapsed { path: path.to_owned(), frame })
 }

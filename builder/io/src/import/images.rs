@@ -9,6 +9,7 @@ use actor::surface::{Image, ImageFormat};
 use image::ImageReader;
 
 use super::error::ImportError;
+use super::formats::unread_image;
 
 /// Endings of image files.
 const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
@@ -48,7 +49,7 @@ impl ImageStore {
 
 /// An image from the bytes of its file; `path` is for messages.
 pub(super) fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Image, ImportError> {
-    let wrong = |reason: String| ImportError::Image { path: path.to_owned(), reason };
+    let wrong = |reason: String| image_error(path, reason);
     let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
     let format = match reader.format() {
         Some(image::ImageFormat::Png) => ImageFormat::Png,
@@ -64,9 +65,17 @@ pub(super) fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Image, ImportErr
     Ok(Image { format, width, height, bytes })
 }
 
+/// The error for an image: what it is where its ending says so, or what the decoder says.
+fn image_error(path: &Path, reason: String) -> ImportError {
+    match unread_image(path) {
+        Some(told) => ImportError::UnknownFormat { path: path.to_owned(), told },
+        None => ImportError::Image { path: path.to_owned(), reason },
+    }
+}
+
 /// Width and height of an image file, from its header.
 pub(super) fn size_of(path: &Path) -> Result<(u32, u32), ImportError> {
-    let wrong = |reason: String| ImportError::Image { path: path.to_owned(), reason };
+    let wrong = |reason: String| image_error(path, reason);
     let reader = ImageReader::open(path).map_err(|source| read_error(path, source))?;
     let reader = reader.with_guessed_format().map_err(|e| wrong(e.to_string()))?;
     reader.into_dimensions().map_err(|e| wrong(e.to_string()))

@@ -1,5 +1,6 @@
 //! Which sequences an input names: a file, a folder, a glob or a frame pattern.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -81,6 +82,7 @@ pub(super) struct Finder {
 impl Finder {
     /// The sequences of `input`, seen from the folder `base`.
     pub fn find(&mut self, input: &str, base: &Path) -> Result<Vec<Found>, ImportError> {
+        let input = &*with_slashes(input, base);
         let path = base.join(input);
         let found = if path.is_dir() {
             self.folder(&path)?
@@ -333,6 +335,11 @@ impl Finder {
             ),
         ));
     }
+}
+
+/// `input` with `/` for the `\` of another system, unless a file is named so.
+pub(super) fn with_slashes<'a>(input: &'a str, base: &Path) -> Cow<'a, str> {
+    if input.contains('\\') && !base.join(input).exists() { input.replace('\\', "/").into() } else { input.into() }
 }
 
 /// An input that is no single file or folder: a pattern or a glob.

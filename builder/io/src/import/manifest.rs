@@ -58,7 +58,13 @@ impl Manifest {
             .to_owned();
         // TOML knows no carriage return alone.
         let text = text.replace("\r\n", "\n").replace('\r', "\n");
-        let manifest: Self = toml::from_str(&text).map_err(|e| wrong(e.to_string().trim_end().to_owned()))?;
+        let manifest: Self = toml::from_str(&text).map_err(|error| {
+            let error = error.to_string();
+            // "C:\Users" is no string of TOML.
+            let hint =
+                if (error.contains("escape") || error.contains("unicode")) { "\nwrite / for \\ in paths" } else { "" };
+            wrong(format!("{}{hint}", error.trim_end()))
+        })?;
         if manifest.sequences.is_empty() {
             return Err(wrong("there is no [[sequence]]".into()));
         }

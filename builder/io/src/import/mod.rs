@@ -2,16 +2,19 @@
 //!
 //! ```text
 //! inputs, options -> plan -> read -> textures -> assemble -> Capture
-//!                     |        |                   |
-//!       inputs, manifest,    frames (obj, ply),   weld
-//!       pattern, numbered    gltf
+//!                     |        |        |           |
+//!       inputs, manifest,    frames  pairing,     weld,
+//!       pattern, numbered,   (obj,   nearby,      loops
+//!       formats              ply,    masks
+//!                            looks),
+//!                            gltf, stills, places
 //! ```
 //!
 //! What can be read:
 //!
 //! - **glTF and GLB** (`gltf`): every clip becomes a sequence, baked at [`ImportOptions::fps`] from its first keyframe
 //!   to its last. A clip without duration is one frame; a file without clips is one frame. Unnamed animations of which
-//!   no two move the same thing are one clip.
+//!   no two move the same thing are one clip. Numbered files that hold a pose each are one sequence.
 //! - **OBJ and PLY**: one file a frame, from a folder, a glob, or a pattern such as `frame_%05d.obj:0:99:2`
 //!   (`pattern` has the syntax). Numbered files are played in the order of their numbers, one sequence for each
 //!   common name; a gap in the numbers is a warning, except in a pattern's range, whose files must all exist.
@@ -22,6 +25,10 @@
 //! else is an error that names file, frame and face. Positions end up in metres, +Y up. Vertices that share their
 //! position in every frame are welded (`weld`); texture coordinates stay with the corners of the drawn surface, with
 //! v downwards (OBJ and PLY are turned over).
+//!
+//! Nothing is silently wrong: what is left aside, guessed, lost or elsewhere is a [`Warning`] with a stable code, and what
+//! cannot be read as it is meant is an error (`docs/codes.md`). Textures belong to frames by number, never by their place
+//! in a list.
 //!
 //! Nothing here trusts a file: counts are held against the file's size before memory is reserved, every index is
 //! checked, and a fault is an [`ImportError`] with a stable [`ImportError::code`].

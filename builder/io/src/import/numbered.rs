@@ -169,7 +169,7 @@ impl Name {
             let before = texts.last_mut();
             match (digits.parse::<i64>(), before) {
                 (Ok(value), Some(before)) => {
-                    let sign = sign_at_end(before);
+                    let sign = sign_at_end(before, numbers.is_empty());
                     if sign != Sign::None {
                         before.pop();
                     }
@@ -227,10 +227,18 @@ impl Name {
     }
 }
 
-fn sign_at_end(before: &str) -> Sign {
+/// What a dash at the end of `before` is; `first` where the name begins with it.
+fn sign_at_end(before: &str, first: bool) -> Sign {
     let Some(start) = before.strip_suffix('-') else { return Sign::None };
     match start.chars().next_back() {
-        None | Some('_' | '.' | '(' | '[' | '{' | '=' | '#') => Sign::Minus,
+        None => {
+            if first {
+                Sign::Minus
+            } else {
+                Sign::None
+            }
+        }
+        Some('_' | '.' | '(' | '[' | '{' | '=' | '#') => Sign::Minus,
         Some('-') => Sign::Perhaps,
         Some(c) if c.is_whitespace() => Sign::Perhaps,
         Some(_) => Sign::None,
@@ -418,6 +426,10 @@ mod tests {
         assert_eq!(runs(paths(&names))[0].numbers, [-10, -2, 0, 3]);
         let dashes = ["w-1.obj", "w-2.obj", "w-10.obj"];
         assert_eq!(found(&dashes), [run("w", &dashes)]);
+        let dates = ["w2024-01-1.obj", "w2024-01-2.obj", "w2024-01-10.obj"];
+        assert_eq!(found(&dates), [run("w2024-01", &dates)]);
+        let starts = ["-2.obj", "-1.obj", "0.obj"];
+        assert_eq!(found(&starts), [run("", &starts)]);
         let blanks = ["w -1.obj", "w -2.obj", "w -10.obj"];
         assert_eq!(found(&blanks), [run("w", &blanks)]);
         let both = ["w -2.obj", "w -1.obj", "w 0.obj", "w 1.obj"];

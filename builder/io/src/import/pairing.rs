@@ -153,7 +153,8 @@ pub(super) fn filled(
         warnings.push(Warning::new(
             "W_TEXTURE_LOST",
             format!(
-                "sequence \"{}\": no texture for {} of {} frames ({}{more}): they wear that of the frame before them",
+                "sequence \"{}\": no texture for {} of {} frames ({}{more}): they wear that of the nearest frame before \
+                 them, or else after them",
                 sequence.name,
                 lost.len(),
                 textures.len(),

@@ -6,7 +6,7 @@ use super::error::ImportError;
 use super::folder::list;
 use super::formats::unread_image;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, name_of_folder};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, name_of_folder, with_slashes};
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
 use super::paths::ending;
 use super::paths::folder_of;
@@ -193,6 +193,7 @@ fn manifest_sequence(
 
 /// The image files that a texture input names: a file, a folder, a glob or a pattern.
 fn images_of(input: &str, base: &Path) -> Result<NamedImages, ImportError> {
+    let input = &*with_slashes(input, base);
     let path = base.join(input);
     if path.is_file() {
         return Ok(NamedImages { files: vec![path], in_order: false });

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::Progress;
 use super::error::ImportError;
-use super::frames::{Axes, First, Reference, Seen, check_same_mesh, place, read_frames, shared_mesh};
+use super::frames::{Axes, First, Reference, Seen, check_area, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
 use super::mesh::FileMesh;
@@ -227,7 +227,7 @@ impl Reader<'_> {
                     let pose: Vec<DVec3> =
                         file.pose(clip, f64::from(fps), frame)?.iter().map(|p| p.as_dvec3()).collect();
                     place(&pose, file.path(), frame, axes, out)?;
-                    check_area(file, frame, out)
+                    check_area(&file.mesh().faces, file.path(), frame, out)
                 })
                 .collect();
             results.into_iter().collect::<Result<(), _>>()?;
@@ -244,17 +244,4 @@ impl Reader<'_> {
         check_same_mesh(mesh.vertex_count, &mesh.faces, file.path(), 0, &self.reference)
             .map_err(|error| topologies::explained(error, self.sequence, &[]))
     }
-}
-
-/// Refuses a frame in which nothing is left of the surface, as where its scale is 0.
-fn check_area(file: &GltfFile, frame: usize, pose: &[Vec3]) -> Result<(), ImportError> {
-    let corner = |&v: &u32| pose.get(v as usize).copied().unwrap_or_default().as_dvec3();
-    let has_area = |face: &[u32]| {
-        let points: Vec<_> = face.iter().map(corner).collect();
-        points.windows(2).any(|w| (w[0] - points[0]).cross(w[1] - points[0]).length_squared() > 0.0)
-    };
-    if file.mesh().faces.iter().any(has_area) {
-        return Ok(());
-    }
-    Err(ImportError::Collapsed { path: file.path().to_owned(), frame })
 }

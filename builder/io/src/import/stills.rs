@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::error::ImportError;
-use super::frames::{Axes, Reference, Seen, attributes_differ, check_same_mesh, place};
+use super::frames::{Axes, Reference, Seen, attributes_differ, check_area, check_same_mesh, place};
 use super::gltf::GltfFile;
 use super::mesh::FileMesh;
 use super::scratch::Scratch;
@@ -98,6 +98,7 @@ pub(super) fn read_stills(
             check_same_mesh(mesh.vertex_count, &mesh.faces, path, frame, reference)?;
             let pose: Vec<DVec3> = file.pose(0, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
             place(&pose, path, frame, axes, out)?;
+            check_area(&mesh.faces, path, frame, out)?;
             let prefix = format!("{}: ", path.display());
             let told = |w: &Warning| Note::new(w.code, w.message.strip_prefix(&prefix).unwrap_or(&w.message));
             let mut notes: Vec<Note> = file.warnings().iter().map(told).collect();

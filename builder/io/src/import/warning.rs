@@ -103,8 +103,8 @@ mod tests {
         let mut notes = Notes::default();
         for k in 0..4 {
             let path = PathBuf::from(format!("f{k}"));
-            notes.add(&path, [Note::new("W_A", format!("a{k}")), Note::new("W_A", "again")]);
-            notes.add(&path, (k == 2).then(|| Note::new("W_B", "b")));
+            notes.add(&path, [Note::new("W_SIZE", format!("a{k}")), Note::new("W_SIZE", "again")]);
+            notes.add(&path, (k == 2).then(|| Note::new("W_NO_UV", "b")));
         }
         let warnings: Vec<String> = notes.into_warnings().map(|w| w.message).collect();
         assert_eq!(warnings, ["f0: a0; the same in 3 more files, the last of them f3", "f2: b"]);
