@@ -3,13 +3,14 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
-use texture::{basis, dealign};
-use web::gpu::appearance::basis::LayerUniform;
-use web::gpu::appearance::dealign::Motion;
-use web::gpu::frame::FrameUniform;
+use texture::mask::NEIGHBOURS;
+use texture::{basis, dealign, transform};
+use web::gpu::appearance::basis::{GROUP, LayerUniform, ROW};
+use web::gpu::appearance::dealign::{Motion, TILE};
+use web::gpu::frame::{FrameUniform, linear};
 use web::gpu::mesh::MaterialUniform;
-use web::gpu::pose::ActorUniform;
-use web::gpu::shadow::BlurUniform;
+use web::gpu::pose::{ActorUniform, NUMBERS};
+use web::gpu::shadow::{BlurUniform, TAPS_PER_DEVIATION};
 use web::shaders;
 
 const ALL: [(&str, &str); 9] = [
@@ -109,37 +110,81 @@ fn uniforms_have_the_layout_of_their_twins() {
     check_layout(shaders::BLUR, "Blur", layout!(BlurUniform, red, green), size_of::<BlurUniform>());
 }
 
-/// The number that a constant of `source` is, as the shader has it. One without a type is none to naga until it is used.
+/// The value of constant `name` of `source`, as 32 bits.
 fn constant(source: &str, name: &str) -> f32 {
-    let module = parse(name, &format!("{source}\nconst PROBE: f32 = {name};\n"));
-    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("PROBE"));
-    match found.map(|(_, constant)| &module.global_expressions[constant.init]) {
-        Some(&Expression::Literal(Literal::F32(value))) => value,
-        other => panic!("{name} is no number: {other:?}"),
+    // The shader's own constants have no types of their own, and naga keeps none that has not.
+    let module = parse(name, &format!("{source}const TWIN: f32 = f32({name});"));
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some("TWIN"));
+    let (_, constant) = found.unwrap();
+    match module.global_expressions[constant.init] {
+        Expression::Literal(Literal::F32(value)) => value,
+        ref other => panic!("{name} is {other:?}"),
     }
 }
 
 #[test]
-fn constants_are_those_of_their_twins() {
+fn constants_have_the_values_of_their_twins() {
+    let (basis_pass, cycle, motion) =
+        (shaders::APPEARANCE_BASIS, shaders::APPEARANCE_CYCLE, shaders::APPEARANCE_TEXTURE);
     for (source, name, twin) in [
-        (shaders::APPEARANCE_BASIS, "ONE", basis::ONE),
-        (shaders::APPEARANCE_BASIS, "PADDING", dealign::PADDING),
-        (shaders::APPEARANCE_CYCLE, "LAMBDA", dealign::LAMBDA),
+        (basis_pass, "ONE", f64::from(basis::ONE)),
+        (basis_pass, "PADDING", f64::from(dealign::PADDING)),
+        (basis_pass, "SIDE", transform::SIDE as f64),
+        (basis_pass, "AREA", transform::AREA as f64),
+        (basis_pass, "WAVES", 3.0 * transform::AREA as f64),
+        (basis_pass, "ROW", f64::from(ROW)),
+        (cycle, "LAMBDA", f64::from(dealign::LAMBDA)),
+        (cycle, "OMEGA", f64::from(dealign::OMEGA)),
+        (cycle, "LEAST", f64::from(dealign::LEAST)),
+        (motion, "KNOWN", f64::from(dealign::KNOWN)),
+        (shaders::BLUR, "FALL", 0.5 / f64::from(TAPS_PER_DEVIATION).powi(2)),
+        (shaders::ACTOR, "NUMBERS", NUMBERS as f64),
     ] {
-        assert_eq!(constant(source, name), twin, "{name}");
+        assert_eq!(constant(source, name), twin as f32, "{name}");
     }
 }
 
 #[test]
-fn workgroups_have_the_size_that_they_are_dispatched_by() {
-    // One invocation for each block of a mode (`blocks.div_ceil(64)`), a workgroup for each restored block of 16 x 16 texels,
-    // and 8 x 8 texels for each workgroup of a pass over a texture (`side.div_ceil(8)`).
-    for (source, sizes) in [
-        (shaders::APPEARANCE_BASIS, &[[64, 1, 1], [256, 1, 1], [256, 1, 1]][..]),
-        (shaders::APPEARANCE_RESIDUAL, &[[8, 8, 1]]),
-        (shaders::APPEARANCE_CYCLE, &[[8, 8, 1], [8, 8, 1]]),
+fn neighbours_come_in_the_order_of_their_flags() {
+    let places = NEIGHBOURS.map(|(_, [x, y])| format!("vec2i({x}, {y})")).join(", ");
+    let wanted = format!("const NEIGHBOURS = array({places});");
+    assert!(shaders::APPEARANCE_CYCLE.contains(&wanted), "{wanted}");
+    // The shader's flag of neighbour k is 2 << k.
+    assert_eq!(NEIGHBOURS.map(|(flag, _)| flag), [0, 1, 2, 3].map(|k| 2 << k));
+}
+
+#[test]
+fn workgroups_are_as_large_as_they_are_dispatched() {
+    let area = transform::AREA as u32;
+    for (source, wanted) in [
+        (shaders::APPEARANCE_BASIS, vec![[GROUP, 1, 1], [area, 1, 1], [area, 1, 1]]),
+        (shaders::APPEARANCE_RESIDUAL, vec![[TILE, TILE, 1]]),
+        (shaders::APPEARANCE_CYCLE, vec![[TILE, TILE, 1]; 2]),
     ] {
-        let found: Vec<_> = parse("shader", source).entry_points.iter().map(|entry| entry.workgroup_size).collect();
-        assert_eq!(found, sizes);
+        let module = parse("workgroups", source);
+        let sizes: Vec<_> = module.entry_points.iter().map(|entry| entry.workgroup_size).collect();
+        assert_eq!(sizes, wanted);
+    }
+}
+
+/// The numbers of function `linear_from_srgb` in `source`, in order.
+fn numbers_of_srgb(source: &str) -> Vec<f32> {
+    let (_, function) = source.split_once("fn linear_from_srgb").unwrap();
+    let (body, _) = function.split_once('}').unwrap();
+    let (_, body) = body.split_once("return").unwrap();
+    let words = body.split(|c: char| !(c.is_ascii_digit() || c == '.'));
+    // `vec3f` and its like leave a lone digit.
+    words.filter(|word| word.contains('.')).map(|word| word.parse().unwrap()).collect()
+}
+
+#[test]
+fn srgb_is_decoded_as_on_the_processor() {
+    for source in [shaders::ACTOR, shaders::APPEARANCE_TEXTURE] {
+        let [shift, scale, power, slope, end] = numbers_of_srgb(source)[..] else { panic!("{source}") };
+        for byte in 0..=255 {
+            let srgb = byte as f32 / 255.0;
+            let own = if srgb <= end { srgb / slope } else { ((srgb + shift) / scale).powf(power) };
+            assert_eq!(own, linear(srgb), "{byte}");
+        }
     }
 }

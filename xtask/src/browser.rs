@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::command::{root, run, succeeds, target};
+use crate::command::{install_debian, root, run, succeeds, target};
 
 /// Chromium, and the OpenGL vendor without which it loses its WebGPU device.
 const PACKAGES: [&str; 6] = ["chromium", "fonts-dejavu-core", "libegl1", "libegl-mesa0", "libgles2", "libgl1-mesa-dri"];
@@ -88,12 +88,7 @@ pub fn chromium() -> Result<PathBuf> {
     if let Some(path) = installed() {
         return Ok(path);
     }
-    if succeeds("apt-get", &["--version"]) {
-        run("list of Debian packages", Command::new("apt-get").args(["update", "-qq"]))?;
-        let mut install = Command::new("apt-get");
-        install.args(["install", "-y", "-qq", "--no-install-recommends"]).args(PACKAGES);
-        run("Chromium and its OpenGL vendor", install.env("DEBIAN_FRONTEND", "noninteractive"))?;
-    }
+    install_debian("Chromium and its OpenGL vendor", &PACKAGES)?;
     match installed() {
         Some(path) => Ok(path),
         None => bail!(

@@ -79,3 +79,14 @@ pub fn succeeds(program: &str, arguments: &[&str]) -> bool {
     let quiet = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
     quiet.is_ok_and(|status| status.success())
 }
+
+/// Installs `packages`, which are `what`, where this is a Debian; elsewhere it does nothing.
+pub fn install_debian(what: &str, packages: &[&str]) -> Result<()> {
+    if !succeeds("apt-get", &["--version"]) {
+        return Ok(());
+    }
+    run("list of Debian packages", Command::new("apt-get").args(["update", "-qq"]))?;
+    let mut install = Command::new("apt-get");
+    install.args(["install", "-y", "-qq", "--no-install-recommends"]).args(packages);
+    run(what, install.env("DEBIAN_FRONTEND", "noninteractive"))
+}

@@ -11,6 +11,7 @@
 //! ```
 #![allow(clippy::print_stdout, reason = "a task runner speaks to its terminal")]
 
+mod adapter;
 mod bench;
 mod browser;
 mod bundle;

@@ -6,7 +6,7 @@ use std::process::Command;
 use anyhow::Result;
 
 use crate::command::{cargo, run};
-use crate::{browser, demo, size, web};
+use crate::{adapter, browser, demo, size, web};
 
 /// Everything that continuous integration runs, cheapest first.
 pub fn test() -> Result<()> {
@@ -23,6 +23,7 @@ pub fn test() -> Result<()> {
     run("documentation", &mut docs)?;
     // In the profile that it runs in: in another one all that it is made of would be compiled again.
     run("tests of the task runner", cargo().args(["test", "-q", "-p", "xtask", "--profile", "xtask"]))?;
+    adapter::install();
     run("tests", &mut tests())?;
     demo::pack(&dist.join("demo.reprise"), &|| browser::helper("builder"))?;
     browser::test(&dist)

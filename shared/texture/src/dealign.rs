@@ -12,7 +12,12 @@ use super::mask::{ACTIVE, LEVELS, Level, Mask};
 /// Weight of colours against gradients, lambda of thesis equation 4.1; thesis section 4.4.1 found 0.02 best.
 pub const LAMBDA: f32 = 0.02;
 /// Damping of the Jacobi sweeps.
-const OMEGA: f32 = 0.8;
+pub const OMEGA: f32 = 0.8;
+/// What the next smaller level gets is a mean over as many texels at least: beside a border, where there are fewer, three
+/// were found to take most of the error away in the first cycle.
+pub const LEAST: f32 = 3.0;
+/// A sample whose texels weigh less is not known.
+pub const KNOWN: f32 = 1e-6;
 /// Weight of texels that are known but not active, where a sample finds no active one.
 pub const PADDING: f32 = 1.0 / 1024.0;
 
@@ -47,7 +52,7 @@ impl Field {
             sum = [sum[0] + weight * r, sum[1] + weight * g, sum[2] + weight * b];
             total += weight;
         }
-        (total > 1e-6).then(|| sum.map(|value| value / total))
+        (total > KNOWN).then(|| sum.map(|value| value / total))
     }
 }
 
@@ -199,8 +204,7 @@ fn down(mask: &Mask, level: usize, right: &[Complex], z: &[Complex]) -> Vec<Comp
             *count += 1.0;
         }
     }
-    // Beside a border three count as the least: found to take most of the error away in the first cycle.
-    sums.into_iter().map(|(sum, count): (Complex, f32)| sum.map(|value| value / count.max(3.0))).collect()
+    sums.into_iter().map(|(sum, count): (Complex, f32)| sum.map(|value| value / count.max(LEAST))).collect()
 }
 
 /// The smaller level's solution at texel `at`, interpolated over its active texels.

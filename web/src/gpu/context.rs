@@ -5,6 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use wgpu::{BufferUsages, ShaderStages, TextureFormat};
 
+#[cfg(not(target_arch = "wasm32"))]
+use super::timing::Stopwatch;
+
 /// Samples per pixel of every picture.
 pub const SAMPLES: u32 = 4;
 /// Format of the depth buffers.
@@ -20,6 +23,8 @@ pub struct Gpu {
     /// Format that pictures are drawn in; an sRGB one, so that blending happens in linear light.
     pub format: TextureFormat,
     lost: Arc<AtomicBool>,
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) stopwatch: Option<Arc<Stopwatch>>,
 }
 
 impl Gpu {
@@ -40,7 +45,21 @@ impl Gpu {
             flag.store(true, Ordering::Relaxed);
             report(&error.to_string());
         }));
-        Self { device, queue, format, lost }
+        Self {
+            device,
+            queue,
+            format,
+            lost,
+            #[cfg(not(target_arch = "wasm32"))]
+            stopwatch: None,
+        }
+    }
+
+    /// The same device; its passes write their times to `stopwatch`.
+    #[cfg(not(target_arch = "wasm32"))]
+    #[must_use]
+    pub fn timed_by(self, stopwatch: Arc<Stopwatch>) -> Self {
+        Self { stopwatch: Some(stopwatch), ..self }
     }
 
     /// Whether nothing can be drawn any more.
@@ -55,11 +74,17 @@ impl Gpu {
         self.device.destroy();
     }
 
+    /// Commands to be submitted.
+    #[must_use]
+    pub fn encoder(&self, label: &'static str) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: named(label) })
+    }
+
     /// A buffer of `size` bytes, at least 16.
     #[must_use]
-    pub fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    pub fn buffer(&self, label: &'static str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
+            label: named(label),
             size: size.max(16).next_multiple_of(4),
             usage: usage | BufferUsages::COPY_DST,
             mapped_at_creation: false,
@@ -68,43 +93,55 @@ impl Gpu {
 
     /// A buffer that holds `data`, whose size is a multiple of 4 bytes.
     #[must_use]
-    pub fn buffer_of(&self, data: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        let buffer = self.buffer(data.len() as u64, usage);
+    pub fn buffer_of(&self, label: &'static str, data: &[u8], usage: BufferUsages) -> wgpu::Buffer {
+        let buffer = self.buffer(label, data.len() as u64, usage);
         self.queue.write_buffer(&buffer, 0, data);
         buffer
     }
 
     /// A layout of what a shader binds, from binding 0 on.
     #[must_use]
-    pub fn layout(&self, stages: ShaderStages, bindings: &[wgpu::BindingType]) -> wgpu::BindGroupLayout {
+    pub fn layout(
+        &self,
+        label: &'static str,
+        stages: ShaderStages,
+        bindings: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(bindings)
             .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility: stages, ty, count: None })
             .collect();
-        self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+        self.device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: named(label), entries: &entries })
     }
 
     /// What a shader binds, from binding 0 on.
     #[must_use]
-    pub fn group(&self, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
+    pub fn group(
+        &self,
+        label: &'static str,
+        layout: &wgpu::BindGroupLayout,
+        resources: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource: resource.clone() })
             .collect();
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: named(label), layout, entries: &entries })
     }
 
     /// A texture of one level, drawn to and sampled or copied.
     #[must_use]
     pub fn target(
         &self,
+        label: &'static str,
         size: [u32; 2],
         format: TextureFormat,
         samples: u32,
         usage: wgpu::TextureUsages,
     ) -> wgpu::Texture {
         self.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
+            label: named(label),
             size: extent(size),
             mip_level_count: 1,
             sample_count: samples,
@@ -117,8 +154,9 @@ impl Gpu {
 
     /// A sampler that filters linearly, between levels too.
     #[must_use]
-    pub fn sampler(&self, address: wgpu::AddressMode, anisotropy: u16) -> wgpu::Sampler {
+    pub fn sampler(&self, label: &'static str, address: wgpu::AddressMode, anisotropy: u16) -> wgpu::Sampler {
         self.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: named(label),
             address_mode_u: address,
             address_mode_v: address,
             mag_filter: wgpu::FilterMode::Linear,
@@ -131,16 +169,22 @@ impl Gpu {
 
     /// Creates the pipeline of a compute shader's entry point, whose group 0 has this layout.
     #[must_use]
-    pub fn compute(&self, shader: &'static str, entry: &str, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
+    pub fn compute(
+        &self,
+        label: &'static str,
+        shader: &'static str,
+        entry: &str,
+        layout: &wgpu::BindGroupLayout,
+    ) -> wgpu::ComputePipeline {
         let source = wgpu::ShaderSource::Wgsl(shader.into());
-        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: named(label), source });
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
+            label: named(label),
             bind_group_layouts: &[Some(layout)],
             immediate_size: 0,
         });
         self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: None,
+            label: named(label),
             layout: Some(&layout),
             module: &module,
             entry_point: Some(entry),
@@ -153,12 +197,12 @@ impl Gpu {
     #[must_use]
     pub fn pipeline(&self, pass: &Pass<'_>) -> wgpu::RenderPipeline {
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: None,
+            label: pass.label,
             source: wgpu::ShaderSource::Wgsl(pass.shader.into()),
         });
         let layouts: Vec<_> = pass.layouts.iter().map(|&layout| Some(layout)).collect();
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: None,
+            label: pass.label,
             bind_group_layouts: &layouts,
             immediate_size: 0,
         });
@@ -169,7 +213,7 @@ impl Gpu {
         };
         let vertices: Vec<_> = pass.vertices.iter().cloned().map(Some).collect();
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: None,
+            label: pass.label,
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
@@ -200,6 +244,8 @@ impl Gpu {
 
 /// What tells one pipeline from another.
 pub struct Pass<'a> {
+    /// Label of the pipeline and of what it is made of, from [`named`].
+    pub label: Option<&'static str>,
     /// WGSL with the entry points `vertex` and `fragment`.
     pub shader: &'static str,
     /// Layouts of groups 0, 1, 2.
@@ -225,18 +271,29 @@ pub struct Pass<'a> {
 impl<'a> Pass<'a> {
     /// A pass of the picture: multisampled, with depth.
     #[must_use]
-    pub fn of_picture(gpu: &Gpu, shader: &'static str, layouts: &'a [&'a wgpu::BindGroupLayout]) -> Self {
+    pub fn of_picture(
+        gpu: &Gpu,
+        label: &'static str,
+        shader: &'static str,
+        layouts: &'a [&'a wgpu::BindGroupLayout],
+    ) -> Self {
         Self {
             depth: Some((wgpu::CompareFunction::Less, true)),
             samples: SAMPLES,
-            ..Self::of_texture(shader, layouts, gpu.format)
+            ..Self::of_texture(label, shader, layouts, gpu.format)
         }
     }
 
     /// A pass into a texture of `format`: one sample, no depth.
     #[must_use]
-    pub fn of_texture(shader: &'static str, layouts: &'a [&'a wgpu::BindGroupLayout], format: TextureFormat) -> Self {
+    pub fn of_texture(
+        label: &'static str,
+        shader: &'static str,
+        layouts: &'a [&'a wgpu::BindGroupLayout],
+        format: TextureFormat,
+    ) -> Self {
         Self {
+            label: named(label),
             shader,
             layouts,
             vertices: &[],
@@ -280,23 +337,13 @@ pub fn extent(size: [u32; 2]) -> wgpu::Extent3d {
 
 /// A view of a whole texture.
 #[must_use]
-pub fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+pub fn view(label: &'static str, texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor { label: named(label), ..Default::default() })
 }
 
-/// A pass that draws into one view, which it clears to `clear` first.
-pub fn pass_into<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    target: &wgpu::TextureView,
-    clear: wgpu::Color,
-) -> wgpu::RenderPass<'e> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: target,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store },
-        })],
-        ..Default::default()
-    })
+/// A label, `reprise.pass.thing`: error messages and graphics debuggers say it. The page goes without, unless it is built
+/// for debugging: all labels together weigh 1.2 KB there, packed.
+#[must_use]
+pub const fn named(label: &'static str) -> Option<&'static str> {
+    if cfg!(any(debug_assertions, not(target_arch = "wasm32"))) { Some(label) } else { None }
 }

@@ -143,9 +143,9 @@ impl FrameGroup {
     /// An empty one.
     #[must_use]
     pub fn new(gpu: &Gpu) -> Self {
-        let layout = gpu.layout(ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
-        let buffer = gpu.buffer(size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM);
-        let group = gpu.group(&layout, &[buffer.as_entire_binding()]);
+        let layout = gpu.layout("reprise.frame.layout", ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
+        let buffer = gpu.buffer("reprise.frame.uniform", size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM);
+        let group = gpu.group("reprise.frame.group", &layout, &[buffer.as_entire_binding()]);
         Self { layout, group, buffer }
     }
 

@@ -33,13 +33,12 @@ impl Ghosts {
     #[must_use]
     pub fn new(gpu: &Gpu, frame: &wgpu::BindGroupLayout, pose: &wgpu::BindGroupLayout) -> Self {
         let layouts = [frame, pose];
-        let depth =
-            gpu.pipeline(&Pass { vertices: SHAPE, colour: false, ..Pass::of_picture(gpu, shaders::GHOST, &layouts) });
+        let pass = |label| Pass { vertices: SHAPE, ..Pass::of_picture(gpu, label, shaders::GHOST, &layouts) };
+        let depth = gpu.pipeline(&Pass { colour: false, ..pass("reprise.ghost.depth") });
         let colour = gpu.pipeline(&Pass {
-            vertices: SHAPE,
             depth: Some((CompareFunction::LessEqual, false)),
             blend: Some(OVER),
-            ..Pass::of_picture(gpu, shaders::GHOST, &layouts)
+            ..pass("reprise.ghost.colour")
         });
         Self { depth, colour, shown: Vec::new() }
     }

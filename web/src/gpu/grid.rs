@@ -23,7 +23,7 @@ impl Grid {
             // Painted first and never tested: feet that sink in by a millimetre stay whole.
             depth: PAINT,
             blend: Some(OVER),
-            ..Pass::of_picture(gpu, shaders::GROUND, &[frame, &shadow.layout])
+            ..Pass::of_picture(gpu, "reprise.ground.pipeline", shaders::GROUND, &[frame, &shadow.layout])
         });
         Self { pipeline }
     }

@@ -42,9 +42,9 @@ impl Marks {
             topology: wgpu::PrimitiveTopology::TriangleList,
             depth: PAINT,
             blend: Some(OVER),
-            ..Pass::of_picture(gpu, shaders::MARKS, &[frame])
+            ..Pass::of_picture(gpu, "reprise.marks.pipeline", shaders::MARKS, &[frame])
         });
-        Self { pipeline, corners: gpu.buffer(4096, BufferUsages::VERTEX), count: 0 }
+        Self { pipeline, corners: gpu.buffer("reprise.marks.corners", 4096, BufferUsages::VERTEX), count: 0 }
     }
 
     /// Uploads triangles: 12 bytes a corner as in [`MarkCorner`], later ones over earlier ones; an incomplete triangle
@@ -53,7 +53,7 @@ impl Marks {
         let triangles = (bytes.len() / (3 * size_of::<MarkCorner>())).min(MOST / 3);
         let bytes = bytes.get(..triangles * 3 * size_of::<MarkCorner>()).unwrap_or_default();
         if bytes.len() as u64 > self.corners.size() {
-            self.corners = gpu.buffer(bytes.len() as u64 * 2, BufferUsages::VERTEX);
+            self.corners = gpu.buffer("reprise.marks.corners", bytes.len() as u64 * 2, BufferUsages::VERTEX);
         }
         gpu.queue.write_buffer(&self.corners, 0, bytes);
         self.count = triangles as u32 * 3;

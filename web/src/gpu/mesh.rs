@@ -78,10 +78,11 @@ impl Mesh {
     /// Uploads `surface`. Textures arrive later, by [`Self::set_image`].
     #[must_use]
     pub fn new(gpu: &Gpu, surface: &Surface, frame: &wgpu::BindGroupLayout, pose: &wgpu::BindGroupLayout) -> Self {
-        let layout = gpu.layout(ShaderStages::FRAGMENT, &[UNIFORM, TEXTURE, SAMPLER]);
+        let layout = gpu.layout("reprise.actor.material_layout", ShaderStages::FRAGMENT, &[UNIFORM, TEXTURE, SAMPLER]);
         let layouts = [frame, pose, &layout];
         let pipelines = [Some(wgpu::Face::Back), None].map(|cull| {
-            gpu.pipeline(&Pass { vertices: &[CORNER], cull, ..Pass::of_picture(gpu, shaders::ACTOR, &layouts) })
+            let pass = Pass::of_picture(gpu, "reprise.actor.pipeline", shaders::ACTOR, &layouts);
+            gpu.pipeline(&Pass { vertices: &[CORNER], cull, ..pass })
         });
         let textures = Textures::new(gpu);
         let coloured = surface.corners.iter().any(|corner| corner.colour[..3] != [255; 3]);
@@ -90,7 +91,8 @@ impl Mesh {
             .materials
             .iter()
             .map(|material| {
-                let uniform = gpu.buffer(size_of::<MaterialUniform>() as u64, BufferUsages::UNIFORM);
+                let uniform =
+                    gpu.buffer("reprise.actor.material", size_of::<MaterialUniform>() as u64, BufferUsages::UNIFORM);
                 let bare = MaterialUniform {
                     base_colour: bare_colour(material, coloured),
                     captured: f32::from(u8::from(coloured)),
@@ -108,8 +110,12 @@ impl Mesh {
             .collect();
         let corners: Vec<_> = surface.corners.iter().map(drawn).collect();
         Self {
-            corners: gpu.buffer_of(bytemuck::cast_slice(&corners), BufferUsages::VERTEX),
-            indices: gpu.buffer_of(bytemuck::cast_slice(&surface.triangles), BufferUsages::INDEX),
+            corners: gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX),
+            indices: gpu.buffer_of(
+                "reprise.actor.triangles",
+                bytemuck::cast_slice(&surface.triangles),
+                BufferUsages::INDEX,
+            ),
             index_count: surface.triangles.len() as u32 * 3,
             parts: surface.parts.iter().map(|part| drawn_part(part, surface)).collect(),
             materials,
@@ -182,6 +188,7 @@ fn group(
     view: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
     gpu.group(
+        "reprise.actor.material_group",
         layout,
         &[
             uniform.as_entire_binding(),

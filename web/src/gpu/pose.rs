@@ -20,6 +20,9 @@ pub struct ActorUniform {
     pub opacity: f32,
 }
 
+/// Numbers of a vertex: its position, then its normal.
+pub const NUMBERS: usize = 6;
+
 /// A pose as it is uploaded, told from others by its number.
 #[derive(Clone, Copy)]
 pub struct Numbered<'a> {
@@ -32,7 +35,7 @@ pub struct Numbered<'a> {
 /// Layout of group 1.
 #[must_use]
 pub fn pose_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
-    gpu.layout(ShaderStages::VERTEX_FRAGMENT, &[UNIFORM, STORAGE, STORAGE])
+    gpu.layout("reprise.pose.layout", ShaderStages::VERTEX_FRAGMENT, &[UNIFORM, STORAGE, STORAGE])
 }
 
 /// Two pose buffers. Stepping on to the next frame uploads one pose and swaps their roles.
@@ -51,11 +54,17 @@ impl PoseGroup {
     /// Buffers for poses of `vertex_count` vertices.
     #[must_use]
     pub fn new(gpu: &Gpu, layout: &wgpu::BindGroupLayout, vertex_count: usize) -> Self {
-        let uniform = gpu.buffer(size_of::<ActorUniform>() as u64, BufferUsages::UNIFORM);
-        let poses = [(); 2].map(|()| gpu.buffer(vertex_count as u64 * 24, BufferUsages::STORAGE));
+        let uniform = gpu.buffer("reprise.pose.uniform", size_of::<ActorUniform>() as u64, BufferUsages::UNIFORM);
+        let poses = [(); 2].map(|()| {
+            gpu.buffer(
+                "reprise.pose.vertices",
+                (vertex_count * NUMBERS * size_of::<f32>()) as u64,
+                BufferUsages::STORAGE,
+            )
+        });
         let group = |a: usize, b: usize| {
             let [first, second] = [&poses[a], &poses[b]].map(wgpu::Buffer::as_entire_binding);
-            gpu.group(layout, &[uniform.as_entire_binding(), first, second])
+            gpu.group("reprise.pose.group", layout, &[uniform.as_entire_binding(), first, second])
         };
         let groups = [group(0, 1), group(1, 0)];
         Self { uniform, poses, numbers: [u64::MAX; 2], groups, swapped: false, written: None, scratch: Vec::new() }
@@ -108,7 +117,7 @@ impl PoseGroup {
 /// Positions and smooth normals of `pose`, six numbers per vertex, into `out`.
 pub fn interleave(triangles: &[[u32; 3]], pose: &[Vec3], out: &mut Vec<f32>) {
     out.clear();
-    out.reserve(pose.len() * 6);
+    out.reserve(pose.len() * NUMBERS);
     for p in pose {
         out.extend_from_slice(&[p.x, p.y, p.z, 0.0, 0.0, 0.0]);
     }
@@ -117,7 +126,7 @@ pub fn interleave(triangles: &[[u32; 3]], pose: &[Vec3], out: &mut Vec<f32>) {
         // Twice the triangle's area long: large triangles count for more.
         let normal = (b - a).cross(c - a);
         for &vertex in corners {
-            let start = vertex as usize * 6 + 3;
+            let start = vertex as usize * NUMBERS + 3;
             if let Some(sum) = out.get_mut(start..start + 3) {
                 sum[0] += normal.x;
                 sum[1] += normal.y;
@@ -125,7 +134,7 @@ pub fn interleave(triangles: &[[u32; 3]], pose: &[Vec3], out: &mut Vec<f32>) {
             }
         }
     }
-    for vertex in out.chunks_exact_mut(6) {
+    for vertex in out.chunks_exact_mut(NUMBERS) {
         let normal = Vec3::new(vertex[3], vertex[4], vertex[5]).normalize_or(Vec3::Y);
         vertex[3..].copy_from_slice(&normal.to_array());
     }

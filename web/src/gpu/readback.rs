@@ -2,7 +2,7 @@
 
 use wgpu::{BufferUsages, TextureFormat};
 
-use super::context::{Gpu, extent};
+use super::context::{Gpu, extent, named};
 use super::frame::{linear, srgb};
 
 /// Copies `texture`, of `size` pixels in the picture's format, and hands its RGBA bytes to `then`; `None` on a loss.
@@ -17,12 +17,12 @@ pub fn read(
 ) {
     let row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
+        label: named("reprise.readback.pixels"),
         size: u64::from(row) * u64::from(size[1]),
         usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = gpu.encoder("reprise.readback.commands");
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),

@@ -14,7 +14,7 @@ use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
 use super::shadow::{Shadow, Square};
 use super::target::Target;
 use super::trail::Trail;
-use crate::camera::View;
+use crate::camera::{Subject, View};
 use crate::trail::{TrailPoint, ribbon};
 
 /// What the actor shows at a moment.
@@ -55,6 +55,16 @@ impl Measures {
         let floor = if low.y.abs() < 0.15 * body { 0.0 } else { low.y };
         let width = Vec2::new(high.x - low.x, high.z - low.z).length().max(1e-3);
         Self { floor, height: (high.y - floor).max(body * 0.5).max(width * 0.6), width }
+    }
+
+    /// What a camera frames where the actor stands as in `pose`.
+    #[must_use]
+    pub fn subject(&self, pose: &[Vec3]) -> Subject {
+        let low = pose.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
+        let high = pose.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
+        let middle = (low + high) / 2.0;
+        let ground = Vec2::new(middle.x, middle.z);
+        Subject { ground, floor: self.floor, height: self.height, width: self.width }
     }
 }
 
@@ -150,12 +160,12 @@ impl Scene {
         uniform.shadow_origin = self.square.origin.to_array();
         uniform.shadow_size = self.square.side;
         self.frame.write(&self.gpu, &uniform);
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.gpu.encoder("reprise.picture.commands");
         if std::mem::take(&mut self.shadow_due) {
             self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square);
         }
         {
-            let mut pass = target.begin(&mut encoder, self.look.clear());
+            let mut pass = target.begin(&self.gpu, &mut encoder, "reprise.picture.pass", self.look.clear());
             pass.set_bind_group(0, &self.frame.group, &[]);
             self.grid.draw(&mut pass, &self.shadow);
             self.marks.draw(&mut pass);

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
-use super::context::{Gpu, Pass, SAMPLER, TEXTURE, UNIFORM, pass_into, view};
+use super::context::{Gpu, Pass, SAMPLER, TEXTURE, UNIFORM, view};
 use super::frame::FrameGroup;
 use super::mesh::{Mesh, SHAPE};
 use super::pose::PoseGroup;
@@ -17,8 +17,8 @@ const SIDE: u32 = 256;
 /// Standard deviations of the two blurs, in parts of the actor's height.
 const NARROW: f32 = 0.014;
 const WIDE: f32 = 0.085;
-/// Texture coordinates between two taps, in standard deviations: `exp(-0.08 x^2)` in `blur.wgsl` is 2.5 taps each.
-const TAPS_PER_DEVIATION: f32 = 2.5;
+/// Taps of a standard deviation: `FALL` in `blur.wgsl` is half of its inverse square.
+pub const TAPS_PER_DEVIATION: f32 = 2.5;
 
 /// `Blur` of `blur.wgsl`.
 #[repr(C)]
@@ -89,15 +89,20 @@ impl Shadow {
         let occlusion = gpu.pipeline(&Pass {
             vertices: SHAPE,
             blend: Some(wgpu::BlendState { color: most, alpha: most }),
-            ..Pass::of_texture(shaders::OCCLUSION, &[frame, pose], FORMAT)
+            ..Pass::of_texture("reprise.occlusion.pipeline", shaders::OCCLUSION, &[frame, pose], FORMAT)
         });
-        let blur_layout = gpu.layout(ShaderStages::FRAGMENT, &[UNIFORM, TEXTURE, SAMPLER]);
-        let blur = gpu.pipeline(&Pass::of_texture(shaders::BLUR, &[&blur_layout], FORMAT));
-        let maps = [(); 2].map(|()| view(&gpu.target([SIDE; 2], FORMAT, 1, TextureUsages::TEXTURE_BINDING)));
-        let sampler = gpu.sampler(wgpu::AddressMode::ClampToEdge, 1);
-        let blurs = [(); 2].map(|()| gpu.buffer(size_of::<BlurUniform>() as u64, BufferUsages::UNIFORM));
+        let blur_layout = gpu.layout("reprise.blur.layout", ShaderStages::FRAGMENT, &[UNIFORM, TEXTURE, SAMPLER]);
+        let blur = gpu.pipeline(&Pass::of_texture("reprise.blur.pipeline", shaders::BLUR, &[&blur_layout], FORMAT));
+        let maps = [(); 2].map(|()| {
+            let label = "reprise.blur.map";
+            view(label, &gpu.target(label, [SIDE; 2], FORMAT, 1, TextureUsages::TEXTURE_BINDING))
+        });
+        let sampler = gpu.sampler("reprise.blur.sampler", wgpu::AddressMode::ClampToEdge, 1);
+        let blurs = [(); 2]
+            .map(|()| gpu.buffer("reprise.blur.uniform", size_of::<BlurUniform>() as u64, BufferUsages::UNIFORM));
         let groups = [0, 1].map(|direction: usize| {
             gpu.group(
+                "reprise.blur.group",
                 &blur_layout,
                 &[
                     blurs[direction].as_entire_binding(),
@@ -106,9 +111,9 @@ impl Shadow {
                 ],
             )
         });
-        let layout = gpu.layout(ShaderStages::FRAGMENT, &[TEXTURE, SAMPLER]);
+        let layout = gpu.layout("reprise.ground.shadow_layout", ShaderStages::FRAGMENT, &[TEXTURE, SAMPLER]);
         let finished = [wgpu::BindingResource::TextureView(&maps[0]), wgpu::BindingResource::Sampler(&sampler)];
-        let group = gpu.group(&layout, &finished);
+        let group = gpu.group("reprise.ground.shadow_group", &layout, &finished);
         Self { occlusion, blur, blurs, groups, maps, layout, group }
     }
 
@@ -129,14 +134,14 @@ impl Shadow {
             gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
         }
         {
-            let mut pass = pass_into(encoder, &self.maps[0], wgpu::Color::TRANSPARENT);
+            let mut pass = gpu.pass_into(encoder, "reprise.occlusion.pass", &self.maps[0], wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.occlusion);
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, pose.group(), &[]);
             mesh.draw_shape(&mut pass);
         }
         for (group, target) in self.groups.iter().zip([&self.maps[1], &self.maps[0]]) {
-            let mut pass = pass_into(encoder, target, wgpu::Color::TRANSPARENT);
+            let mut pass = gpu.pass_into(encoder, "reprise.blur.pass", target, wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.blur);
             pass.set_bind_group(0, group, &[]);
             pass.draw(0..3, 0..1);

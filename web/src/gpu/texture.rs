@@ -2,7 +2,7 @@
 
 use wgpu::{ShaderStages, TextureFormat, TextureUsages};
 
-use super::context::{Gpu, Pass, SAMPLER, TEXTURE, extent, pass_into, view};
+use super::context::{Gpu, Pass, SAMPLER, TEXTURE, extent, named, view};
 use crate::shaders;
 
 /// Format of the textures: sRGB, so that filtering happens in linear light.
@@ -21,13 +21,13 @@ impl Textures {
     /// The pipeline that makes levels.
     #[must_use]
     pub fn new(gpu: &Gpu) -> Self {
-        let layout = gpu.layout(ShaderStages::FRAGMENT, &[TEXTURE, SAMPLER]);
-        let pipeline = gpu.pipeline(&Pass::of_texture(shaders::MIPMAP, &[&layout], COLOUR));
+        let layout = gpu.layout("reprise.mipmap.layout", ShaderStages::FRAGMENT, &[TEXTURE, SAMPLER]);
+        let pipeline = gpu.pipeline(&Pass::of_texture("reprise.mipmap.pipeline", shaders::MIPMAP, &[&layout], COLOUR));
         Self {
             pipeline,
             layout,
-            level_sampler: gpu.sampler(wgpu::AddressMode::ClampToEdge, 1),
-            sampler: gpu.sampler(wgpu::AddressMode::Repeat, 8),
+            level_sampler: gpu.sampler("reprise.mipmap.sampler", wgpu::AddressMode::ClampToEdge, 1),
+            sampler: gpu.sampler("reprise.actor.sampler", wgpu::AddressMode::Repeat, 8),
         }
     }
 
@@ -35,7 +35,7 @@ impl Textures {
     #[must_use]
     pub fn create(&self, gpu: &Gpu, size: [u32; 2]) -> wgpu::Texture {
         gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
+            label: named("reprise.actor.texture"),
             size: extent(size),
             mip_level_count: level_count(size),
             sample_count: 1,
@@ -60,9 +60,10 @@ impl Textures {
 
     /// Makes every level of `texture` from the one above it.
     pub fn fill_levels(&self, gpu: &Gpu, texture: &wgpu::Texture) {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.encoder("reprise.mipmap.commands");
         let level = |level: u32| {
             texture.create_view(&wgpu::TextureViewDescriptor {
+                label: named("reprise.mipmap.level"),
                 base_mip_level: level,
                 mip_level_count: Some(1),
                 ..Default::default()
@@ -71,10 +72,12 @@ impl Textures {
         for smaller in 1..texture.mip_level_count() {
             let above = level(smaller - 1);
             let group = gpu.group(
+                "reprise.mipmap.group",
                 &self.layout,
                 &[wgpu::BindingResource::TextureView(&above), wgpu::BindingResource::Sampler(&self.level_sampler)],
             );
-            let mut pass = pass_into(&mut encoder, &level(smaller), wgpu::Color::TRANSPARENT);
+            let mut pass =
+                gpu.pass_into(&mut encoder, "reprise.mipmap.pass", &level(smaller), wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
@@ -85,7 +88,7 @@ impl Textures {
     /// The resources of a material's texture in its group.
     #[must_use]
     pub fn whole(texture: &wgpu::Texture) -> wgpu::TextureView {
-        view(texture)
+        view("reprise.actor.texture", texture)
     }
 }
 

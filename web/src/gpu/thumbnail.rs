@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::context::Gpu;
 use super::frame::{FrameGroup, Look};
 use super::mesh::Mesh;
 use super::pose::{ActorUniform, Numbered, PoseGroup};
@@ -50,14 +51,14 @@ impl Thumbnails {
         camera.set_aspect(size[0] as f32 / size[1] as f32);
         let look = Look { tint: false, ..scene.look };
         self.frame.write(gpu, &look.uniform(&camera.view(), scene.measures.floor, subject.ground, 1.0));
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.record(&mut encoder, &scene.mesh);
+        let mut encoder = gpu.encoder("reprise.thumbnail.commands");
+        self.record(gpu, &mut encoder, &scene.mesh);
         gpu.queue.submit([encoder.finish()]);
         read(gpu, &self.target.picture, size, true, then);
     }
 
-    fn record(&self, encoder: &mut wgpu::CommandEncoder, mesh: &Mesh) {
-        let mut pass = self.target.begin(encoder, wgpu::Color::TRANSPARENT);
+    fn record(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, mesh: &Mesh) {
+        let mut pass = self.target.begin(gpu, encoder, "reprise.thumbnail.pass", wgpu::Color::TRANSPARENT);
         pass.set_bind_group(0, &self.frame.group, &[]);
         pass.set_bind_group(1, self.pose.group(), &[]);
         mesh.draw(&mut pass);

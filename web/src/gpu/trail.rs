@@ -29,16 +29,16 @@ impl Trail {
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             depth: PAINT,
             blend: Some(OVER),
-            ..Pass::of_picture(gpu, shaders::TRAIL, &[frame])
+            ..Pass::of_picture(gpu, "reprise.trail.pipeline", shaders::TRAIL, &[frame])
         });
-        Self { pipeline, corners: gpu.buffer(4096, BufferUsages::VERTEX), count: 0 }
+        Self { pipeline, corners: gpu.buffer("reprise.trail.corners", 4096, BufferUsages::VERTEX), count: 0 }
     }
 
     /// Uploads `strip`.
     pub fn write(&mut self, gpu: &Gpu, strip: &[RibbonCorner]) {
         let bytes: &[u8] = bytemuck::cast_slice(strip);
         if bytes.len() as u64 > self.corners.size() {
-            self.corners = gpu.buffer(bytes.len() as u64 * 2, BufferUsages::VERTEX);
+            self.corners = gpu.buffer("reprise.trail.corners", bytes.len() as u64 * 2, BufferUsages::VERTEX);
         }
         gpu.queue.write_buffer(&self.corners, 0, bytes);
         self.count = strip.len() as u32;

@@ -31,6 +31,11 @@ struct Block {
 
 const ONE = 1048576.0;
 const PADDING = 1.0 / 1024.0;
+// Texels along a stored block, its waves in a channel and in all three; workgroups in a row of them.
+const SIDE = 16u;
+const AREA = 256u;
+const WAVES = 768u;
+const ROW = 32768u;
 
 // Of each block 3 channels of 256 waves; zero to begin with.
 @group(0) @binding(8) var<storage, read_write> sums: array<atomic<i32>>;
@@ -49,13 +54,13 @@ fn add(@builtin(global_invocation_id) id: vec3u) {
     let end = offsets[first + 1u];
     for (var entry = offsets[first]; entry < end; entry++) {
         let packed = entries[entry];
-        atomicAdd(&sums[block * 768u + (packed & 0xffffu)], i32(round(f32(i32(packed) >> 16u) * weight)));
+        atomicAdd(&sums[block * WAVES + (packed & 0xffffu)], i32(round(f32(i32(packed) >> 16u) * weight)));
     }
 }
 
 // Block, column and row of an invocation of a workgroup for each block; a block that is none where there is nothing to do.
 fn place_of(group: vec3u, at: u32) -> vec3u {
-    let place = vec3u(group.x + group.y * 32768u, at % 16u, at / 16u);
+    let place = vec3u(group.x + group.y * ROW, at % SIDE, at / SIDE);
     return select(place, vec3u(layer.blocks), max(place.y, place.z) >= layer.side);
 }
 
@@ -66,10 +71,10 @@ fn along_rows(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         return;
     }
     for (var channel = 0u; channel < 3u; channel++) {
-        let first = place.x * 768u + channel * 256u;
+        let first = place.x * WAVES + channel * AREA;
         var sum = 0.0;
         for (var u = 0u; u < layer.side; u++) {
-            sum += f32(atomicLoad(&sums[first + place.z * 16u + u])) / ONE * cosines[u * 16u + place.y];
+            sum += f32(atomicLoad(&sums[first + place.z * SIDE + u])) / ONE * cosines[u * SIDE + place.y];
         }
         rows[first + at] = sum * blocks[place.x].scale;
     }
@@ -83,10 +88,10 @@ fn along_columns(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
     }
     var colour = vec3f(0.0);
     for (var channel = 0u; channel < 3u; channel++) {
-        let first = place.x * 768u + channel * 256u + place.y;
+        let first = place.x * WAVES + channel * AREA + place.y;
         var sum = 0.0;
         for (var v = 0u; v < layer.side; v++) {
-            sum += rows[first + v * 16u] * cosines[v * 16u + place.z];
+            sum += rows[first + v * SIDE] * cosines[v * SIDE + place.z];
         }
         colour += sum * layer.turn[channel].xyz;
     }

@@ -18,6 +18,7 @@ struct Level {
 
 const LAMBDA = 0.02;
 const OMEGA = 0.8;
+const LEAST = 3.0;
 const NEIGHBOURS = array(vec2i(1, 0), vec2i(-1, 0), vec2i(0, 1), vec2i(0, -1));
 
 fn flags_at(at: vec2i) -> u32 {
@@ -88,7 +89,7 @@ fn down(@builtin(global_invocation_id) id: vec3u) {
             count += 1.0;
         }
     }
-    textureStore(written, id.xy, packed(sum * (1.0 / max(count, 3.0))));
+    textureStore(written, id.xy, packed(sum * (1.0 / max(count, LEAST))));
 }
 
 @compute @workgroup_size(8, 8)

@@ -11,6 +11,8 @@ struct Move {
 @group(0) @binding(1) var aligned: texture_2d<f32>;
 @group(0) @binding(2) var warp: texture_2d<f32>;
 
+const KNOWN = 1e-6;
+
 fn sampled(field: texture_2d<f32>, at: vec2f, otherwise: vec3f) -> vec3f {
     let corner = floor(at);
     let part = at - corner;
@@ -25,7 +27,7 @@ fn sampled(field: texture_2d<f32>, at: vec2f, otherwise: vec3f) -> vec3f {
             sum += vec4f(texel.rgb, 1.0) * (near.x * near.y * texel.a);
         }
     }
-    return select(otherwise, sum.rgb / sum.a, sum.a > 1e-6);
+    return select(otherwise, sum.rgb / sum.a, sum.a > KNOWN);
 }
 
 fn warp_at(at: vec2i) -> vec2f {

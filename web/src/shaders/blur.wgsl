@@ -9,6 +9,8 @@ struct Blur {
 @group(0) @binding(1) var source: texture_2d<f32>;
 @group(0) @binding(2) var source_sampler: sampler;
 
+const FALL = 0.08;
+
 struct Varying {
     @builtin(position) clip: vec4f,
     @location(0) uv: vec2f,
@@ -30,7 +32,7 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     for (var tap = -6; tap <= 6; tap++) {
         let x = f32(tap);
         // Six taps reach 2.4 standard deviations.
-        let weight = exp(-0.08 * x * x);
+        let weight = exp(-FALL * x * x);
         let red = textureSampleLevel(source, source_sampler, in.uv + blur.red * x, 0.0).r;
         let green = textureSampleLevel(source, source_sampler, in.uv + blur.green * x, 0.0).g;
         sum += weight * vec2f(red, green);

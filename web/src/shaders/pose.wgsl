@@ -10,18 +10,19 @@ struct Actor {
 
 @group(1) @binding(0) var<uniform> actor: Actor;
 // Per welded vertex: position, then normal.
+const NUMBERS = 6u;
 @group(1) @binding(1) var<storage, read> pose_a: array<f32>;
 @group(1) @binding(2) var<storage, read> pose_b: array<f32>;
 
 fn position_of(vertex: u32) -> vec3f {
-    let k = vertex * 6u;
+    let k = vertex * NUMBERS;
     let a = vec3f(pose_a[k], pose_a[k + 1u], pose_a[k + 2u]);
     let b = vec3f(pose_b[k], pose_b[k + 1u], pose_b[k + 2u]);
     return mix(a, b, actor.weight);
 }
 
 fn normal_of(vertex: u32) -> vec3f {
-    let k = vertex * 6u + 3u;
+    let k = vertex * NUMBERS + 3u;
     let a = vec3f(pose_a[k], pose_a[k + 1u], pose_a[k + 2u]);
     let b = vec3f(pose_b[k], pose_b[k + 1u], pose_b[k + 2u]);
     return mix(a, b, actor.weight);

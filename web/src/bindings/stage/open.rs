@@ -1,6 +1,5 @@
 //! Opens a device for a canvas.
 
-use glam::{Vec2, Vec3};
 use js_sys::Promise;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
@@ -8,9 +7,9 @@ use web_sys::HtmlCanvasElement;
 use super::Stage;
 use crate::bindings::error::{Kind, error};
 use crate::bindings::player::{Player, now};
-use crate::camera::{Camera, Subject};
+use crate::camera::Camera;
 use crate::gpu::context::Gpu;
-use crate::gpu::scene::{Measures, Scene};
+use crate::gpu::scene::Scene;
 use crate::gpu::target::Target;
 use crate::gpu::thumbnail::Thumbnails;
 
@@ -28,7 +27,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
     Ok(wasm_bindgen_futures::future_to_promise(async move {
         let opened = open(&canvas).await?;
         let scene = Scene::new(opened.gpu, &surface, topology.triangles().to_vec(), &reference);
-        let camera = Camera::new(subject(scene.measures, &first));
+        let camera = Camera::new(scene.measures.subject(&first));
         let thumbnails = Thumbnails::new(&scene, first.len());
         let target = Target::new(&scene.gpu, [opened.configuration.width, opened.configuration.height]);
         let stage = Stage {
@@ -85,18 +84,6 @@ async fn open(canvas: &HtmlCanvasElement) -> Result<Opened, JsValue> {
     surface.configure(&device, &configuration);
     let gpu = Gpu::new(device, queue, format, report);
     Ok(Opened { surface, configuration, adapter: adapter.get_info(), gpu })
-}
-
-fn subject(measures: Measures, pose: &[Vec3]) -> Subject {
-    let low = pose.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
-    let high = pose.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
-    let middle = (low + high) / 2.0;
-    Subject {
-        ground: Vec2::new(middle.x, middle.z),
-        floor: measures.floor,
-        height: measures.height,
-        width: measures.width,
-    }
 }
 
 fn report(reason: &str) {

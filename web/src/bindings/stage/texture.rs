@@ -45,12 +45,11 @@ impl Stage {
     /// How the texture is rebuilt: `half`, `direct` or `poisson`; nothing where it is not. Given a word, it stays so;
     /// with any other the device's speed decides.
     pub fn texture_setting(&mut self, wanted: Option<String>) -> Option<String> {
-        let words = [(Setting::Half, "half"), (Setting::Direct, "direct"), (Setting::Poisson, "poisson")];
         let looks = self.scene.looks[self.textures[1] as usize].as_mut()?;
         if let Some(wanted) = wanted {
-            looks.keep(words.iter().find(|(_, word)| *word == wanted).map(|(setting, _)| *setting));
+            looks.keep(Setting::ALL.into_iter().find(|setting| setting.word() == wanted));
         }
-        words.iter().find(|(setting, _)| *setting == looks.setting()).map(|(_, word)| (*word).into())
+        Some(looks.setting().word().into())
     }
 
     /// Takes texture `index`, decoded by the browser.

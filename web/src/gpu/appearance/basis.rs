@@ -10,8 +10,10 @@ use super::bound::{numbers, storage, written};
 use crate::gpu::context::{Gpu, STORAGE, UNIFORM, view};
 use crate::shaders;
 
-/// Workgroups along the first axis; `appearance_basis.wgsl` knows it too.
-const ROW: u32 = 32768;
+/// Workgroups along the first axis.
+pub const ROW: u32 = 32768;
+/// Blocks of a workgroup that adds up waves.
+pub const GROUP: u32 = 64;
 /// Bytes of a block's waves.
 const BLOCK_BYTES: u64 = 4 * 3 * AREA as u64;
 
@@ -83,9 +85,13 @@ impl Basis {
         };
         let output = written(TextureFormat::Rgba16Float);
         let bindings = [UNIFORM, STORAGE, STORAGE, STORAGE, STORAGE, STORAGE, numbers(), output, scratch, scratch];
-        let layout = gpu.layout(ShaderStages::COMPUTE, &bindings);
-        let pipelines =
-            ["add", "along_rows", "along_columns"].map(|entry| gpu.compute(shaders::APPEARANCE_BASIS, entry, &layout));
+        let layout = gpu.layout("reprise.basis.layout", ShaderStages::COMPUTE, &bindings);
+        let pipeline = |label, entry| gpu.compute(label, shaders::APPEARANCE_BASIS, entry, &layout);
+        let pipelines = [
+            pipeline("reprise.basis.add", "add"),
+            pipeline("reprise.basis.along_rows", "along_rows"),
+            pipeline("reprise.basis.along_columns", "along_columns"),
+        ];
         // What a device has no room for, in textures of more than some 3,000 texels across, stays as it is.
         let room = gpu.device.limits().max_storage_buffer_binding_size / BLOCK_BYTES;
         let stored = &layer.blocks[..layer.blocks.len().min(room as usize)];
@@ -99,15 +105,20 @@ impl Basis {
             let level = layer.level + usize::from(side < SIDE);
             let own = &mask.levels[level];
             Output {
-                uniform: gpu.buffer(size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM),
-                cosines: gpu.buffer_of(bytemuck::cast_slice(&cosines(side)), BufferUsages::STORAGE),
+                uniform: gpu.buffer("reprise.basis.uniform", size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM),
+                cosines: gpu.buffer_of(
+                    "reprise.basis.cosines",
+                    bytemuck::cast_slice(&cosines(side)),
+                    BufferUsages::STORAGE,
+                ),
                 restored: storage(
                     gpu,
+                    "reprise.basis.restored",
                     [own.width as u32, own.height as u32],
                     TextureFormat::Rgba16Float,
                     TextureUsages::STORAGE_BINDING,
                 ),
-                mask: view(&masks[level]),
+                mask: view("reprise.basis.mask", &masks[level]),
                 side: side as u32,
                 group: None,
             }
@@ -118,12 +129,16 @@ impl Basis {
             layout,
             pipelines,
             turn: turn(layer),
-            places: gpu.buffer_of(bytemuck::cast_slice(&places), BufferUsages::STORAGE),
-            offsets: gpu.buffer(u64::from(blocks + 1) * 4 * layer.steps.len() as u64, BufferUsages::STORAGE),
-            entries: gpu.buffer(1 << 20, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
-            sums: gpu.buffer(u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
-            rows: gpu.buffer(u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
-            weights: gpu.buffer(4 * layer.steps.len() as u64, BufferUsages::STORAGE),
+            places: gpu.buffer_of("reprise.basis.places", bytemuck::cast_slice(&places), BufferUsages::STORAGE),
+            offsets: gpu.buffer(
+                "reprise.basis.offsets",
+                u64::from(blocks + 1) * 4 * layer.steps.len() as u64,
+                BufferUsages::STORAGE,
+            ),
+            entries: gpu.buffer("reprise.basis.entries", 1 << 20, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
+            sums: gpu.buffer("reprise.basis.sums", u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
+            rows: gpu.buffer("reprise.basis.rows", u64::from(blocks) * BLOCK_BYTES, BufferUsages::STORAGE),
+            weights: gpu.buffer("reprise.basis.weights", 4 * layer.steps.len() as u64, BufferUsages::STORAGE),
             blocks,
             filled: 0,
             modes: 0,
@@ -142,8 +157,8 @@ impl Basis {
         let fits = needed <= gpu.device.limits().max_storage_buffer_binding_size;
         if fits && needed > self.entries.size() {
             let room = (needed * 2).min(gpu.device.limits().max_storage_buffer_binding_size);
-            let larger = gpu.buffer(room, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let larger = gpu.buffer("reprise.basis.entries", room, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+            let mut encoder = gpu.encoder("reprise.basis.growth");
             encoder.copy_buffer_to_buffer(&self.entries, 0, &larger, 0, self.filled * 4);
             gpu.queue.submit([encoder.finish()]);
             self.entries = larger;
@@ -167,8 +182,9 @@ impl Basis {
                 padding: 0,
             };
             gpu.queue.write_buffer(&output.uniform, 0, bytemuck::bytes_of(&uniform));
-            let restored = view(&output.restored);
+            let restored = view("reprise.basis.restored", &output.restored);
             output.group = Some(gpu.group(
+                "reprise.basis.group",
                 &self.layout,
                 &[
                     output.uniform.as_entire_binding(),
@@ -186,16 +202,23 @@ impl Basis {
         }
     }
 
-    /// Adds up the modes with `weights`, at full or at half the size.
-    pub fn rebuild(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, weights: &[f32], half: bool) {
+    /// Adds up the modes with `weights`, at full or at half the size, in the pass `label`.
+    pub fn rebuild(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        label: &'static str,
+        weights: &[f32],
+        half: bool,
+    ) {
         let Some(group) = self.output(half).group.as_ref().filter(|_| self.blocks > 0) else { return };
         let room = self.weights.size() as usize / 4;
         gpu.queue.write_buffer(&self.weights, 0, bytemuck::cast_slice(&weights[..weights.len().min(room)]));
-        encoder.clear_buffer(&self.sums, 0, None);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        gpu.clear(encoder, "reprise.basis.clear", &self.sums);
+        let mut pass = gpu.compute_pass(encoder, label);
         pass.set_bind_group(0, group, &[]);
         let blocks = [self.blocks.min(ROW), self.blocks.div_ceil(ROW)];
-        let groups = [[self.blocks.div_ceil(64), self.modes as u32], blocks, blocks];
+        let groups = [[self.blocks.div_ceil(GROUP), self.modes as u32], blocks, blocks];
         for (pipeline, [across, down]) in self.pipelines.iter().zip(groups) {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(across, down, 1);

@@ -2,12 +2,18 @@
 
 use wgpu::TextureFormat;
 
-use crate::gpu::context::{Gpu, extent};
+use crate::gpu::context::{Gpu, extent, named};
 
 /// A texture of one level that passes read, and write or fill as `usage` says.
-pub(super) fn storage(gpu: &Gpu, size: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
+pub(super) fn storage(
+    gpu: &Gpu,
+    label: &'static str,
+    size: [u32; 2],
+    format: TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: None,
+        label: named(label),
         size: extent(size),
         mip_level_count: 1,
         sample_count: 1,

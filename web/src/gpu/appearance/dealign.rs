@@ -6,7 +6,7 @@ use texture::mask::{LEVELS, Mask};
 use wgpu::{BufferUsages, ShaderStages, TextureFormat, TextureUsages};
 
 use super::bound::{numbers, storage, unfiltered, written};
-use crate::gpu::context::{Gpu, Pass, UNIFORM, view};
+use crate::gpu::context::{Gpu, Pass, UNIFORM, named, view};
 use crate::gpu::texture::COLOUR;
 use crate::shaders;
 
@@ -24,8 +24,13 @@ pub struct Motion {
     pub padding: [f32; 2],
 }
 
+/// Texels along a workgroup.
+pub const TILE: u32 = 8;
 /// Format of complex numbers, packed.
 const COMPLEX: TextureFormat = TextureFormat::Rgba32Uint;
+
+/// Label of what stands for no correction.
+const NONE: &str = "reprise.cycle.none";
 
 /// Textures and groups of the multigrid cycle.
 struct Cycle {
@@ -56,26 +61,34 @@ impl Dealign {
     /// For textures of which `mask` says what is active, with the same as textures.
     pub fn new(gpu: &Gpu, mask: &Mask, masks: Vec<wgpu::Texture>) -> Self {
         let field = unfiltered(wgpu::TextureSampleType::Float { filterable: false });
-        let residual_layout = gpu.layout(ShaderStages::COMPUTE, &[UNIFORM, field, field, numbers(), written(COMPLEX)]);
+        let residual_layout = gpu.layout(
+            "reprise.residual.layout",
+            ShaderStages::COMPUTE,
+            &[UNIFORM, field, field, numbers(), written(COMPLEX)],
+        );
         let cycle_bindings = [UNIFORM, numbers(), numbers(), numbers(), numbers(), written(COMPLEX)];
-        let cycle_layout = gpu.layout(ShaderStages::COMPUTE, &cycle_bindings);
-        let texture_layout = gpu.layout(ShaderStages::FRAGMENT, &[UNIFORM, field, field, numbers()]);
+        let cycle_layout = gpu.layout("reprise.cycle.layout", ShaderStages::COMPUTE, &cycle_bindings);
+        let texture_layout =
+            gpu.layout("reprise.texture.layout", ShaderStages::FRAGMENT, &[UNIFORM, field, field, numbers()]);
         let texture = gpu.pipeline(&Pass {
             // A second frame is drawn over the first; its alpha keeps the texture opaque.
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-            ..Pass::of_texture(shaders::APPEARANCE_TEXTURE, &[&texture_layout], COLOUR)
+            ..Pass::of_texture("reprise.texture.pipeline", shaders::APPEARANCE_TEXTURE, &[&texture_layout], COLOUR)
         });
         Self {
-            motion: gpu.buffer(size_of::<Motion>() as u64, BufferUsages::UNIFORM),
-            residual: gpu.compute(shaders::APPEARANCE_RESIDUAL, "main", &residual_layout),
+            motion: gpu.buffer("reprise.texture.motion", size_of::<Motion>() as u64, BufferUsages::UNIFORM),
+            residual: gpu.compute("reprise.residual.pipeline", shaders::APPEARANCE_RESIDUAL, "main", &residual_layout),
             residual_layout,
-            ways: ["down", "up"].map(|way| gpu.compute(shaders::APPEARANCE_CYCLE, way, &cycle_layout)),
+            ways: [
+                gpu.compute("reprise.cycle.down", shaders::APPEARANCE_CYCLE, "down", &cycle_layout),
+                gpu.compute("reprise.cycle.up", shaders::APPEARANCE_CYCLE, "up", &cycle_layout),
+            ],
             cycle_layout,
             texture,
             texture_layout,
-            none: view(&storage(gpu, [1, 1], COMPLEX, TextureUsages::COPY_DST)),
+            none: view(NONE, &storage(gpu, NONE, [1, 1], COMPLEX, TextureUsages::COPY_DST)),
             sizes: mask.levels.iter().map(|level| [level.width as u32, level.height as u32]).collect(),
-            masks: masks.iter().map(view).collect(),
+            masks: masks.iter().map(|mask| view("reprise.cycle.mask", mask)).collect(),
             cycle: None,
         }
     }
@@ -92,11 +105,12 @@ impl Dealign {
         gradients: bool,
     ) {
         gpu.queue.write_buffer(&self.motion, 0, bytemuck::bytes_of(&motion));
-        let sources = sources.map(view);
+        let sources = sources.map(|source| view("reprise.basis.restored", source));
         let [aligned, warp] = [0, 1].map(|source: usize| wgpu::BindingResource::TextureView(&sources[source]));
         if gradients {
             let cycle = self.cycle.take().unwrap_or_else(|| self.make_cycle(gpu));
             let group = gpu.group(
+                "reprise.residual.group",
                 &self.residual_layout,
                 &[
                     self.motion.as_entire_binding(),
@@ -106,33 +120,35 @@ impl Dealign {
                     wgpu::BindingResource::TextureView(&cycle.right),
                 ],
             );
-            self.solve(encoder, &group, &cycle);
+            self.solve(gpu, encoder, &group, &cycle);
             self.cycle = Some(cycle);
         }
         let solution = self.cycle.as_ref().filter(|_| gradients);
         let correction = solution.map_or(&self.none, |cycle| &cycle.solution);
         let correction = wgpu::BindingResource::TextureView(correction);
-        let group = gpu.group(&self.texture_layout, &[self.motion.as_entire_binding(), aligned, warp, correction]);
-        let level = target.create_view(&wgpu::TextureViewDescriptor { mip_level_count: Some(1), ..Default::default() });
-        let load = if motion.fill[3] < 1.0 { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &level,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-            })],
+        let group = gpu.group(
+            "reprise.texture.group",
+            &self.texture_layout,
+            &[self.motion.as_entire_binding(), aligned, warp, correction],
+        );
+        let level = target.create_view(&wgpu::TextureViewDescriptor {
+            label: named("reprise.texture.level"),
+            mip_level_count: Some(1),
             ..Default::default()
         });
+        let load = if motion.fill[3] < 1.0 { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) };
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+        let colour = wgpu::RenderPassColorAttachment { view: &level, depth_slice: None, resolve_target: None, ops };
+        let mut pass = gpu.render_pass(encoder, "reprise.texture.pass", colour, None);
         pass.set_pipeline(&self.texture);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
     }
 
-    fn solve(&self, encoder: &mut wgpu::CommandEncoder, residual: &wgpu::BindGroup, cycle: &Cycle) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    fn solve(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, residual: &wgpu::BindGroup, cycle: &Cycle) {
+        let mut pass = gpu.compute_pass(encoder, "reprise.cycle.pass");
         let mut run = |pipeline: &wgpu::ComputePipeline, group: &wgpu::BindGroup, level: usize| {
-            let [width, height] = self.sizes[level].map(|side| side.div_ceil(8));
+            let [width, height] = self.sizes[level].map(|side| side.div_ceil(TILE));
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.dispatch_workgroups(width, height, 1);
@@ -147,17 +163,23 @@ impl Dealign {
     }
 
     fn make_cycle(&self, gpu: &Gpu) -> Cycle {
-        let field = |size: &[u32; 2]| view(&storage(gpu, *size, COMPLEX, TextureUsages::STORAGE_BINDING));
-        let rights: Vec<_> = self.sizes.iter().map(field).collect();
-        let solutions: Vec<_> = self.sizes.iter().map(field).collect();
+        let fields = |label| -> Vec<_> {
+            let field = |size: &[u32; 2]| storage(gpu, label, *size, COMPLEX, TextureUsages::STORAGE_BINDING);
+            self.sizes.iter().map(|size| view(label, &field(size))).collect()
+        };
+        let [rights, solutions] = ["reprise.cycle.right", "reprise.cycle.solution"].map(fields);
         let group = |level: usize, below: &wgpu::TextureView, written: &wgpu::TextureView| {
             let last = u32::from(level + 1 == LEVELS);
             let uniform = [0.25_f32.powi(level as i32).to_bits(), last];
-            let uniform = gpu.buffer_of(bytemuck::cast_slice(&uniform), BufferUsages::UNIFORM);
+            let uniform = gpu.buffer_of("reprise.cycle.uniform", bytemuck::cast_slice(&uniform), BufferUsages::UNIFORM);
             let smaller = &self.masks[(level + 1).min(LEVELS - 1)];
             let [mask, right, smaller, below, written] =
                 [&self.masks[level], &rights[level], smaller, below, written].map(wgpu::BindingResource::TextureView);
-            gpu.group(&self.cycle_layout, &[uniform.as_entire_binding(), mask, right, smaller, below, written])
+            gpu.group(
+                "reprise.cycle.group",
+                &self.cycle_layout,
+                &[uniform.as_entire_binding(), mask, right, smaller, below, written],
+            )
         };
         Cycle {
             down: (0..LEVELS - 1).map(|level| group(level, &self.none, &rights[level + 1])).collect(),

@@ -156,10 +156,10 @@ impl Looks {
     }
 
     fn rebuild(&mut self, gpu: &Gpu, weights: &Weights, opacity: f32, setting: Setting) {
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = gpu.encoder("reprise.texture.commands");
         let half = setting == Setting::Half;
-        self.layers[0].rebuild(gpu, &mut encoder, &weights[0], half);
-        self.layers[1].rebuild(gpu, &mut encoder, &weights[1], false);
+        self.layers[0].rebuild(gpu, &mut encoder, "reprise.basis.colours", &weights[0], half);
+        self.layers[1].rebuild(gpu, &mut encoder, "reprise.basis.warps", &weights[1], false);
         let sources = [self.layers[0].restored(half), self.layers[1].restored(false)];
         let [r, g, b] = self.fill;
         let motion = Motion {
@@ -176,7 +176,7 @@ impl Looks {
 /// A mask's level as a texture.
 fn flags(gpu: &Gpu, level: &texture::mask::Level) -> wgpu::Texture {
     let size = [level.width as u32, level.height as u32];
-    let texture = storage(gpu, size, TextureFormat::R8Uint, wgpu::TextureUsages::COPY_DST);
+    let texture = storage(gpu, "reprise.cycle.mask", size, TextureFormat::R8Uint, wgpu::TextureUsages::COPY_DST);
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(size[0]), rows_per_image: None };
     gpu.queue.write_texture(texture.as_image_copy(), &level.flags, layout, extent(size));
     texture

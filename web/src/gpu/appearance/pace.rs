@@ -11,7 +11,21 @@ pub enum Setting {
     Poisson,
 }
 
-const SETTINGS: [Setting; 3] = [Setting::Half, Setting::Direct, Setting::Poisson];
+impl Setting {
+    /// All of them, quick ones first.
+    pub const ALL: [Self; 3] = [Self::Half, Self::Direct, Self::Poisson];
+
+    /// The page's word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Half => "half",
+            Self::Direct => "direct",
+            Self::Poisson => "poisson",
+        }
+    }
+}
+
 /// Milliseconds from a rebuild's commands to their end, above which the setting is too high, and below which the next
 /// one may do. Pictures drawn meanwhile count too, so this is an upper bound of the rebuild itself.
 const SLOW: f64 = 14.0;
@@ -34,12 +48,12 @@ pub struct Pace {
 impl Pace {
     /// Begins in the middle, or lowest where the device is known to be `slow`.
     pub fn new(slow: bool) -> Self {
-        Self { index: usize::from(!slow), best: SETTINGS.len() - 1, failures: [0; 3], run: 0, kept: None }
+        Self { index: usize::from(!slow), best: Setting::ALL.len() - 1, failures: [0; 3], run: 0, kept: None }
     }
 
     /// The present choice.
     pub fn setting(&self) -> Setting {
-        self.kept.unwrap_or(SETTINGS[self.index])
+        self.kept.unwrap_or(Setting::ALL[self.index])
     }
 
     /// Keeps to one setting, or chooses again.
