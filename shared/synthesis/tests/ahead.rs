@@ -36,10 +36,10 @@ fn scene(seed: u64) -> Scene {
             triangles.extend([[a, b, a + AROUND], [b, b + AROUND, a + AROUND]]);
         }
     }
-    let count = (AROUND * RINGS) as usize;
-    let topology = Topology::new(count, triangles, vec![1.0; count]).unwrap();
+    let vertex_count = AROUND * RINGS;
+    let topology = Topology::new(vertex_count, triangles, vec![1.0; vertex_count as usize]).unwrap();
     let lengths = [(26, false), (20, true), (18, false)];
-    let (mut sequences, mut poses, mut first_frame) = (Vec::new(), Poses::new(count), 0);
+    let (mut sequences, mut poses, mut first_frame) = (Vec::new(), Poses::new(vertex_count as usize), 0);
     for (index, (frame_count, cyclic)) in lengths.into_iter().enumerate() {
         let (turn, bend, speed) = (random.range(-0.05, 0.05), random.range(0.1, 0.9), random.range(0.01, 0.05));
         for step in 0..frame_count {
