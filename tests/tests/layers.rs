@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// The crates from the ground up: each may use those of the lines above it, and none of its own line.
 const FLOORS: [&[&str]; 12] = [
     &["shared/kernels", "builder/job"],
-    &["shared/actor", "shared/texture", "builder/geometry"],
-    &["shared/bundle", "shared/synthesis", "shared/search"],
+    &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
+    &["shared/bundle", "shared/synthesis", "shared/search", "builder/rig"],
     &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
     &["builder/reprise"],
     &["builder/evaluate"],

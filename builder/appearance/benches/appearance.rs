@@ -9,9 +9,9 @@ use std::hint::black_box;
 
 use appearance::Charts;
 use appearance::flow::{FlowGrid, FlowOptions};
-use appearance::pca::components;
-use appearance::store::Store;
 use criterion::{Criterion, criterion_group, criterion_main};
+use learn::pca::components;
+use learn::store::Store;
 
 /// Textures with a few smooth waves each, and noise.
 fn textures(frames: usize, columns: usize) -> Store {

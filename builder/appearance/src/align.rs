@@ -10,11 +10,11 @@ use super::flow::{FlowGrid, FlowOptions, Prepared};
 use super::gaps::Gaps;
 use super::prepare::prepare;
 use super::reference;
-use super::store::Store;
 use super::textures::{Texture, TextureSource};
 use super::warp::{Warper, Warping};
 use job::Job;
 use job::work::{Key, WorkFolder};
+use learn::store::Store;
 
 /// Colours of aligned textures may overshoot 0 to 1 a little.
 const COLOUR_RANGE: f32 = 2.0;

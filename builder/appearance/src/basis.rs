@@ -11,11 +11,11 @@ use super::align::{Aligned, Incomplete, colours};
 use super::charts::Charts;
 use super::completion;
 use super::fit::{self, Fitting, fit};
-use super::pca::{Components, components};
 use super::rebuilt::{combine, compared, means};
 use super::stored;
 use super::textures::TextureSource;
 use super::warp::{Warper, Warping};
+use learn::pca::{Components, components};
 
 /// Both linear models of an aligned capture, with coefficients of all its frames.
 #[derive(Clone, Debug)]

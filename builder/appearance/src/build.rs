@@ -7,7 +7,7 @@ use texture::AppearanceModel;
 use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, align};
 use super::charts::Charts;
-use super::learn::{AppearanceSummary, Learner, split};
+use super::model::{AppearanceSummary, Learner, split};
 use super::reach::reach;
 use super::stored;
 use super::textures::TextureSource;

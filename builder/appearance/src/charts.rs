@@ -5,7 +5,9 @@
 //! body.
 
 use actor::surface::Surface;
+use geometry::raster::touch;
 use glam::Vec2;
+use kernels::components::UnionFind;
 
 use super::AppearanceError;
 
@@ -128,27 +130,9 @@ enum Pass {
     Border,
 }
 
-/// Corners that triangles connect, as a forest: charts before overlaps are known.
-struct Forest(Vec<u32>);
-
-impl Forest {
-    fn root(&mut self, mut corner: u32) -> u32 {
-        while self.0[corner as usize] != corner {
-            let parent = self.0[corner as usize];
-            self.0[corner as usize] = self.0[parent as usize];
-            corner = parent;
-        }
-        corner
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-    }
-}
-
-fn connected(surface: &Surface) -> Forest {
-    let mut forest = Forest((0..surface.corners.len() as u32).collect());
+/// Corners that triangles connect: charts before overlaps are known.
+fn connected(surface: &Surface) -> UnionFind {
+    let mut forest = UnionFind::new(surface.corners.len());
     for &[a, b, c] in &surface.triangles {
         forest.join(a, b);
         forest.join(a, c);
@@ -165,50 +149,25 @@ struct Raster {
 
 impl Raster {
     /// Draws a triangle of the chart of `corner`; how many texels of other charts it covers.
-    fn draw(&mut self, places: [Vec2; 3], pass: Pass, corner: u32, charts: &mut Forest) -> usize {
-        let [a, mut b, mut c] = places;
-        let area = (b - a).perp_dot(c - a);
-        if area.abs() < 1e-9 {
-            return 0;
-        }
-        if area < 0.0 {
-            (b, c) = (c, b);
-        }
+    fn draw(&mut self, places: [Vec2; 3], pass: Pass, corner: u32, charts: &mut UnionFind) -> usize {
         let reach = if pass == Pass::Inside { 0.0 } else { 1.0 };
-        let low = (a.min(b).min(c) - reach).ceil();
-        let high = (a.max(b).max(c) + reach).floor();
         let mut shared = 0;
-        for y in low.y as i64..=high.y as i64 {
-            for x in low.x as i64..=high.x as i64 {
-                let p = Vec2::new(x as f32, y as f32);
-                // How far inside of the nearest edge line the texel's centre lies, and whether its square touches.
-                let mut depth = f32::INFINITY;
-                let mut touches = true;
-                for (from, to) in [(a, b), (b, c), (c, a)] {
-                    let edge = to - from;
-                    let side = edge.perp_dot(p - from);
-                    depth = depth.min(side / edge.length().max(1e-12));
-                    touches &= side + reach * (edge.x.abs() + edge.y.abs()) >= 0.0;
-                }
-                if !touches {
-                    continue;
-                }
-                let index =
-                    y.rem_euclid(self.height as i64) as usize * self.width + x.rem_euclid(self.width as i64) as usize;
-                let owner = self.owner[index];
-                if owner == 0 {
-                    self.owner[index] = corner + 1;
-                } else if pass == Pass::Inside && depth > INSIDE && charts.root(owner - 1) != charts.root(corner) {
-                    charts.join(owner - 1, corner);
-                    shared += 1;
-                }
+        touch(places, reach, |x, y, depth| {
+            let index =
+                y.rem_euclid(self.height as i64) as usize * self.width + x.rem_euclid(self.width as i64) as usize;
+            let owner = self.owner[index];
+            if owner == 0 {
+                self.owner[index] = corner + 1;
+            } else if pass == Pass::Inside && depth > INSIDE && charts.root(owner - 1) != charts.root(corner) {
+                charts.join(owner - 1, corner);
+                shared += 1;
             }
-        }
+        });
         shared
     }
 
     /// Numbers the charts in the order of their first texels.
-    fn labels(&self, charts: &mut Forest) -> Vec<u32> {
+    fn labels(&self, charts: &mut UnionFind) -> Vec<u32> {
         let mut number = std::collections::HashMap::new();
         let mut labels = Vec::with_capacity(self.owner.len());
         for &owner in &self.owner {

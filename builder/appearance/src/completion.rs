@@ -2,8 +2,8 @@
 //! seen.
 
 use super::AppearanceError;
-use super::pca::Components;
-use super::store::Store;
+use learn::pca::Components;
+use learn::store::Store;
 
 /// How much a coefficient is drawn to zero, against all texels seen: keeps a mode that lies in the gap from running away.
 const RIDGE: f64 = 1e-3;

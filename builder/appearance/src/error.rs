@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use learn::ScratchError;
 use thiserror::Error;
 
 /// Why no appearance can be built; each message names the file, the frame and what to do.
@@ -66,11 +67,6 @@ pub enum AppearanceError {
         source: io::Error,
     },
     /// The scratch file failed.
-    #[error("cannot use a scratch file in {folder}: {source}. Make room, or set TMPDIR to another folder")]
-    Scratch {
-        /// The folder of temporary files.
-        folder: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Scratch(#[from] ScratchError),
 }

@@ -22,12 +22,12 @@ use rayon::prelude::*;
 use super::AppearanceError;
 use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
 use super::completion;
-use super::pca::{Components, components};
 use super::rebuilt::combine;
-use super::store::Store;
 use super::textures::TextureSource;
 use super::warp::Warping;
 use job::Job;
+use learn::pca::{Components, components};
+use learn::store::Store;
 
 /// Times that what is missing is added. More come closer before storing (SSIM 0.9944 after four, 0.9933 after two, 0.9907 after
 /// one, at 1024 x 1024), but what they add is fine detail that costs more bytes than it is worth (docs/appearance.md).
@@ -104,7 +104,7 @@ pub fn fit(
             }
             let missing = aligned.warper.warp(&missing, 3, &way, Warping::Direct);
             model.iter_mut().zip(&missing).for_each(|(model, missing)| *model += STEP * missing);
-            rows.write(frame, &model)
+            Ok(rows.write(frame, &model)?)
         };
         let improved: Result<Vec<()>, AppearanceError> = (0..rows.rows()).into_par_iter().map(improve).collect();
         improved?;

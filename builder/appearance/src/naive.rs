@@ -9,9 +9,9 @@ use super::align::colours;
 use super::charts::Charts;
 use super::completion::complete;
 use super::gaps::Gaps;
-use super::pca::components;
-use super::store::Store;
 use super::textures::TextureSource;
+use learn::pca::components;
+use learn::store::Store;
 
 /// `count` components of the complete textures of `source`, with coefficients of all frames; nothing is warped.
 ///
@@ -49,7 +49,7 @@ pub fn captured(source: &(impl TextureSource + ?Sized), charts: &Charts) -> Resu
     let store = Store::new(source.frame_count(), 3 * charts.texels().len(), 2.0)?;
     let written: Result<Vec<()>, AppearanceError> = (0..source.frame_count())
         .into_par_iter()
-        .map(|frame| store.write(frame, &colours(&source.read(frame)?, charts)))
+        .map(|frame| Ok(store.write(frame, &colours(&source.read(frame)?, charts))?))
         .collect();
     written.map(|_| store)
 }

@@ -10,7 +10,7 @@ use texture::AppearanceModel;
 
 use super::AppearanceError;
 use super::coarsest::coarsest;
-use super::learn::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
+use super::model::{AppearanceSummary, Learner, MOST_COMPONENTS, split};
 use super::stored::{StoredQuality, WARP_STEP, stored_quality};
 use super::textures::TextureSource;
 use job::Job;

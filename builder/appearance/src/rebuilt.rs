@@ -2,7 +2,7 @@
 
 use texture::quality::Similarity;
 
-use super::pca::Components;
+use learn::pca::Components;
 
 /// Structural similarity and mean square error of what a screen would show of `rebuilt`.
 pub fn compared(similarity: &Similarity, original: &[f32], mut rebuilt: Vec<f32>) -> (f64, f64) {

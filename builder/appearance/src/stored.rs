@@ -10,9 +10,9 @@ use texture::quality::{Similarity, psnr};
 use super::AppearanceError;
 use super::align::colours;
 use super::charts::Charts;
-use super::pca::Components;
 use super::rebuilt::compared;
 use super::textures::TextureSource;
+use learn::pca::Components;
 
 /// Multigrid cycles of the player.
 pub const CYCLES: usize = 1;

@@ -12,14 +12,14 @@ use appearance::basis::Basis;
 use appearance::completion::complete;
 use appearance::fit::Fitting;
 use appearance::naive::naive;
-use appearance::pca::components;
-use appearance::store::Store;
 use appearance::stored::stored_quality;
 use appearance::textures::{Texture, TextureFiles, TextureSource};
 use appearance::{AppearanceError, AppearanceOptions, AppearanceSummary, Charts, build};
 use bundle::AppearanceQuality;
 use common::{FRAMES, aligned, capture, charts, texture};
 use job::Job;
+use learn::pca::components;
+use learn::store::Store;
 use texture::AppearanceModel;
 
 #[test]

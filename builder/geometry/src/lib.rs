@@ -1,7 +1,9 @@
-//! Meshes and what is done with them: making them from distance fields, remeshing, flattening, rasterising.
+//! Meshes and what is done with them: making them from distance fields, remeshing, cutting into charts, flattening, rasterising.
 //!
 //! Nothing here knows a frame, a sequence or a file.
 
+pub mod atlas;
+pub mod charts;
 pub mod flatten;
 pub mod mesh;
 pub mod polygonise;

@@ -30,6 +30,40 @@ pub fn cover([a, b, c]: [Vec2; 3], size: (usize, usize), slack: f32, mut visit: 
     }
 }
 
+/// Calls `visit` with the column and row of every sample within reach of the triangle, in the grid or not, and with how far
+/// inside of the nearest edge its centre lies, in samples: less than 0 where it lies outside. Within reach is a sample whose
+/// square, widened to `reach` samples on each side of its centre, is not wholly beyond an edge.
+///
+/// Other than for [`cover`], the centre of the first sample is (0, 0).
+pub fn touch(places: [Vec2; 3], reach: f32, mut visit: impl FnMut(i64, i64, f32)) {
+    let [a, mut b, mut c] = places;
+    let area = (b - a).perp_dot(c - a);
+    if area.abs() < LEAST_AREA || !area.is_finite() {
+        return;
+    }
+    if area < 0.0 {
+        (b, c) = (c, b);
+    }
+    let low = (a.min(b).min(c) - reach).ceil();
+    let high = (a.max(b).max(c) + reach).floor();
+    for y in low.y as i64..=high.y as i64 {
+        for x in low.x as i64..=high.x as i64 {
+            let p = Vec2::new(x as f32, y as f32);
+            let mut depth = f32::INFINITY;
+            let mut touches = true;
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let edge = to - from;
+                let side = edge.perp_dot(p - from);
+                depth = depth.min(side / edge.length().max(1e-12));
+                touches &= side + reach * (edge.x.abs() + edge.y.abs()) >= 0.0;
+            }
+            if touches {
+                visit(x, y, depth);
+            }
+        }
+    }
+}
+
 /// A picture that is being drawn: a colour for each sample, and how near what it shows is.
 pub struct Canvas {
     size: (usize, usize),
@@ -102,6 +136,29 @@ mod tests {
     fn what_has_no_area_or_no_place_covers_nothing() {
         for bad in [f32::NAN, f32::INFINITY, 5.0] {
             assert_eq!(covered([Vec2::splat(5.0), Vec2::splat(bad), Vec2::new(5.0, 9.0)], 0.0), [0_usize; 0]);
+        }
+    }
+
+    #[test]
+    fn what_is_touched_is_what_is_covered_and_a_border() {
+        let corners = [Vec2::new(2.3, 1.7), Vec2::new(9.1, 3.2), Vec2::new(4.4, 8.8)];
+        for [a, b, c] in [corners, [corners[2], corners[1], corners[0]]] {
+            let touched = |reach: f32| {
+                let mut touched = std::collections::BTreeSet::new();
+                touch([a, b, c].map(|p| p - 0.5), reach, |x, y, depth| {
+                    assert_eq!(depth >= 0.0, covered([a, b, c], 0.0).contains(&(y as usize * SIZE.0 + x as usize)));
+                    touched.insert((x, y));
+                });
+                touched
+            };
+            let inside = touched(0.0);
+            assert_eq!(inside.len(), covered([a, b, c], 0.0).len());
+            let around = touched(1.0);
+            // All eight neighbours of what is inside.
+            let grown =
+                inside.iter().flat_map(|&(x, y)| (-1..=1).flat_map(move |u| (-1..=1).map(move |v| (x + u, y + v))));
+            assert!(grown.clone().all(|place| around.contains(&place)));
+            assert!(around.len() < 3 * inside.len());
         }
     }
 

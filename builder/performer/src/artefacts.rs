@@ -5,10 +5,10 @@ use std::str::FromStr;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::atlas::SurfacePoint;
 use super::figure::{Figure, bytes};
 use super::paint;
 use super::perform::{Frame, Take};
+use geometry::atlas::SurfacePoint;
 use geometry::mesh::vertex_normals;
 use kernels::random::{mix, noise1, noise4, signed, vector_noise};
 

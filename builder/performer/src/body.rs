@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-use super::skeleton::{JOINT_COUNT, Rigid, bind_pose, joint};
+use super::skeleton::{JOINT_COUNT, bind_pose, joint};
 use super::skirt;
 use geometry::sdf::{blend, clip, cone, ellipsoid, smoothstep};
+use rig::Rigid;
 
 /// Signed distances of the groups at one point, in metres.
 #[derive(Clone, Copy, Debug)]

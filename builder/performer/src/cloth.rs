@@ -9,11 +9,12 @@ use std::f32::consts::TAU;
 use glam::{Mat3, Quat, Vec3};
 
 use super::body::Body;
-use super::skeleton::{JOINT_COUNT, NEUTRAL, Rigid, joint};
-use super::skinning::{Influences, Skin, diffuse};
+use super::skeleton::{JOINT_COUNT, NEUTRAL, joint};
 use super::skirt;
 use geometry::mesh::Mesh;
 use geometry::sdf::smoothstep;
+use rig::Rigid;
+use rig::{Influences, Skin, diffuse};
 
 const COLUMNS: usize = 60;
 const ROWS: usize = 13;
@@ -152,7 +153,7 @@ impl Skirt {
 
     fn step(&self, body: &Body, moving: &mut MovingSkirt, world: &[Rigid; JOINT_COUNT], dt: f32) {
         let wanted = self.wanted(world);
-        let skin = Skin::new(body, world);
+        let skin = Skin::new(body.bind_inverse(), world);
         let pinned = PINNED * COLUMNS;
         let before = moving.points.clone();
         for k in pinned..COUNT {

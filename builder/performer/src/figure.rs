@@ -3,14 +3,15 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::atlas::{Atlas, SurfacePoint};
 use super::body::{Body, edge_scale};
 use super::cloth::Skirt;
-use super::skinning::{Influences, weights};
-use super::{paint, skinning};
+use super::skinning::weights;
+use super::{charts, paint};
+use geometry::atlas::{Atlas, SurfacePoint};
 use geometry::mesh::Mesh;
 use geometry::polygonise::polygonise;
 use geometry::remesh::{Target, remesh};
+use rig::Influences;
 
 /// The performer's figure in the bind pose, with all that moves and colours it.
 #[derive(Clone, Debug)]
@@ -44,7 +45,9 @@ impl Figure {
         let mesh = remesh(&fine, &target);
         let influences = weights(&body, &mesh);
         let skirt = Skirt::new(&body, &mesh, &influences);
-        let atlas = Atlas::new(&body, &mesh, texture_size);
+        let atlas = Atlas::new(&mesh, texture_size, charts::garments(&body, &mesh), |triangles| {
+            charts::density(&body, &mesh, triangles)
+        });
         let shading = paint::shading(&body, &mesh);
         let texel_points = atlas
             .texels
@@ -98,7 +101,7 @@ impl Figure {
 
     /// Skinned positions in the pose of `skin`, before the skirt has its say.
     #[must_use]
-    pub fn skinned(&self, skin: &skinning::Skin) -> Vec<Vec3> {
+    pub fn skinned(&self, skin: &rig::Skin) -> Vec<Vec3> {
         self.mesh
             .positions
             .iter()

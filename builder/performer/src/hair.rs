@@ -4,7 +4,8 @@
 
 use glam::{Quat, Vec3};
 
-use super::skeleton::{JOINT_COUNT, NEUTRAL, Rigid, joint};
+use super::skeleton::{JOINT_COUNT, NEUTRAL, joint};
+use rig::Rigid;
 
 /// Length of the last joint's bone, whose end carries no joint.
 const TIP: Vec3 = Vec3::new(0.0, -0.1, 0.008);

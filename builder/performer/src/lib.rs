@@ -11,7 +11,6 @@
 //! Everything depends on the options alone: the same options give the same bytes, whatever the number of threads.
 
 pub mod artefacts;
-pub mod atlas;
 pub mod between;
 pub mod body;
 mod charts;
@@ -21,7 +20,6 @@ pub mod feet;
 pub mod figure;
 pub mod gait;
 pub mod hair;
-pub mod ik;
 pub mod motion;
 pub mod paint;
 pub mod perform;

@@ -5,9 +5,10 @@ use glam::Vec3;
 use super::figure::Figure;
 use super::hair::Ponytail;
 use super::motion::{self, BEHAVIOURS};
-use super::skeleton::{BodyState, JOINT_COUNT, Rigid, solve};
-use super::skinning::Skin;
+use super::skeleton::{BodyState, JOINT_COUNT, solve};
 use kernels::random::mix;
+use rig::Rigid;
+use rig::Skin;
 
 /// Seconds performed before the first frame, so that cloth and hair are in motion.
 const LEAD_IN: f32 = 1.0;
@@ -84,7 +85,7 @@ pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<Frame> {
         tail.advance(&mut joints, dt);
         figure.skirt.advance(&figure.body, &mut skirt, &joints, dt);
         if index >= 0 {
-            let mut positions = figure.skinned(&Skin::new(&figure.body, &joints));
+            let mut positions = figure.skinned(&Skin::new(figure.body.bind_inverse(), &joints));
             figure.skirt.apply(&skirt, &mut positions);
             frames.push(Frame { positions, joints, state, planted });
         }

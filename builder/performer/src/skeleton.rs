@@ -7,38 +7,7 @@
 use std::ops::{Index, IndexMut};
 
 use glam::{Quat, Vec3};
-
-use super::ik;
-
-/// A rigid transform: rotation, then translation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rigid {
-    /// Rotation.
-    pub rotation: Quat,
-    /// Translation in metres.
-    pub translation: Vec3,
-}
-
-impl Rigid {
-    /// The image of `point`.
-    #[must_use]
-    pub fn apply(&self, point: Vec3) -> Vec3 {
-        self.rotation * point + self.translation
-    }
-
-    /// The transform that first does `other`, then `self`.
-    #[must_use]
-    pub fn after(&self, other: &Self) -> Self {
-        Self { rotation: self.rotation * other.rotation, translation: self.apply(other.translation) }
-    }
-
-    /// The inverse.
-    #[must_use]
-    pub fn inverse(&self) -> Self {
-        let rotation = self.rotation.conjugate();
-        Self { rotation, translation: rotation * -self.translation }
-    }
-}
+use rig::{Rigid, two_bones};
 
 /// Number of joints.
 pub const JOINT_COUNT: usize = 24;
@@ -317,7 +286,7 @@ fn place_leg(world: &mut [Rigid; JOINT_COUNT], foot: &Foot, knee_out: f32, side:
     let foot_forward = Quat::from_rotation_y(foot.yaw) * Vec3::Z;
     let out = Quat::from_rotation_y(outwards * knee_out.to_radians());
     let forward = out * (pelvis * Vec3::Z * 0.45 + foot_forward * 0.55);
-    let leg = ik::two_bones(hip, ankle.translation, forward, &segment(first), &segment(first + 1));
+    let leg = two_bones(hip, ankle.translation, forward, &segment(first), &segment(first + 1));
     world[first].rotation = leg.upper;
     world[first + 1] = Rigid { rotation: leg.lower, translation: leg.middle };
     world[first + 2] = Rigid { rotation: ankle.rotation, translation: leg.end };

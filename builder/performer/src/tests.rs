@@ -9,7 +9,8 @@ use rayon::prelude::*;
 
 use super::figure::Figure;
 use super::skeleton::joint;
-use super::{Artefacts, PerformerError, PerformerOptions, atlas, between, perform, write_performer};
+use super::{Artefacts, PerformerError, PerformerOptions, between, perform, write_performer};
+use geometry::atlas;
 
 const FPS: f32 = 50.0;
 

@@ -6,8 +6,12 @@ use capture_io::import::Warning;
 /// Sequences named in one clause, and clauses, before the rest is counted.
 const NAMED: usize = 6;
 
+/// Seconds at the ends of a sequence that are lost to transitions without a word.
+const MOMENT: f32 = 1.0;
+
 /// A sentence about the `pairs` of frames that have no way from the first to the second in the graph of recorded steps
-/// and of `edges`; `None` where there are none.
+/// and of `edges`; `None` where there are none, and where these are but the moments at the ends of sequences that no transition is
+/// short enough for.
 pub(crate) fn unreachable(timeline: &Timeline, edges: &[(u32, u32)], pairs: u64) -> Option<Warning> {
     if pairs == 0 {
         return None;
@@ -45,14 +49,10 @@ pub(crate) fn unreachable(timeline: &Timeline, edges: &[(u32, u32)], pairs: u64)
         clauses.push(format!("and so it is with {} sequences more", partly - NAMED));
     }
     if clauses.is_empty() {
-        // Every sequence leads to every other, but not from everywhere in it.
-        let ends: Vec<usize> =
-            (0..sequences.len()).filter(|&k| leads_nowhere(timeline, edges, &sequences[k])).collect();
-        clauses.push(if ends.is_empty() {
-            "the first frames of some sequences are reached by nothing".to_owned()
-        } else {
-            format!("nothing leads on from the last frames of {}", names(ends))
-        });
+        clauses = ends(timeline, edges, &names);
+    }
+    if clauses.is_empty() {
+        return None;
     }
     let message = format!(
         "{pairs} pairs of frames have no way from one to the other: {}. Record what joins them, or allow longer transitions \
@@ -84,10 +84,27 @@ fn sequences_reached(timeline: &Timeline, edges: &[(u32, u32)], from: &Sequence)
     reached
 }
 
-/// Whether neither a transition nor a recorded step leaves the last frame of `sequence`.
-fn leads_nowhere(timeline: &Timeline, edges: &[(u32, u32)], sequence: &Sequence) -> bool {
-    let last = sequence.end_frame() - 1;
-    timeline.next(last).is_none() && !edges.iter().any(|&(from, _)| from == last)
+/// Where every sequence leads to every other, but not from everywhere in it: those of which more than a moment at the end
+/// leads nowhere, or more than a moment at the beginning is reached by nothing. A moment is what every sequence loses that is
+/// no loop, for a transition takes some frames.
+fn ends(timeline: &Timeline, edges: &[(u32, u32)], names: &dyn Fn(Vec<usize>) -> String) -> Vec<String> {
+    let moment = (MOMENT * timeline.fps()) as u32;
+    let sequences = timeline.sequences();
+    let longer = |frames: &dyn Fn(&Sequence) -> u32| -> Vec<usize> {
+        (0..sequences.len()).filter(|&k| !sequences[k].cyclic && frames(&sequences[k]) > moment).collect()
+    };
+    let last_left = |sequence: &Sequence| edges.iter().map(|edge| edge.0).filter(|&from| sequence.contains(from)).max();
+    let first_met = |sequence: &Sequence| edges.iter().map(|edge| edge.1).filter(|&to| sequence.contains(to)).min();
+    let after = longer(&|s| s.end_frame() - last_left(s).map_or(s.first_frame, |from| from + 1));
+    let before = longer(&|s| first_met(s).unwrap_or(s.end_frame()) - s.first_frame);
+    let mut clauses = Vec::new();
+    if !after.is_empty() {
+        clauses.push(format!("nothing leads on from the end (a second or more) of {}", names(after)));
+    }
+    if !before.is_empty() {
+        clauses.push(format!("nothing leads to the beginning (a second or more) of {}", names(before)));
+    }
+    clauses
 }
 
 #[cfg(test)]
@@ -121,8 +138,14 @@ mod tests {
         // Run leads to jump, but not back; walk reaches both and is reached from jump.
         let partly = told(&[(5, 12), (15, 2), (5, 22)]);
         assert!(partly.contains("nothing leads from jump to any other"), "{partly}");
-        // All lead to all, but not from their ends.
-        let ends = told(&[(5, 12), (15, 22), (25, 2)]);
-        assert!(ends.contains("from the last frames of walk, run, jump"), "{ends}");
+    }
+
+    #[test]
+    fn long_ends_are_told_and_moments_are_not() {
+        let timeline = timeline(&["walk", "run", "jump"], 50);
+        assert_eq!(unreachable(&timeline, &[(45, 52), (95, 102), (145, 2)], 7), None);
+        let ends = unreachable(&timeline, &[(45, 82), (95, 102), (121, 2)], 7).unwrap().message;
+        assert!(ends.contains("from the end (a second or more) of jump; "), "{ends}");
+        assert!(ends.contains("to the beginning (a second or more) of run."), "{ends}");
     }
 }

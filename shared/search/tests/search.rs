@@ -379,20 +379,46 @@ fn requests_are_the_same_after_a_round_trip() {
     assert_eq!(Request::from_json(&request.to_json()), Ok(request));
 }
 
+/// The frame that takes longest to come to from frame 0, and how many steps that is.
+fn furthest(scene: &random_scene::Made) -> (usize, u32) {
+    let frames = scene.timeline.frame_count();
+    let mut steps = vec![u32::MAX; frames as usize];
+    steps[0] = 0;
+    for _ in 0..frames {
+        for frame in 0..frames {
+            let Some(here) = steps.get(frame as usize).copied().filter(|&here| here != u32::MAX) else { continue };
+            let recorded = scene.timeline.next(frame).map(|next| (next, 1));
+            let left = scene.graph.transitions_from(frame).map(|edge| &scene.graph.transitions()[edge]);
+            for (to, taken) in recorded.into_iter().chain(left.map(|edge| (edge.to, edge.warp.duration() as u32))) {
+                steps[to as usize] = steps[to as usize].min(here + taken);
+            }
+        }
+    }
+    let reached = (0..steps.len()).filter(|&frame| steps[frame] != u32::MAX);
+    let far = reached.max_by_key(|&frame| steps[frame]).unwrap();
+    (far, steps[far])
+}
+
 #[test]
 fn what_cannot_be_met_is_met_as_closely_as_can_be() {
     let scene = random_scene::make(2, &[40, 30], 60);
+    let (far, steps) = furthest(&scene);
+    assert!(steps > 8);
+    let too_soon = format!(
+        r#"{{"version":1,"target":{{"keys":{{"poses":[{{"pose":0,"time":0}},{{"pose":{far},"time":{}}}]}}}}}}"#,
+        0.04 * (steps / 3) as f32
+    );
     // A path of 300 m within a hundred states, a pose that is too far away in time, a place far off.
     for json in [
         r#"{"version":1,"target":{"path":{"points":[[0,0],[300,0]]}}}"#,
-        r#"{"version":1,"target":{"keys":{"poses":[{"pose":0,"time":0},{"pose":39,"time":0.1}]}}}"#,
+        too_soon.as_str(),
         r#"{"version":1,"target":{"place":{"x":900,"z":900}}}"#,
     ] {
         let request = Request::from_json(json).unwrap();
         let mut direction = Direction::new(&scene.borrowed(), None, &request, 100).unwrap();
         while direction.advance(&scene.borrowed(), 50).unwrap() == Progress::Running {}
         let answer = direction.best(&scene.borrowed());
-        assert!(answer.notes().count() > 0, "{json}");
+        assert!(answer.notes().count() > 0, "{json}: {answer:?}");
         assert_eq!(answer.walk.check(&scene.graph, &scene.timeline, answer.start_frame), Ok(answer.end_frame));
     }
 }

@@ -130,7 +130,7 @@ impl<'a> Stage<'a> {
         }
         if let Some(stopwatch) = &self.opened.stopwatch {
             let mut frame: Vec<(&'static str, f64)> = Vec::new();
-            for lap in stopwatch.laps(gpu)? {
+            for lap in stopwatch.laps(&gpu.device, &gpu.queue)? {
                 let milliseconds = lap.nanoseconds / 1e6;
                 match frame.iter_mut().find(|(name, _)| *name == lap.name) {
                     Some((_, sum)) => *sum += milliseconds,

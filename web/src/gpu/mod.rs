@@ -16,6 +16,7 @@ pub mod pose;
 pub mod readback;
 pub mod scene;
 pub mod shadow;
+mod slot;
 pub mod target;
 pub mod texture;
 pub mod thumbnail;

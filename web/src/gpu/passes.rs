@@ -1,14 +1,7 @@
 //! Begins passes, with their labels; where a stopwatch runs, they write their times.
 
 use super::context::{Gpu, named};
-
-/// Where a pass writes when it begins and ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slot<'a> {
-    pub queries: &'a wgpu::QuerySet,
-    pub begin: u32,
-    pub end: u32,
-}
+use super::slot::Slot;
 
 impl Gpu {
     /// Begins a pass that draws into `colour` and, where there is one, `depth`.

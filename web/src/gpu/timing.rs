@@ -1,6 +1,6 @@
 //! How long passes take, by the GPU's own clock.
 //!
-//! For programs outside of a browser alone: the page's build has none of it. A [`Gpu`] that is [`Gpu::timed_by`] a
+//! For programs outside of a browser alone: the page's build has none of it. A `Gpu` that is `timed_by` a
 //! stopwatch has every pass write its beginning and its end.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
@@ -8,8 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, mpsc};
 use thiserror::Error;
 use wgpu::{BufferUsages, Features, QUERY_SIZE};
 
-use super::context::Gpu;
-use super::passes::Slot;
+use super::slot::Slot;
 
 /// Passes that can be timed between two looks at the stopwatch; a picture with its texture has some twenty.
 const MOST: u32 = 256;
@@ -96,7 +95,7 @@ impl Stopwatch {
     ///
     /// # Errors
     /// The device is gone, or there were too many passes.
-    pub fn laps(&self, gpu: &Gpu) -> Result<Vec<Lap>, TimingError> {
+    pub fn laps(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Vec<Lap>, TimingError> {
         let names = std::mem::take(&mut *self.names());
         let count = names.len() as u32;
         if count > MOST {
@@ -106,15 +105,16 @@ impl Stopwatch {
             return Ok(Vec::new());
         }
         let bytes = u64::from(2 * count * QUERY_SIZE);
-        let mut encoder = gpu.encoder("reprise.timing.commands");
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("reprise.timing.commands") });
         encoder.resolve_query_set(&self.queries, 0..2 * count, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.mapped, 0, bytes);
-        gpu.queue.submit([encoder.finish()]);
+        queue.submit([encoder.finish()]);
         let (told, outcome) = mpsc::channel();
         // Nobody listens any more only where this function has failed already.
         self.mapped.map_async(wgpu::MapMode::Read, ..bytes, move |outcome| drop(told.send(outcome)));
         let unreadable = |error: &dyn std::fmt::Display| TimingError::Unreadable(error.to_string());
-        gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| unreadable(&error))?;
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| unreadable(&error))?;
         outcome.recv().map_err(|error| unreadable(&error))?.map_err(|error| unreadable(&error))?;
         let ticks: Vec<u64> = {
             let range = self.mapped.get_mapped_range(..bytes).map_err(|error| unreadable(&error))?;

@@ -45,7 +45,7 @@ pub fn textures_are_rebuilt() -> Result<Completion, Failed> {
             let pixels = pixels.lock().unwrap().take().expect("the texture comes back");
             compare(&pixels, &texture(appearance, modes, frame, setting), most, &what);
             // The times are those of this rebuild: it ends in one picture of the texture.
-            let laps = stopwatch.as_ref().map(|stopwatch| stopwatch.laps(&gpu)).transpose()?;
+            let laps = stopwatch.as_ref().map(|stopwatch| stopwatch.laps(&gpu.device, &gpu.queue)).transpose()?;
             let ends = |laps: &Vec<Lap>| laps.iter().filter(|lap| lap.name == "reprise.texture.pass").count();
             assert!(laps.as_ref().is_none_or(|laps| laps.is_empty() || ends(laps) == 1), "{what}: {laps:?}");
         }

@@ -19,15 +19,15 @@ use appearance::AppearanceError;
 use appearance::align::{AlignOptions, Aligned, align, colours};
 use appearance::basis::Basis;
 use appearance::charts::Charts;
-use appearance::learn::split;
+use appearance::model::split;
 use appearance::naive::captured;
-use appearance::pca::{Components, components};
 use appearance::rebuilt::{combine, compared, means};
-use appearance::store::Store;
 use appearance::stored;
 use appearance::textures::TextureSource;
 use appearance::warp::Warping;
 use job::Job;
+use learn::pca::{Components, components};
+use learn::store::Store;
 
 /// Numbers of components on the curves.
 const COUNTS: [usize; 9] = [2, 3, 6, 12, 20, 30, 40, 50, 80];
@@ -167,7 +167,7 @@ pub fn curves(
     let scene = Scene { source: *source, aligned: &bench.aligned, basis: &full, similarity: &bench.similarity };
     let against_truth = crossings.as_ref().map(|crossings| against_truth(&scene, crossings)).transpose()?;
     drop(full);
-    let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1])?;
+    let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1]).map_err(AppearanceError::from)?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
     for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
         told(1 + done)?;

@@ -62,7 +62,7 @@ impl Manifest {
             let error = error.to_string();
             // "C:\Users" is no string of TOML.
             let hint =
-                if (error.contains("escape") || error.contains("unicode")) { "\nwrite / for \\ in paths" } else { "" };
+                if error.contains("escape") || error.contains("unicode") { "\nwrite / for \\ in paths" } else { "" };
             wrong(format!("{}{hint}", error.trim_end()))
         })?;
         if manifest.sequences.is_empty() {

@@ -5,8 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::AppearanceError;
-use super::store::Store;
+use super::store::{ScratchError, Store};
 use super::symmetric::{Eigen, eigen};
 use kernels::simd::{Kernel, Level as Instructions};
 
@@ -38,7 +37,7 @@ pub struct Components {
 ///
 /// # Errors
 /// A scratch file that cannot be read.
-pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Components, AppearanceError> {
+pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Components, ScratchError> {
     let instructions = Instructions::best();
     let n = training.len();
     let gram = gram(store, training, instructions)?;
@@ -63,12 +62,12 @@ pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Com
 }
 
 /// Products of all pairs of centred training rows.
-fn gram(store: &Store, training: &[usize], instructions: Instructions) -> Result<Vec<f64>, AppearanceError> {
+fn gram(store: &Store, training: &[usize], instructions: Instructions) -> Result<Vec<f64>, ScratchError> {
     let n = training.len();
     let mut gram = vec![0.0; n * n];
     let stripes: Vec<usize> = (0..store.stripes()).collect();
     for batch in stripes.chunks(BATCH) {
-        let products: Vec<Result<Vec<f64>, AppearanceError>> = batch
+        let products: Vec<Result<Vec<f64>, ScratchError>> = batch
             .par_iter()
             .map(|&stripe| {
                 let rows = Centred::read(store, training, stripe)?;
@@ -99,7 +98,7 @@ struct Centred {
 }
 
 impl Centred {
-    fn read(store: &Store, rows: &[usize], stripe: usize) -> Result<Self, AppearanceError> {
+    fn read(store: &Store, rows: &[usize], stripe: usize) -> Result<Self, ScratchError> {
         let (width, all) = (store.width(stripe), store.stripe(stripe)?);
         let padded = width.next_multiple_of(LANES);
         let mut sums = vec![0.0_f64; width];
@@ -185,12 +184,12 @@ fn modes(
     training: &[usize],
     factors: &[Vec<f32>],
     instructions: Instructions,
-) -> Result<(Vec<f32>, Vec<Vec<f32>>), AppearanceError> {
+) -> Result<(Vec<f32>, Vec<Vec<f32>>), ScratchError> {
     let mut mean = Vec::with_capacity(store.columns());
     let mut modes: Vec<Vec<f32>> = factors.iter().map(|_| Vec::with_capacity(store.columns())).collect();
     let stripes: Vec<usize> = (0..store.stripes()).collect();
     for batch in stripes.chunks(BATCH) {
-        let parts: Vec<Result<_, AppearanceError>> = batch
+        let parts: Vec<Result<_, ScratchError>> = batch
             .par_iter()
             .map(|&stripe| {
                 let rows = Centred::read(store, training, stripe)?;
@@ -256,11 +255,11 @@ fn coefficients(
     mean: &[f32],
     modes: &[Vec<f32>],
     instructions: Instructions,
-) -> Result<Vec<f32>, AppearanceError> {
+) -> Result<Vec<f32>, ScratchError> {
     let mut sums = vec![0.0_f64; store.rows() * modes.len()];
     let stripes: Vec<usize> = (0..store.stripes()).collect();
     for batch in stripes.chunks(BATCH) {
-        let parts: Vec<Result<Vec<f64>, AppearanceError>> = batch
+        let parts: Vec<Result<Vec<f64>, ScratchError>> = batch
             .par_iter()
             .map(|&stripe| {
                 let rows = store.stripe(stripe)?;

@@ -3,11 +3,10 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::body::Body;
 use super::charts;
-use geometry::flatten::flatten;
-use geometry::mesh::Mesh;
-use geometry::raster::cover;
+use super::flatten::flatten;
+use super::mesh::Mesh;
+use super::raster::cover;
 
 /// Texels kept free around every chart.
 pub const PADDING: usize = 5;
@@ -41,6 +40,12 @@ pub struct Atlas {
     pub texels: Vec<(u32, SurfacePoint)>,
 }
 
+/// A chart before it is flattened.
+struct Chart {
+    triangles: Vec<u32>,
+    density: f32,
+}
+
 struct Flat {
     triangles: Vec<u32>,
     /// Corner places in metres times density, from (0, 0) upwards.
@@ -51,10 +56,12 @@ struct Flat {
 }
 
 impl Atlas {
-    /// Cuts, flattens and packs `mesh`, the figure in the bind pose, for a texture of `size` by `size` texels.
+    /// Flattens and packs `mesh`, cut into `charts` that are discs ([`charts::cut`]), for a texture of `size` by `size` texels.
+    /// `density` says of a chart how many texels it should have per unit of length, relative to other charts. A chart that
+    /// would lie over itself is divided.
     #[must_use]
-    pub fn new(body: &Body, mesh: &Mesh, size: usize) -> Self {
-        let mut flats = lay_out_all(body, mesh);
+    pub fn new(mesh: &Mesh, size: usize, charts: Vec<Vec<u32>>, density: impl Fn(&[u32]) -> f32) -> Self {
+        let mut flats = lay_out_all(mesh, charts, &density);
         flats.sort_by(|a, b| b.extent.y.total_cmp(&a.extent.y));
         let (scale, places) = pack(&flats, size);
         let mut uvs = vec![[Vec2::ZERO; 3]; mesh.triangles.len()];
@@ -102,15 +109,16 @@ impl Atlas {
 }
 
 /// Flattens all charts; one that would lie over itself is divided.
-fn lay_out_all(body: &Body, mesh: &Mesh) -> Vec<Flat> {
-    let mut open = charts::cut(body, mesh);
+fn lay_out_all(mesh: &Mesh, charts: Vec<Vec<u32>>, density: &dyn Fn(&[u32]) -> f32) -> Vec<Flat> {
+    let dense = |triangles: Vec<u32>| Chart { density: density(&triangles), triangles };
+    let mut open: Vec<Chart> = charts.into_iter().map(dense).collect();
     let mut flats = Vec::new();
     while !open.is_empty() {
         let laid: Vec<Flat> = open.par_iter().map(|chart| lay_out(mesh, chart)).collect();
         let mut divided = Vec::new();
         for (chart, flat) in open.iter().zip(laid) {
             if chart.triangles.len() > 2 && overlaps_itself(&flat) {
-                divided.extend(charts::divide(body, mesh, chart));
+                divided.extend(charts::divide(mesh, &chart.triangles).into_iter().map(dense));
             } else {
                 flats.push(flat);
             }
@@ -135,7 +143,7 @@ fn overlaps_itself(flat: &Flat) -> bool {
     twice
 }
 
-fn lay_out(mesh: &Mesh, chart: &charts::Chart) -> Flat {
+fn lay_out(mesh: &Mesh, chart: &Chart) -> Flat {
     let (triangles, count) = charts::weld_corners(mesh, &chart.triangles);
     let spatial: Vec<[Vec3; 3]> =
         chart.triangles.iter().map(|&t| mesh.triangles[t as usize].map(|v| mesh.positions[v as usize])).collect();
@@ -231,8 +239,9 @@ fn texels(uvs: &[[Vec2; 3]], size: usize) -> Vec<(u32, SurfacePoint)> {
         .collect()
 }
 
-#[cfg(test)]
-pub(super) fn overlaps(uvs: &[[Vec2; 3]], size: usize) -> usize {
+/// Texels of a texture of `size` by `size` that lie within two triangles or more.
+#[must_use]
+pub fn overlaps(uvs: &[[Vec2; 3]], size: usize) -> usize {
     let mut used = vec![0_u8; size * size];
     for corners in uvs {
         cover(corners.map(|corner| corner * size as f32), (size, size), INSIDE, |index, _| {

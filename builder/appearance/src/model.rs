@@ -8,9 +8,9 @@ use super::AppearanceError;
 use super::align::Aligned;
 use super::basis::Basis;
 use super::charts::Charts;
-use super::pca::Components;
 use super::stored::StoredQuality;
 use super::textures::TextureSource;
+use learn::pca::Components;
 
 /// More are never kept, whatever quality is asked for.
 pub const MOST_COMPONENTS: usize = 150;

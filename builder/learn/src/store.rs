@@ -5,14 +5,24 @@
 //! 16 bits of a fixed range.
 
 use std::io;
+use std::path::PathBuf;
 
 use job::rows::Rows;
 use job::work::{Key, WorkFolder};
-
-use super::AppearanceError;
+use thiserror::Error;
 
 /// Columns of a stripe.
 pub const STRIPE: usize = 8192;
+
+/// The file that holds the rows failed.
+#[derive(Debug, Error)]
+#[error("cannot use a scratch file in {folder}: {source}. Make room, or set TMPDIR to another folder")]
+pub struct ScratchError {
+    /// The folder of temporary files.
+    pub folder: PathBuf,
+    /// What the operating system says.
+    pub source: io::Error,
+}
 
 /// Rows of numbers in a scratch file, or in a work folder.
 #[derive(Debug)]
@@ -27,7 +37,7 @@ impl Store {
     ///
     /// # Errors
     /// Where no scratch file can be made.
-    pub fn new(rows: usize, columns: usize, range: f32) -> Result<Self, AppearanceError> {
+    pub fn new(rows: usize, columns: usize, range: f32) -> Result<Self, ScratchError> {
         Self::kept(None, rows, columns, range)
     }
 
@@ -40,7 +50,7 @@ impl Store {
         rows: usize,
         columns: usize,
         range: f32,
-    ) -> Result<Self, AppearanceError> {
+    ) -> Result<Self, ScratchError> {
         let file = Rows::open(work, rows, 2 * columns, 2 * STRIPE).map_err(scratch)?;
         Ok(Self { file, columns, range })
     }
@@ -79,7 +89,7 @@ impl Store {
     ///
     /// # Errors
     /// Where the file cannot be written, for example because the disk is full.
-    pub fn write(&self, row: usize, values: &[f32]) -> Result<(), AppearanceError> {
+    pub fn write(&self, row: usize, values: &[f32]) -> Result<(), ScratchError> {
         let scale = f32::from(i16::MAX) / self.range;
         let numbers: Vec<i16> = values.iter().map(|value| (value * scale).round() as i16).collect();
         self.file.write(row, bytemuck::cast_slice(&numbers)).map_err(scratch)
@@ -89,7 +99,7 @@ impl Store {
     ///
     /// # Errors
     /// Where the file cannot be read.
-    pub fn stripe(&self, stripe: usize) -> Result<Vec<f32>, AppearanceError> {
+    pub fn stripe(&self, stripe: usize) -> Result<Vec<f32>, ScratchError> {
         let mut numbers = vec![0_i16; self.rows() * self.width(stripe)];
         self.file.read_stripe(stripe, bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
         let scale = self.range / f32::from(i16::MAX);
@@ -100,7 +110,7 @@ impl Store {
     ///
     /// # Errors
     /// Where the file cannot be read.
-    pub fn row(&self, row: usize) -> Result<Vec<f32>, AppearanceError> {
+    pub fn row(&self, row: usize) -> Result<Vec<f32>, ScratchError> {
         let mut numbers = vec![0_i16; self.columns];
         self.file.read(row, bytemuck::cast_slice_mut(&mut numbers)).map_err(scratch)?;
         let scale = self.range / f32::from(i16::MAX);
@@ -114,8 +124,8 @@ impl Store {
     }
 }
 
-fn scratch(source: io::Error) -> AppearanceError {
-    AppearanceError::Scratch { folder: std::env::temp_dir(), source }
+fn scratch(source: io::Error) -> ScratchError {
+    ScratchError { folder: std::env::temp_dir(), source }
 }
 
 #[cfg(test)]

@@ -1,0 +1,12 @@
+//! Statistics over many long rows: matrices in, matrices out. Knows no mesh, no frame and no texture.
+//!
+//! [`store`] holds rows that do not fit in memory, [`pca`] finds their principal components, [`symmetric`] the eigenvalues
+//! of a small matrix. Sums run in a fixed order: neither threads nor vector instructions change a bit, since bundles are
+//! made of the results.
+
+pub mod pca;
+pub mod store;
+pub mod symmetric;
+
+pub use self::pca::{Components, components};
+pub use self::store::{ScratchError, Store};
