@@ -15,7 +15,7 @@ export function frameOfTarget(target, director) {
   if (target && typeof target === 'object') {
     if (target.frame !== undefined) return frameOfTarget(target.frame, director);
     if (target.sequence !== undefined) return frameAt(director, target.sequence, target.seconds);
-    if (target.behaviour !== undefined) return director.nearest(target.behaviour);
+    if (target.behaviour !== undefined) return director.nearest(String(target.behaviour));
   }
   if (!Number.isInteger(target)) throw wrong('A target is a frame, a sequence with seconds, a behaviour, a place or a path.');
   if (target < 0 || target >= info.frames) throw wrong(`There is no frame ${target}; the actor has ${info.frames}.`);

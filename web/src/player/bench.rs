@@ -26,8 +26,6 @@ pub struct Bench {
     pub plan: f64,
     /// Transitions measured.
     pub transitions: usize,
-    /// Searches for walks to poses and behaviours that the player has made so far; those measured are not among them.
-    pub plans: u64,
 }
 
 /// Transitions measured, spread over the graph.
@@ -94,7 +92,6 @@ impl Player {
             recorded_frame: median(&recorded),
             plan: median(&plans),
             transitions,
-            plans: self.plans(),
         })
     }
 }
