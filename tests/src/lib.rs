@@ -1,6 +1,7 @@
 //! What the tests that cross crates share.
 
 pub mod dressed;
+pub mod hostile;
 
 use anyhow::{Context, Result, bail};
 use bundle::BundleReader;

@@ -9,6 +9,7 @@ use actor::contacts::Contacts;
 use actor::timeline::Timeline;
 use capture_io::import::{ImportOptions, import};
 use fixtures::{Captured, crane_and_jumping};
+use job::Job;
 use performer::{PerformerOptions, write_performer};
 use pipeline::contacts::contacts;
 
@@ -34,7 +35,7 @@ fn the_performer_stands_on_its_feet() {
     let small = PerformerOptions { frames: 400, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
     write_performer(&small, folder.path(), &|_| ()).unwrap();
     let inputs = [folder.path().to_str().unwrap().to_owned()];
-    let capture = import(&inputs, &ImportOptions::default(), &|_| ()).unwrap().capture;
+    let capture = import(&inputs, &ImportOptions::default(), &Job::silent()).unwrap().capture;
     let contacts = contacts(&capture.topology, &capture.timeline, &capture.poses);
     let (slide, count) = slide(&capture.timeline, &contacts);
     println!("{} parts, {count} steps that stand, {:.2} mm", contacts.parts(), slide * 1e3);

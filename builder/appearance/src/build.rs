@@ -27,7 +27,7 @@ pub struct AppearanceOptions {
     /// The split of them and the steps of colours that reach this structural similarity after storing in the fewest bytes,
     /// instead of two thirds textures and steps that keep to a number of bytes.
     pub ssim: Option<f64>,
-    /// Whether it may be reached with another number of components than `components`, up to [`MOST_COMPONENTS`](super::learn::MOST_COMPONENTS).
+    /// Whether it may be reached with another number of components than `components`, up to [`MOST_COMPONENTS`](super::model::MOST_COMPONENTS).
     pub any_components: bool,
     /// How textures are aligned.
     pub align: AlignOptions,

@@ -1,6 +1,7 @@
 //! `builder direct`: what it writes loads back through our own importer, and is the same each time.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
+use job::Job;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -140,7 +141,7 @@ fn made(bundle: &Path, report: &Value) -> Vec<Vec<Vec3>> {
 
 fn load(input: &str, fps: f32) -> Imported {
     let options = ImportOptions { fps: Some(fps), ..ImportOptions::default() };
-    import(&[input.to_owned()], &options, &|_| {}).unwrap()
+    import(&[input.to_owned()], &options, &Job::silent()).unwrap()
 }
 
 /// Every triangle's corners in space and on the texture are those of the frames that were made.

@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use job::Job;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,7 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let out = PathBuf::from(out);
     std::fs::create_dir_all(&out)?;
     let truth = Truth::new(Path::new(&folder));
-    let imported = capture_io::import::import(&[folder], &capture_io::import::ImportOptions::default(), &|_| ())?;
+    let imported =
+        capture_io::import::import(&[folder], &capture_io::import::ImportOptions::default(), &Job::silent())?;
     let files = TextureFiles::new(imported.frame_textures.ok_or("no textures")?, Vec::new())?;
     let (width, height) = files.size();
     let (charts, findings) = Charts::new(&imported.capture.surface, width, height)?;

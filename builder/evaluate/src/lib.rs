@@ -180,6 +180,7 @@ impl EvaluateError {
         matches!(
             self,
             Self::Stopped(_)
+                | Self::Import(ImportError::Stopped(_))
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Transition(TransitionError::Stopped(_))
                 | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))

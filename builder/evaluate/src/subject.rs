@@ -51,10 +51,7 @@ impl Subject {
         options: EvaluateOptions,
         job: &Job,
     ) -> Result<Self, EvaluateError> {
-        let imported = import(inputs, import_options, &|step| {
-            // Reading ends before it is asked again whether to go on.
-            let _ = job.tell(step.what, step.done, step.total);
-        })?;
+        let imported = import(inputs, import_options, job)?;
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
         let subject = Self::new(imported.capture, truth, options, job)?;
         let (textures, masks, scratch) = (imported.frame_textures, imported.frame_masks, imported.scratch);

@@ -5,6 +5,7 @@
 
 mod import_support;
 
+use job::Job;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -37,7 +38,7 @@ fn options() -> ImportOptions {
 }
 
 fn try_with(input: &str, options: &ImportOptions) -> Result<Imported, ImportError> {
-    import(&[cases().join(input).to_str().unwrap().to_owned()], options, &|_| {})
+    import(&[cases().join(input).to_str().unwrap().to_owned()], options, &Job::silent())
 }
 
 fn read(input: &str) -> Imported {
@@ -300,7 +301,7 @@ fn case_28_and_29_frames_that_cannot_be_used_are_named() {
 fn loops_of_characters_are_found() {
     let clips = |path: &Path| {
         let options = ImportOptions::default();
-        let imported = import(&[path.to_str().unwrap().to_owned()], &options, &|_| {}).unwrap();
+        let imported = import(&[path.to_str().unwrap().to_owned()], &options, &Job::silent()).unwrap();
         check(&imported);
         let sequences = imported.capture.timeline.sequences().iter();
         let (loops, others): (Vec<_>, Vec<_>) = sequences.partition(|sequence| sequence.cyclic);

@@ -4,6 +4,7 @@
 
 mod import_support;
 
+use job::Job;
 use std::path::Path;
 
 use capture_io::import::{ImportOptions, import};
@@ -15,13 +16,13 @@ fn torment(folder: &Path, name: &str, bytes: &[u8], flips: &[u8]) {
     let input = vec![folder.join(name).to_str().unwrap().to_owned()];
     let options = ImportOptions::default();
     write_bytes(folder, name, bytes);
-    if let Err(error) = import(&input, &options, &|_| {}) {
+    if let Err(error) = import(&input, &options, &Job::silent()) {
         panic!("{name} must be sound at first: {error}");
     }
     let mut refused = 0;
     let mut attempt = |damaged: &[u8]| {
         write_bytes(folder, name, damaged);
-        if let Err(error) = import(&input, &options, &|_| {}) {
+        if let Err(error) = import(&input, &options, &Job::silent()) {
             assert!(error.code().starts_with("E_") && !error.to_string().is_empty());
             refused += 1;
         }
@@ -56,7 +57,7 @@ fn obj_and_mtl() {
     let input = vec![f.join("a.obj").to_str().unwrap().to_owned()];
     for length in 0..mtl.len() {
         write_bytes(f, "m.mtl", &mtl.as_bytes()[..length]);
-        if let Err(error) = import(&input, &ImportOptions::default(), &|_| {}) {
+        if let Err(error) = import(&input, &ImportOptions::default(), &Job::silent()) {
             assert!(["E_TEXTURE_MISSING", "E_SYNTAX", "E_IMAGE", "E_IO"].contains(&error.code()), "{error}");
         }
     }

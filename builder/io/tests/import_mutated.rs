@@ -4,6 +4,7 @@
 
 mod import_support;
 
+use job::Job;
 use std::path::Path;
 
 use capture_io::import::{ImportOptions, import};
@@ -117,7 +118,7 @@ fn attempt(folder: &Path, name: &str, bytes: &[u8]) {
     let input = vec![folder.join(name).to_str().unwrap().to_owned()];
     let before = MEMORY.current_usage();
     MEMORY.reset_peak_usage();
-    let outcome = import(&input, &ImportOptions::default(), &|_| {});
+    let outcome = import(&input, &ImportOptions::default(), &Job::silent());
     let held = MEMORY.peak_usage().saturating_sub(before);
     let bound = BYTES_ANYWAY + BYTES_PER_BYTE * bytes.len();
     assert!(held <= bound, "{name}: {held} bytes held for a file of {}", bytes.len());
@@ -170,7 +171,7 @@ fn changed_files_are_read_or_refused_in_little_memory() {
         let bytes = if name == "capture.toml" { MANIFEST.as_bytes() } else { bytes };
         write_bytes(f, name, bytes);
         let input = vec![f.join(name).to_str().unwrap().to_owned()];
-        if let Err(error) = import(&input, &ImportOptions::default(), &|_| {}) {
+        if let Err(error) = import(&input, &ImportOptions::default(), &Job::silent()) {
             panic!("{name} must be sound at first: {error}");
         }
     }

@@ -4,6 +4,7 @@
 
 mod import_support;
 
+use job::Job;
 use std::path::Path;
 
 use capture_io::import::{Cyclic, ImportOptions, Imported, import};
@@ -14,7 +15,7 @@ use serde_json::Value;
 
 fn read(inputs: &[&Path], options: &ImportOptions) -> Imported {
     let inputs: Vec<String> = inputs.iter().map(|p| p.to_str().unwrap().to_owned()).collect();
-    let imported = import(&inputs, options, &|_| {}).unwrap_or_else(|e| panic!("{e}"));
+    let imported = import(&inputs, options, &Job::silent()).unwrap_or_else(|e| panic!("{e}"));
     check(&imported);
     imported
 }

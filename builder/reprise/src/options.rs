@@ -83,6 +83,7 @@ impl PackError {
         matches!(
             self,
             Self::Stopped(_)
+                | Self::Import(ImportError::Stopped(_))
                 | Self::Appearance(AppearanceError::Stopped(_))
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))

@@ -102,12 +102,7 @@ pub struct StageSeconds {
 /// Input that cannot be read, options that do not fit it, or stages that contradict each other.
 pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
-    let imported = timed(&mut seconds.import, || {
-        // Reading ends before it is asked again whether to go on.
-        import::import(inputs, &options.import, &|step| {
-            let _ = job.tell(step.what, step.done, step.total);
-        })
-    })?;
+    let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, job))?;
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);

@@ -78,7 +78,7 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
 
 fn failure(error: ExportError) -> Failure {
     match error {
-        ExportError::Mesh(_) => Failure::Ours(error.into()),
+        ExportError::Mesh(_) => Failure::Internal(error.into()),
         _ => Failure::Input(error.into()),
     }
 }

@@ -32,11 +32,11 @@ pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Fai
     let failure = |error: EvaluateError| match error {
         error if error.is_stopped() => Failure::Stopped { work: arguments.work.work.clone() },
         error if error.is_input() => Failure::Input(error.into()),
-        error => Failure::Ours(error.into()),
+        error => Failure::Internal(error.into()),
     };
     let subject = Subject::read(&inputs, &import_options(&arguments.import), options, &job).map_err(failure)?;
     let document = evaluate(&subject, &job).map_err(failure)?;
-    let json = serde_json::to_string_pretty(&document.json()).map_err(|error| Failure::Ours(error.into()))?;
+    let json = serde_json::to_string_pretty(&document.json()).map_err(|error| Failure::Internal(error.into()))?;
     let tables = document.sections.iter().flat_map(|section| &section.tables);
     let files = tables.map(|table| (format!("{}.csv", table.name), table.csv()));
     // The page comes last, so that a folder with it is complete.

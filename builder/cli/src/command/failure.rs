@@ -14,8 +14,10 @@ pub enum Failure {
         /// Where what was done is kept, if anywhere.
         work: Option<PathBuf>,
     },
+    /// The same of a command that keeps nothing: exit code 130.
+    StoppedReading,
     /// We are wrong: exit code 3.
-    Ours(anyhow::Error),
+    Internal(anyhow::Error),
 }
 
 impl Failure {
@@ -42,7 +44,11 @@ impl Failure {
                 }
                 ExitCode::from(130)
             }
-            Self::Ours(error) => {
+            Self::StoppedReading => {
+                eprintln!("stopped");
+                ExitCode::from(130)
+            }
+            Self::Internal(error) => {
                 eprintln!("error: {error:#}\nThis is a fault of builder itself; please report it.");
                 ExitCode::from(3)
             }

@@ -7,7 +7,7 @@ use std::path::Path;
 use actor::timeline::Timeline;
 use anyhow::{Context, anyhow};
 use bundle::{BundleReader, MAGIC};
-use capture_io::import::import;
+use capture_io::import::{ImportError, import};
 use job::Job;
 use reprise::pack::{PackOptions, summary_of};
 use reprise::preflight::preflight;
@@ -28,11 +28,12 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
             let mut options = PackOptions::default();
             options.import = import_options(&arguments.import);
             let report = |step| terminal.progress(step);
-            let reading = |step| {
-                let _ = report(step);
-            };
-            let imported = import(inputs, &options.import, &reading).map_err(|error| Failure::Input(error.into()))?;
-            let found = preflight(&imported, &options, &Job::new(&report));
+            let job = Job::new(&report);
+            let imported = import(inputs, &options.import, &job).map_err(|error| match error {
+                ImportError::Stopped(_) => Failure::StoppedReading,
+                error => Failure::Input(error.into()),
+            })?;
+            let found = preflight(&imported, &options, &job);
             refusal = found.refusal;
             let warnings: Vec<_> = imported.warnings.iter().chain(&found.warnings).collect();
             let capture = &imported.capture;

@@ -39,7 +39,7 @@ pub fn run() -> ExitCode {
     };
     // The panic's own message is already on stderr.
     let result = std::panic::catch_unwind(|| dispatch(&arguments))
-        .unwrap_or_else(|_| Err(Failure::Ours(anyhow!("builder stopped in the middle of its work"))));
+        .unwrap_or_else(|_| Err(Failure::Internal(anyhow!("builder stopped in the middle of its work"))));
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
@@ -49,7 +49,7 @@ pub fn run() -> ExitCode {
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(threads) = arguments.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
-        pool.map_err(|error| Failure::Ours(error.into()))?;
+        pool.map_err(|error| Failure::Internal(error.into()))?;
     }
     terminal::stop_when_interrupted();
     let terminal = Terminal::new(arguments.quiet);

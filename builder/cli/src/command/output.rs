@@ -11,7 +11,7 @@ use super::failure::Failure;
 
 /// Prints `value` as one JSON object on stdout.
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| Failure::Ours(error.into()))?;
+    let text = serde_json::to_string_pretty(value).map_err(|error| Failure::Internal(error.into()))?;
     print_text(&text)
 }
 

@@ -21,7 +21,7 @@ pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure
     let job = Job::new(&report).with_work(work.as_ref());
     let (bytes, report) = pack(&arguments.inputs, &options, &job).map_err(|error| match error {
         error if error.is_stopped() => Failure::Stopped { work: arguments.work.work.clone() },
-        error if error.is_ours() => Failure::Ours(error.into()),
+        error if error.is_ours() => Failure::Internal(error.into()),
         error => Failure::Input(error.into()),
     })?;
     write_whole(&arguments.output, &bytes).map_err(Failure::Input)?;

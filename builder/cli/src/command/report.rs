@@ -18,7 +18,7 @@ pub fn run(arguments: &ReportArguments, terminal: &Terminal) -> Result<(), Failu
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display())).map_err(Failure::Input)?;
     let report = |step: Progress| terminal.progress(step);
     let document = report_on(&bytes, &Job::new(&report)).map_err(|error| match error {
-        ReportError::Picture(_) => Failure::Ours(error.into()),
+        ReportError::Picture(_) => Failure::Internal(error.into()),
         _ => Failure::Input(anyhow::Error::from(error).context(path.display().to_string())),
     })?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));

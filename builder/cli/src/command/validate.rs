@@ -36,7 +36,11 @@ pub fn run(arguments: &ValidateArguments, terminal: &Terminal) -> Result<(), Fai
         inputs => {
             let mut options = PackOptions::default();
             options.import = import_options(&arguments.import);
-            of_input(inputs, options, terminal)
+            let lines = of_input(inputs, options, terminal);
+            if lines.iter().any(|line| line.code == "E_STOPPED") {
+                return Err(Failure::StoppedReading);
+            }
+            lines
         }
     };
     let name = arguments.inputs.join(" ");
@@ -66,12 +70,10 @@ fn of_bundle(finding: Finding) -> Line {
 fn of_input(inputs: &[String], options: PackOptions, terminal: &Terminal) -> Vec<Line> {
     let report = |step| terminal.progress(step);
     let warning = |Warning { code, message }| Line { code, severity: "warning", message };
-    let reading = |step| {
-        let _ = report(step);
-    };
-    match import(inputs, &options.import, &reading) {
+    let job = Job::new(&report);
+    match import(inputs, &options.import, &job) {
         Ok(imported) => {
-            let found = preflight(&imported, &options, &Job::new(&report));
+            let found = preflight(&imported, &options, &job);
             let error = |error: PackError| Line { code: error.code(), severity: "error", message: error.to_string() };
             let warnings = imported.warnings.into_iter().chain(found.warnings).map(warning);
             warnings.chain(found.refusal.map(error)).collect()

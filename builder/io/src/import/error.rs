@@ -13,6 +13,9 @@ use super::formats::{unread, unread_mesh};
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImportError {
+    /// It was asked to stop.
+    #[error(transparent)]
+    Stopped(#[from] job::Stopped),
     /// Nothing was given.
     #[error("no input was given: name glTF files, folders or patterns of OBJ or PLY frames, or a capture.toml")]
     NoInput,
@@ -328,6 +331,7 @@ impl ImportError {
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
+            Self::Stopped(_) => "E_STOPPED",
             Self::NoInput => "E_NO_INPUT",
             Self::NotFound { .. } => "E_NOT_FOUND",
             Self::Io { .. } => "E_IO",

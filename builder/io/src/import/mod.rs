@@ -81,7 +81,7 @@ pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
 pub use self::scratch::Scratch;
 pub use self::warning::Warning;
-use job::Progress;
+use job::Job;
 
 /// Frames per second where nothing else is said.
 pub const DEFAULT_FPS: f32 = 30.0;
@@ -140,30 +140,27 @@ pub struct Imported {
 
 /// Reads a capture from `inputs`: files, folders, globs, frame patterns or manifests, in the order of their sequences.
 ///
-/// `progress` is called from the calling thread. The result does not depend on the number of threads.
+/// The job is told from the calling thread, and asked whether to go on after every few frames. The result does not depend on
+/// the number of threads.
 ///
 /// # Errors
 /// Anything that cannot be read as one capture; see [`ImportError`].
-pub fn import(
-    inputs: &[String],
-    options: &ImportOptions,
-    progress: &dyn Fn(Progress),
-) -> Result<Imported, ImportError> {
+pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<Imported, ImportError> {
     if options.weld.is_some_and(|weld| !(weld >= 0.0 && weld.is_finite())) {
         return Err(ImportError::Option("the welding tolerance must be a length in metres, not negative".into()));
     }
     let mut plan = plan::plan(inputs, options)?;
     let mut warnings = std::mem::take(&mut plan.warnings);
-    let mut recording = read::read(&plan, progress, &mut warnings)?;
+    let mut recording = read::read(&plan, job, &mut warnings)?;
     let own = std::mem::take(&mut recording.textures);
     let (offset, scratch) = (recording.offset, recording.scratch.take());
     let worn = textures::settle(&plan, &mut recording.mesh, &own, &recording.frame_counts, &mut warnings)?;
     let frame_masks = masks::settle(&plan, worn.as_deref(), &recording.frame_counts, &mut warnings)?;
     let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
-    progress(Progress { what: "welding", done: 0, total: 1 });
+    job.tell("welding", 0, 1)?;
     let before = recording.frame_counts.clone();
     let (capture, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
-    progress(Progress { what: "welding", done: 1, total: 1 });
+    job.tell("welding", 1, 1)?;
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
     Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, scratch })

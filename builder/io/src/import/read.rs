@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use actor::timeline::Timeline;
 use glam::{DVec3, Vec3};
+use job::{Job, Stopped};
 use rayon::prelude::*;
 
-use super::Progress;
 use super::error::ImportError;
 use super::frames::{Axes, First, Reference, Seen, check_area, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
@@ -44,11 +44,7 @@ pub(super) struct Recording {
 }
 
 /// Reads the frames of `plan`; sentences for the user go to `warnings`.
-pub(super) fn read(
-    plan: &Plan,
-    progress: &dyn Fn(Progress),
-    warnings: &mut Vec<Warning>,
-) -> Result<Recording, ImportError> {
+pub(super) fn read(plan: &Plan, job: &Job, warnings: &mut Vec<Warning>) -> Result<Recording, ImportError> {
     let Some(first) = plan.sequences.first() else { return Err(ImportError::NoInput) };
     let reference_path = first.source.path().to_owned();
     let (mesh, pose, narrow) = mesh_and_pose(&first.source)?;
@@ -70,7 +66,7 @@ pub(super) fn read(
     for (index, (sequence, &count)) in plan.sequences.iter().zip(&counts).enumerate() {
         let (out, tail) = rest.split_at_mut(count as usize * mesh.vertex_count);
         rest = tail;
-        let report = |frames: usize| progress(Progress { what: "reading frames", done: done + frames as u64, total });
+        let report = |frames: usize| job.tell("reading frames", done + frames as u64, total);
         let mut reader =
             Reader { sequence, reference: Reference { path: &reference_path, mesh: &mesh }, axes, notes: &mut notes };
         textures.push(match &sequence.source {
@@ -155,7 +151,7 @@ impl Reader<'_> {
         &mut self,
         paths: &[PathBuf],
         out: &mut [Vec3],
-        report: &dyn Fn(usize),
+        report: &dyn Fn(usize) -> Result<(), Stopped>,
     ) -> Result<Vec<Option<NamedTexture>>, ImportError> {
         let Some(path) = paths.first() else { return Ok(Vec::new()) };
         let first = First::read(path)?;
@@ -165,7 +161,7 @@ impl Reader<'_> {
             let seen = read_frames(batch, textures.len(), &first, &self.reference, self.axes, out);
             let seen = self.note(batch, seen).map_err(|error| topologies::explained(error, self.sequence, paths))?;
             textures.extend(seen);
-            report(textures.len());
+            report(textures.len())?;
         }
         Ok(if textures.iter().any(Option::is_some) { textures } else { Vec::new() })
     }
@@ -175,7 +171,7 @@ impl Reader<'_> {
         &mut self,
         paths: &[PathBuf],
         out: &mut [Vec3],
-        report: &dyn Fn(usize),
+        report: &dyn Fn(usize) -> Result<(), Stopped>,
         (index, scratch): (usize, &mut Option<Scratch>),
     ) -> Result<Vec<Option<NamedTexture>>, ImportError> {
         let Some(path) = paths.first() else { return Ok(Vec::new()) };
@@ -186,7 +182,7 @@ impl Reader<'_> {
             let seen = read_stills(batch, textures.len(), &stills, &self.reference, self.axes, out);
             let seen = self.note(batch, seen).map_err(|error| topologies::explained(error, self.sequence, paths))?;
             textures.extend(seen);
-            report(textures.len());
+            report(textures.len())?;
         }
         stills.finish(&mut textures)?;
         Ok(textures)
@@ -214,7 +210,7 @@ impl Reader<'_> {
         clip: usize,
         fps: f32,
         out: &mut [Vec3],
-        report: &dyn Fn(usize),
+        report: &dyn Fn(usize) -> Result<(), Stopped>,
     ) -> Result<(), ImportError> {
         self.check_clip_mesh(file)?;
         let (vertices, axes) = (file.mesh().vertex_count.max(1), self.axes);
@@ -231,7 +227,7 @@ impl Reader<'_> {
                 })
                 .collect();
             results.into_iter().collect::<Result<(), _>>()?;
-            report(batch * BATCH + out.len() / vertices);
+            report(batch * BATCH + out.len() / vertices)?;
         }
         Ok(())
     }

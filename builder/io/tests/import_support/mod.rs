@@ -1,6 +1,7 @@
 //! What the import tests share: folders of files, a writer of GLB files, checks that hold for every capture.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+use job::Job;
 use std::fs;
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use serde_json::{Value, json};
 /// Imports `inputs`, given relative to `folder`.
 pub fn try_read(folder: &Path, inputs: &[&str], options: &ImportOptions) -> Result<Imported, ImportError> {
     let inputs: Vec<String> = inputs.iter().map(|p| folder.join(p).to_str().unwrap().to_owned()).collect();
-    import(&inputs, options, &|_| {})
+    import(&inputs, options, &Job::silent())
 }
 
 /// Imports `inputs` and checks what holds for every capture.
