@@ -231,7 +231,8 @@ fn quality(actor: &Actor, walks: &[Vec<Option<Walk>>]) -> SectionReport {
 
 fn synthetic_frames(actor: &Actor, walk: &Walk) -> usize {
     let transitions = walk.legs.iter().filter_map(Leg::transition);
-    let durations = transitions.filter_map(|index| Some(actor.graph.transitions().get(index as usize)?.warp.duration()));
+    let durations =
+        transitions.filter_map(|index| Some(actor.graph.transitions().get(index as usize)?.warp.duration()));
     durations.sum()
 }
 

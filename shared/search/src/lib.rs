@@ -55,8 +55,8 @@ pub use place::{PlaceReport, PlaceTask};
 pub use plan::plan_walk;
 pub use random::{Chain, Optimiser};
 pub use request::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
-    RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest,
+    Request, RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
 pub use scene::{Scene, Start};
 pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};

@@ -58,6 +58,15 @@ pub(crate) struct FrameMaker {
     ahead: Option<Ahead>,
 }
 
+/// A piece of the work for the first node of a transition.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Piece {
+    /// Whether more of it is left.
+    pub more: bool,
+    /// Whether it took a factorisation: all else is quick.
+    pub factorised: bool,
+}
+
 /// The first node of a transition, made ahead of time.
 struct Ahead {
     transition: u32,
@@ -134,30 +143,29 @@ impl FrameMaker {
         Ok((standing, Effort::default()))
     }
 
-    /// Does a piece of the work for the first node of a transition that leaves a frame standing at `placement`; whether more
-    /// of it is left. No transition must be under way.
-    pub fn prepare(
-        &mut self,
-        over: &mut Recording,
-        index: u32,
-        placement: Placement,
-    ) -> Result<bool, PoseError> {
+    /// Does a piece of the work for the first node of a transition that leaves a frame standing at `placement`. No
+    /// transition must be under way.
+    pub fn prepare(&mut self, over: &mut Recording, index: u32, placement: Placement) -> Result<Piece, PoseError> {
+        let nothing = Ok(Piece::default());
         if !self.ahead.as_ref().is_some_and(|ahead| ahead.is_of(index, placement)) {
             self.forget();
             if !self.begin(over, index, placement)? {
-                return Ok(false);
+                return nothing;
             }
         }
-        let (Some(ahead), Some(interpolator)) = (&mut self.ahead, &mut self.interpolator) else { return Ok(false) };
+        let (Some(ahead), Some(interpolator)) = (&mut self.ahead, &mut self.interpolator) else { return nothing };
         if ahead.effort.is_some() {
-            return Ok(false);
+            return nothing;
         }
+        let before = interpolator.effort().factorisations;
         match interpolator.advance() {
-            Ok(true) => {
-                ahead.effort = Some(interpolator.finish(&mut ahead.pose));
-                Ok(false)
+            Ok(is_done) => {
+                let factorised = interpolator.effort().factorisations > before;
+                if is_done {
+                    ahead.effort = Some(interpolator.finish(&mut ahead.pose));
+                }
+                Ok(Piece { more: !is_done, factorised })
             }
-            Ok(false) => Ok(true),
             Err(_) => {
                 let frame = ahead.blend.frames[0];
                 self.forget();
@@ -211,7 +219,7 @@ impl FrameMaker {
         placement: Placement,
         out: &mut [Vec3],
     ) -> Result<(Standing, Effort), PoseError> {
-        while self.prepare(over, index, placement)? {}
+        while self.prepare(over, index, placement)?.more {}
         if let Some(Ahead { blend, pose, effort: Some(effort), .. }) = self.ahead.take() {
             out.copy_from_slice(&pose);
             return Ok((Standing::Node { transition: index, blend }, effort));

@@ -285,7 +285,7 @@ impl Synthesiser {
             self.coming = Some((transition, placement));
         }
         let Some((transition, placement)) = self.coming else { return Ok(false) };
-        self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)
+        Ok(self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)?.more)
     }
 
     /// The same for legs that may be asked for soon, from where it stands.
@@ -302,7 +302,7 @@ impl Synthesiser {
         let first = legs.iter().enumerate().find_map(|(index, leg)| Some((&legs[..index], leg.transition()?)));
         let (Some((way, transition)), None) = (first, self.walker.inside()) else { return Ok(false) };
         let Some(placement) = self.arrival(graph, timeline, source, way)? else { return Ok(false) };
-        self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)
+        Ok(self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)?.more)
     }
 
     /// Writes the walk's next frame, in metres, into `out`, which has one element per vertex. `None` once the walk has
@@ -334,14 +334,14 @@ impl Synthesiser {
         Ok(Some(self.info(standing, effort)))
     }
 
-    /// The same with bounded work: beyond what every frame takes, the beginning of a transition takes pieces of at most one
-    /// factorisation each from the budget of `pieces`. A recorded frame prepares one piece of the transition to come.
+    /// The same with bounded work: the beginning of a transition takes its factorisations, beside which all else is quick, from
+    /// the budget of `factorisations`. A recorded frame prepares a piece of the transition to come, of one at most.
     ///
     /// # Errors
     /// As [`Self::next_frame`].
     pub fn next_frame_within(
         &mut self,
-        pieces: &mut u32,
+        factorisations: &mut u32,
         graph: &EssentialGraph,
         timeline: &Timeline,
         source: &mut dyn PoseSource,
@@ -353,11 +353,13 @@ impl Synthesiser {
                     return Ok(Made::Arrived);
                 };
                 while !self.maker.is_prepared(transition, placement) {
-                    if *pieces == 0 {
+                    if *factorisations == 0 {
                         return Ok(Made::Unfinished);
                     }
-                    *pieces -= 1;
-                    if !self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)? {
+                    let mut over = Recording { graph, timeline, source };
+                    let piece = self.maker.prepare(&mut over, transition, placement)?;
+                    *factorisations -= u32::from(piece.factorised);
+                    if !piece.more {
                         break;
                     }
                 }

@@ -97,7 +97,7 @@ impl Walker {
         if ended {
             self.index += 1;
             self.taken = 0;
-            }
+        }
     }
 
     /// Whether the route has come to its end.

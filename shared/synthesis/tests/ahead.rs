@@ -50,7 +50,8 @@ fn scene(seed: u64) -> Scene {
                     let (height, angle) = (0.2 * (vertex / AROUND) as f32, (vertex % AROUND) as f32 * 0.9);
                     let width = 0.3 + 0.1 * (0.5 * time + 2.0 * height).sin();
                     let lean = bend * height * (0.3 * time + index as f32).sin();
-                    heading * Vec3::new(width * angle.cos() + lean, height, width * angle.sin()) + speed * time * Vec3::Z
+                    heading * Vec3::new(width * angle.cos() + lean, height, width * angle.sin())
+                        + speed * time * Vec3::Z
                 })
                 .collect();
             poses.push(&pose);
@@ -59,8 +60,9 @@ fn scene(seed: u64) -> Scene {
         first_frame += frame_count;
     }
     let timeline = Timeline::new(25.0, sequences).unwrap();
-    let mut edges: Vec<(u32, u32)> =
-        (0..14).map(|_| (random.below(first_frame as usize) as u32, random.below(first_frame as usize) as u32)).collect();
+    let mut edges: Vec<(u32, u32)> = (0..14)
+        .map(|_| (random.below(first_frame as usize) as u32, random.below(first_frame as usize) as u32))
+        .collect();
     edges.sort_unstable();
     edges.dedup();
     let mut transitions = Vec::new();
@@ -114,8 +116,8 @@ fn wandered(scene: &mut Scene, start: (u32, Placement), random: &mut Random) -> 
         if random.below(4) == 0 {
             synthesiser.prepare(graph, timeline, poses).unwrap();
         }
-        let mut pieces = random.below(3) as u32;
-        match synthesiser.next_frame_within(&mut pieces, graph, timeline, poses, &mut pose).unwrap() {
+        let mut factorisations = random.below(2) as u32;
+        match synthesiser.next_frame_within(&mut factorisations, graph, timeline, poses, &mut pose).unwrap() {
             Made::Frame(info) => frames.push((info, pose.clone())),
             Made::Unfinished => unfinished += 1,
             Made::Arrived => {}
@@ -154,7 +156,8 @@ fn frames_are_those_of_a_film_whatever_was_made_ahead() {
         for (step, ((page, pose), (film, wanted))) in page.iter().zip(&film).enumerate() {
             let told = |info: &FrameInfo| (info.kind, info.placement, info.leg);
             assert_eq!(told(page), told(film), "seed {seed}, frame {step}");
-            let same = pose.iter().zip(wanted).all(|(a, b)| a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits));
+            let same =
+                pose.iter().zip(wanted).all(|(a, b)| a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits));
             assert!(same, "seed {seed}, frame {step}: {page:?} is not as filmed: {film:?}");
         }
         nodes += page.iter().filter(|(info, _)| info.kind.is_synthetic()).count();
@@ -164,5 +167,8 @@ fn frames_are_those_of_a_film_whatever_was_made_ahead() {
         waits += unfinished;
     }
     // The test is about something.
-    assert!(nodes > 1000 && waits > 100 && turns > 20 && back > 20, "{nodes} nodes, {waits} waits, {turns} turns, {back}");
+    assert!(
+        nodes > 1000 && waits > 100 && turns > 20 && back > 20,
+        "{nodes} nodes, {waits} waits, {turns} turns, {back}"
+    );
 }

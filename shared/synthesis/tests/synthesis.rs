@@ -343,7 +343,10 @@ fn a_walk_that_does_not_fit_is_refused() {
     let unfit = [
         (vec![Leg::Synthetic(0)], WalkError::NoSuchLeg(0)),
         (vec![Leg::Recorded { first: 9, last: 10, steps: 1 }], WalkError::Gap(0)),
-        (vec![Leg::Recorded { first: 2, last: 3, steps: 1 }, Leg::Back { first: 4, last: 2, steps: 2 }], WalkError::Gap(1)),
+        (
+            vec![Leg::Recorded { first: 2, last: 3, steps: 1 }, Leg::Back { first: 4, last: 2, steps: 2 }],
+            WalkError::Gap(1),
+        ),
         (vec![Leg::Back { first: 2, last: 39, steps: 3 }], WalkError::NoSuchLeg(0)),
     ];
     for (legs, error) in unfit {

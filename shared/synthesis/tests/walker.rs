@@ -66,15 +66,8 @@ fn a_route_takes_every_step_once() {
     let (timeline, graph) = scene(&[(2, 11), (12, 4)]);
     let legs = [on(0, 2), Leg::Synthetic(0), on(11, 11), on(11, 13), back(13, 12)];
     let mut walker = walker(0, &legs, (&timeline, &graph));
-    let wanted = [
-        Step::Forward(1),
-        Step::Forward(2),
-        node(1),
-        node(2),
-        Step::Forward(12),
-        Step::Forward(13),
-        Step::Back(12),
-    ];
+    let wanted =
+        [Step::Forward(1), Step::Forward(2), node(1), node(2), Step::Forward(12), Step::Forward(13), Step::Back(12)];
     assert_eq!(walker.end(&graph), 12);
     assert_eq!(steps(&mut walker, &graph, &timeline), wanted);
     assert_eq!((walker.departure(&graph), walker.end(&graph), walker.inside()), (12, 12, None));

@@ -40,8 +40,8 @@ use produce::{Frame, Producer, placed_like};
 
 /// Most frames made in one tick: a slow device plays slower rather than not at all.
 const MOST_FRAMES_A_TICK: u32 = 8;
-/// Pieces of a transition's beginning, of a factorisation each, that a tick waits for.
-const PIECES_A_TICK: u32 = 1;
+/// Factorisations for a transition's beginning that a tick waits for.
+const FACTORISATIONS_A_TICK: u32 = 1;
 
 /// Why the player cannot do what it was asked.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -106,8 +106,8 @@ pub struct Player {
     playing: bool,
     looping: bool,
     stalled: Option<u32>,
-    /// Pieces of a transition's beginning that this tick may still do; the rest is left to the next.
-    pieces: u32,
+    /// Factorisations for a transition's beginning that this tick may still do; the rest is left to the next.
+    factorisations: u32,
     plans: Plans,
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
@@ -135,7 +135,7 @@ impl Player {
             playing: false,
             looping: true,
             stalled: None,
-            pieces: 0,
+            factorisations: 0,
             plans: Plans::default(),
             reference: Vec::new(),
             main: None,
@@ -193,7 +193,7 @@ impl Player {
     /// Goes on by `seconds` of real time. True where the picture changed.
     pub fn tick(&mut self, seconds: f64) -> bool {
         let mut changed = std::mem::take(&mut self.changed);
-        self.pieces = PIECES_A_TICK;
+        self.factorisations = FACTORISATIONS_A_TICK;
         if !self.playing {
             return changed;
         }

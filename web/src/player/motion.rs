@@ -9,10 +9,10 @@ use actor::walk::{Leg, Walk};
 use kernels::align::Placement;
 use search::cheapest_walk;
 
-use super::{Goal, Player};
 use super::events::Event;
 use super::loading::Actor;
 use super::produce::Frame;
+use super::{Goal, Player};
 use crate::trail::{MEMORY, TrailPoint};
 
 impl Player {
@@ -29,7 +29,7 @@ impl Player {
             return false;
         }
         let Some(graph) = self.graph(&actor) else { return false };
-        match self.producer.next(&mut self.loading, &actor, &graph, &mut self.pieces) {
+        match self.producer.next(&mut self.loading, &actor, &graph, &mut self.factorisations) {
             // The rest of the work comes with the next tick.
             Ok(None) => false,
             Ok(Some(frame)) => {

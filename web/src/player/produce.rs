@@ -102,7 +102,7 @@ impl Producer {
     }
 
     /// The frame after the present one on the route; `None` at its end, and where the beginning of a transition takes more
-    /// than the budget of `pieces` of work: asking again goes on with it.
+    /// than the budget of `factorisations`: asking again goes on with it.
     ///
     /// # Errors
     /// A frame that cannot be read (yet); the same frame can be asked for again.
@@ -111,7 +111,7 @@ impl Producer {
         loading: &mut Loading,
         actor: &Actor,
         graph: &EssentialGraph,
-        pieces: &mut u32,
+        factorisations: &mut u32,
     ) -> Result<Option<Frame>, PoseError> {
         let start = (self.now)();
         let synthesiser = self.synthesiser(actor);
@@ -126,7 +126,8 @@ impl Producer {
         }
         let synthesiser = self.synthesiser(actor);
         let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
-        let made = synthesiser.next_frame_within(pieces, graph, &actor.timeline, &mut loading.source, &mut pose)?;
+        let made =
+            synthesiser.next_frame_within(factorisations, graph, &actor.timeline, &mut loading.source, &mut pose)?;
         let Made::Frame(FrameInfo { kind, placement, .. }) = made else { return Ok(None) };
         if kind.is_synthetic() {
             self.note((self.now)() - start);

@@ -39,19 +39,11 @@ impl VertexBlock {
 /// Weighted centres of mass of all frames. Divided by the sum of the weights, since in single precision that is not quite 1.
 pub(super) fn centres(poses: &[&[Vec3]], weights: &[f32]) -> Vec<DVec3> {
     let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
-    poses
-        .par_iter()
-        .map(|pose| weighted_sum(pose, weights) / total)
-        .collect()
+    poses.par_iter().map(|pose| weighted_sum(pose, weights) / total).collect()
 }
 
 /// Leaves in each pair's `alignment` the cosine and sine of half the angle by which j is turned about +Y to lie on i.
-pub(super) fn align_all(
-    level: Level,
-    poses: &[&[Vec3]],
-    (weights, centres): (&[f32], &[DVec3]),
-    tiles: &mut [Tile],
-) {
+pub(super) fn align_all(level: Level, poses: &[&[Vec3]], (weights, centres): (&[f32], &[DVec3]), tiles: &mut [Tile]) {
     for start in (0..weights.len()).step_by(BLOCK) {
         let blocks: Vec<_> = poses
             .par_iter()

@@ -49,9 +49,10 @@ pub fn reach(components: &Components, timeline: &Timeline, edges: &[(u32, u32)])
             let further = &reached[next as usize * words..][..words];
             row.iter_mut().zip(further).for_each(|(word, further)| *word |= further);
         }
-        let members = row.iter().enumerate().flat_map(|(word, &bits)| {
-            (0..64).filter(move |bit| bits >> bit & 1 == 1).map(move |bit| 64 * word + bit)
-        });
+        let members = row
+            .iter()
+            .enumerate()
+            .flat_map(|(word, &bits)| (0..64).filter(move |bit| bits >> bit & 1 == 1).map(move |bit| 64 * word + bit));
         reach_of[component] = members.map(|member| sizes[member]).sum::<u64>() - 1;
         unreachable_pairs += sizes[component] * (frames - 1 - reach_of[component]);
         reached[component * words..][..words].copy_from_slice(&row);

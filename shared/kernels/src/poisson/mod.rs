@@ -228,6 +228,12 @@ impl PoissonInterpolator {
         Ok(is_done)
     }
 
+    /// What the interpolation under way has taken so far; nothing where none is.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        self.under_way.as_ref().map_or_else(Effort::default, |under_way| under_way.effort)
+    }
+
     /// Writes the pose that was begun, once [`Self::advance`] has said that all is done, into `out`.
     pub fn finish(&mut self, out: &mut [Vec3]) -> Effort {
         self.components.centre(&mut self.offset);
