@@ -5,7 +5,7 @@ use actor::capture::Poses;
 use actor::graph::EssentialGraph;
 use actor::pose_source::PoseSource;
 use actor::timeline::{Sequence, Timeline};
-use actor::walk::Walk;
+use actor::walk::{Leg, Walk};
 use bundle::{BundleError, BundleReader};
 use glam::{Vec2, Vec3};
 use kernels::cholesky::elimination_order;

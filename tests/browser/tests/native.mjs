@@ -30,6 +30,7 @@ export const tests = {
   'requests are refused in the same words natively and in WebAssembly': async (browser) => {
     const list = JSON.parse(await readFile(new URL('../../fixtures/requests.json', import.meta.url), 'utf8'));
     const player = await browser.open();
+    await player.loaded();
     const refused = await player.run(
       (element, texts) =>
         texts.map((text) => {

@@ -1,7 +1,7 @@
 //! Cheapest walks between frames drawn at random.
 
 use actor::graph::EssentialGraph;
-use actor::walk::{Leg, Walk};
+use actor::walk::Walk;
 use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
