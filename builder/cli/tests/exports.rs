@@ -288,7 +288,8 @@ fn kinds(bundle: &Path, report: &Value) -> Vec<FrameKind> {
     let (graph, timeline) = (reader.graph().unwrap().clone(), reader.timeline().unwrap().clone());
     let walk: Walk = serde_json::from_value(report["answer"]["walk"].clone()).unwrap();
     let mut synthesiser = Synthesiser::new(reader.topology().unwrap(), reader.order()).unwrap();
-    synthesiser.begin_walk(report["answer"]["start_frame"].as_u64().unwrap() as u32, Placement::IDENTITY, &walk);
+    let start = report["answer"]["start_frame"].as_u64().unwrap() as u32;
+    synthesiser.begin_walk(&graph, &timeline, (start, Placement::IDENTITY), &walk).unwrap();
     let mut pose = vec![Vec3::ZERO; reader.topology().unwrap().vertex_count()];
     let mut kinds = Vec::new();
     while let Some(info) = synthesiser.next_frame(&graph, &timeline, &mut reader, &mut pose).unwrap() {

@@ -181,6 +181,9 @@ pub enum EvaluateError {
     /// A picture could not be encoded: a fault of ours.
     #[error("a picture cannot be encoded: {0}")]
     Picture(image::ImageError),
+    /// A walk leaves the graph: a fault of ours.
+    #[error("a walk cannot be shown: {0}")]
+    Walk(#[from] actor::walk::WalkError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -210,6 +213,7 @@ impl EvaluateError {
                 | Self::Graph(GraphError::Build(_))
                 | Self::Interpolation(_)
                 | Self::Picture(_)
+                | Self::Walk(_)
                 | Self::Pose(_)
         )
     }

@@ -9,7 +9,7 @@ mod segments;
 mod sparse;
 mod stroll;
 
-use super::components::components_of;
+use super::components::main_component_of;
 use super::meter;
 use super::queue::Queue;
 use super::random::Optimiser;
@@ -183,7 +183,7 @@ fn choices(
         (transition.from, transition.to)
     };
     meter::count(chosen.len() + ways.main.len());
-    let inside = components_of(timeline, chosen.iter().map(ends).collect()).main;
+    let inside = main_component_of(timeline, &chosen.iter().map(ends).collect::<Vec<_>>()).main;
     let frames: Vec<u32> = (0..inside.len() as u32).filter(|&frame| inside[frame as usize]).collect();
     if frames.len() < 2 {
         return None;

@@ -93,7 +93,7 @@ fn show_one(
     let mut shown = Shown::default();
     for leg in &begun.walk.legs {
         let (transition, steps) = match *leg {
-            Leg::Recorded { steps, .. } => (None, steps),
+            Leg::Recorded { steps, .. } | Leg::Back { steps, .. } => (None, steps),
             Leg::Synthetic(index) => (Some(index), graph.transitions().get(index as usize).map_or(0, steps_of)),
         };
         let at = shown.transitions.len();
@@ -103,7 +103,7 @@ fn show_one(
         shown.transitions.extend(std::iter::repeat_n(transition, steps as usize));
     }
     shown.transitions.truncate(most);
-    synthesiser.begin_walk(begun.start, Placement::IDENTITY, &begun.walk);
+    synthesiser.begin_walk(graph, &capture.timeline, (begun.start, Placement::IDENTITY), &begun.walk)?;
     let mut pose = vec![glam::Vec3::ZERO; capture.topology.vertex_count()];
     let mut source = Borrowed(&capture.poses);
     while shown.series.way.len() < shown.transitions.len() {

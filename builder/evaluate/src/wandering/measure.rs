@@ -42,6 +42,10 @@ impl Wandered {
                     (1..=i64::from(steps)).filter_map(|step| timeline.offset(first, step)).for_each(&mut visit);
                     stretch += f64::from(steps);
                 }
+                Leg::Back { first, last, steps } => {
+                    (last..first).for_each(&mut visit);
+                    stretch += f64::from(steps);
+                }
                 Leg::Synthetic(index) => {
                     graph.transitions().get(index as usize).into_iter().for_each(|transition| visit(transition.to));
                     // What comes before the first transition is no stretch of wandering.
@@ -75,6 +79,7 @@ fn edges(walk: &Walk, graph: &EssentialGraph, timeline: &Timeline) -> Vec<(u32, 
                 let frames = (0..i64::from(steps)).filter_map(|step| timeline.offset(first, step));
                 edges.extend(frames.map(|frame| (frame, 0)));
             }
+            Leg::Back { first, last, .. } => edges.extend((last + 1..=first).rev().map(|frame| (frame, 0))),
             Leg::Synthetic(index) => {
                 let steps = graph.transitions().get(index as usize).map_or(0, steps_of);
                 edges.extend((1..=steps).map(|node| (timeline.frame_count() + index, node)));
