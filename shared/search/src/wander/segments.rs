@@ -112,8 +112,8 @@ fn rarities(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, taken: &[u
         recorded[ways.sequence(frame as u32)] += 1.0;
     }
     let longest = recorded.iter().copied().fold(1.0, f64::max);
-    let rarities =
-        |power: f64| -> Vec<f64> { recorded.iter().map(|steps| (steps / longest).powf(power).max(RAREST)).collect() };
+    // Powers of a quarter at a time: a power function of its own would weigh kilobytes on the page.
+    let quarters: Vec<f64> = recorded.iter().map(|steps| (steps / longest).sqrt().sqrt()).collect();
     let synthetic = |rarities: &[f64]| {
         let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
             recorded
@@ -126,12 +126,12 @@ fn rarities(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, taken: &[u
         let blended = sum(&|_| transition);
         blended / (blended + sum(&|steps| steps))
     };
-    let mut found = rarities(0.0);
-    for quarter in 1..=16 {
+    let mut found = vec![1.0; recorded.len()];
+    for _ in 0..16 {
         if synthetic(&found) <= SYNTHETIC {
             break;
         }
-        found = rarities(f64::from(quarter) / 4.0);
+        found.iter_mut().zip(&quarters).for_each(|(found, quarter)| *found = (*found * quarter).max(RAREST));
     }
     found
 }
