@@ -289,6 +289,7 @@ fn wandering_repeats_nothing_at_once_and_is_mostly_recorded() {
                 frames.for_each(|frame| shown[frame as usize] = true);
             }
             Leg::Synthetic(index) => synthetic += steps_of(&scene.graph.transitions()[index as usize]),
+            Leg::Back { .. } => panic!("wandering goes back"),
         }
     }
     assert!(f64::from(synthetic) < 0.25 * f64::from(recorded + synthetic), "{synthetic} of {recorded}");
@@ -306,6 +307,7 @@ fn wandering_repeats_nothing_at_once_and_is_mostly_recorded() {
                 taken.push((index, step));
                 step += steps_of(&scene.graph.transitions()[index as usize]);
             }
+            Leg::Back { .. } => panic!("wandering goes back"),
         }
     }
     let pairs: Vec<[(u32, u32); 2]> = taken.windows(2).map(|pair| [pair[0], pair[1]]).collect();
