@@ -113,7 +113,10 @@ impl Stroll {
     ) -> Option<(usize, u32)> {
         let edges: Vec<(usize, u32, f64)> = segments.optimiser.chain().edges(state).collect();
         let goes_on = edges.iter().any(|edge| segments.transitions[edge.0].is_none());
-        let must_go_on = goes_on && self.stretch < self.least;
+        // Where going on ends too soon in any case, there is nothing to wait for.
+        let lasts = |last: u32| self.stretch + self.room(timeline, segments, last) >= self.least;
+        let must_go_on =
+            goes_on && self.stretch < self.least && segments.segments.get(state).is_some_and(|s| lasts(s.last));
         let mut weights = Vec::with_capacity(edges.len());
         let mut stalest = f64::INFINITY;
         for &(edge, to, probability) in &edges {
@@ -135,6 +138,16 @@ impl Stroll {
         let &(edge, to, _) = edges.get(chosen)?;
         self.credits[edge] = (self.credits[edge] - 1.0).max(-MOST_CREDIT);
         Some((edge, to))
+    }
+
+    /// Recorded steps that can follow `frame`, as many as a shortest stretch has at most.
+    fn room(&self, timeline: &Timeline, segments: &Segments, frame: u32) -> u32 {
+        let is_inside = |frame: &u32| {
+            let state = segments.segments.partition_point(|segment| segment.first <= *frame);
+            state.checked_sub(1).is_some_and(|state| *frame <= segments.segments[state].last)
+        };
+        let ahead = std::iter::successors(Some(frame), |&frame| timeline.next(frame).filter(is_inside));
+        ahead.skip(1).take(self.least as usize).count() as u32
     }
 
     /// How lately what begins with `frame` was shown: 0 where that was long ago or never, 1 where it is shown now; the mean of
