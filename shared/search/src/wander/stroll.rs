@@ -127,8 +127,9 @@ impl Stroll {
             stalest = stalest.min(stale);
             weights.push((stale, credit.max(0.05 * probability).powi(2)));
         }
-        // Of what is shown again in any case, what was shown longest ago.
-        weights.iter_mut().filter(|weight| weight.0 > stalest + 0.1).for_each(|weight| weight.1 = 0.0);
+        // Of what is shown again in any case, what was shown longest ago; the sooner that was, the less it matters.
+        let most = stalest + 0.1 + 0.5 * stalest;
+        weights.iter_mut().filter(|weight| weight.0 > most).for_each(|weight| weight.1 = 0.0);
         let mut left = random() * weights.iter().map(|weight| weight.1).sum::<f64>();
         let chosen = weights.iter().position(|weight| {
             left -= weight.1;
