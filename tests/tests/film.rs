@@ -105,7 +105,7 @@ fn film(bytes: &[u8], shown: &Shown) -> Vec<Vec<Vec3>> {
 #[test]
 fn the_page_shows_what_a_film_shows() {
     let folder = tempfile::tempdir().unwrap();
-    let small = PerformerOptions { frames: 300, vertices: 1_000, texture_size: 64, ..PerformerOptions::default() };
+    let small = PerformerOptions { frames: 300, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
     write_performer(&small, folder.path(), &|_| {}).unwrap();
     let inputs = [folder.path().to_str().unwrap().to_owned()];
     let (bytes, _) = pack(&inputs, &PackOptions::default(), &Job::silent()).unwrap();
