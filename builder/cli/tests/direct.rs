@@ -310,7 +310,7 @@ fn what_cannot_be_done_is_said() {
     let out = out.to_str().unwrap();
     refuse(&["-o", out], 2, "say what to do");
     refuse(&["--wander", "5s", "-o", "walk.mp4"], 2, "says no format");
-    refuse(&["--wander", "5s", "-o", "walk.png"], 2, "says no format");
+    refuse(&["--wander", "5s", "-o", "walk.png"], 2, "say where its number goes");
     refuse(&["--wander", "never", "-o", out], 2, "no duration");
     refuse(&["--to", "fly:1", "-o", out], 1, "there are: bend, straight");
     refuse(&["--behaviour", "fly", "-o", out], 1, "there are: bend, straight");
