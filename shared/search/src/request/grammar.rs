@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::check::check_version;
-use super::json::Json;
+use super::value::Json;
 use super::{
     BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
     RequestError, Stretch, Target, WanderRequest, WithinSequence,

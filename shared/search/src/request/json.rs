@@ -1,52 +1,11 @@
 //! Requests as JSON. Whoever reads the text (this library for files, the browser for the page), what it may say is decided
 //! here and in the [grammar](super::grammar) alone, so that all refuse the same with the same words.
 
-use std::collections::BTreeMap;
-
+use super::value::Json;
 use super::{KeysRequest, PathRequest, Request, RequestError, grammar, limits};
 
 /// Lists and objects within each other that are read; a request has no more than ten.
 const DEEPEST: usize = 32;
-
-/// A value of JSON.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Json {
-    /// `null`: as if it were not there.
-    Null,
-    /// `true` or `false`.
-    Bool(bool),
-    /// A finite number.
-    Number(f64),
-    /// A text.
-    Text(String),
-    /// A list.
-    List(Vec<Json>),
-    /// An object: the last of fields with the same name.
-    Object(BTreeMap<String, Json>),
-}
-
-impl From<serde_json::Value> for Json {
-    fn from(value: serde_json::Value) -> Self {
-        match value {
-            serde_json::Value::Null => Self::Null,
-            serde_json::Value::Bool(value) => Self::Bool(value),
-            serde_json::Value::Number(number) => number.as_f64().map_or(Self::Null, Self::Number),
-            serde_json::Value::String(text) => Self::Text(text),
-            serde_json::Value::Array(list) => Self::List(list.into_iter().map(Self::from).collect()),
-            serde_json::Value::Object(fields) => {
-                Self::Object(fields.into_iter().map(|(name, value)| (name, Self::from(value))).collect())
-            }
-        }
-    }
-}
-
-impl Json {
-    /// The value that `text` holds; `None` where it is no JSON.
-    #[must_use]
-    pub fn read(text: &str) -> Option<Self> {
-        serde_json::from_str::<serde_json::Value>(text).ok().map(Self::from)
-    }
-}
 
 impl Request {
     /// Reads a request and checks all that can be checked without a capture.

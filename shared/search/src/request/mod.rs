@@ -6,9 +6,10 @@ mod find;
 mod grammar;
 mod json;
 pub mod limits;
+mod value;
 
 pub use error::RequestError;
-pub use json::Json;
+pub use value::Json;
 
 use std::collections::BTreeMap;
 
