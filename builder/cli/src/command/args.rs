@@ -399,4 +399,8 @@ pub enum EvaluateSection {
     Scaling,
     /// Eigen appearance maps.
     Appearance,
+    /// What blends add to walks, their seams, stutter and slide.
+    Motion,
+    /// Random walks of five minutes.
+    Wandering,
 }

@@ -57,7 +57,7 @@ pub(super) fn walks_table<'a>(walks: impl Iterator<Item = (LengthChoice, &'a Wal
     for (choice, walks) in walks {
         let [cost, deformation, duration, transitions] = walks.moments;
         table.rows.push(vec![
-            lengths_by(choice).into(),
+            choice.word().into(),
             Cell::Count(cost.count),
             Cell::Number(cost.mean, 3),
             Cell::Number(deformation.mean, 3),
@@ -67,8 +67,4 @@ pub(super) fn walks_table<'a>(walks: impl Iterator<Item = (LengthChoice, &'a Wal
         ]);
     }
     table
-}
-
-pub(super) fn lengths_by(choice: LengthChoice) -> &'static str {
-    if choice == LengthChoice::Total { "sum" } else { "mean" }
 }
