@@ -12,7 +12,7 @@ use actor::timeline::Timeline;
 
 /// Share of a sequence's frames at either end that need not be shown, where better transitions arrive after them or leave
 /// before them.
-const SLACK: f64 = 0.04;
+const SLACK: f64 = 0.02;
 /// Seconds within which both ends of two transitions must not lie (20 frames of 30 a second in the paper).
 const APART: f64 = 0.66;
 /// Seconds of recorded frames for each transition of the graph.
