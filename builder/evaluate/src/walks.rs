@@ -220,6 +220,7 @@ fn longest_repeat(scene: &Scene, answer: &Answer) -> f64 {
                     (0..i64::from(steps)).filter_map(|step| scene.timeline.offset(first, step)).map(|f| (f, 1)),
                 );
             }
+            Leg::Back { first, last, .. } => edges.extend((last + 1..=first).rev().map(|frame| (frame, 1))),
             Leg::Synthetic(index) => {
                 let steps = scene.graph.transitions().get(index as usize).map_or(0, steps_of);
                 edges.push((scene.timeline.frame_count() + index, steps));

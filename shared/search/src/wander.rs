@@ -1,6 +1,6 @@
 //! Wandering: a seeded random walk over a few good transitions that never repeats itself and never gets stuck.
 
-use super::components::components_of;
+use super::components::main_component_of;
 use super::meter;
 use super::queue::Queue;
 use super::random::{Chain, Optimiser};
@@ -218,7 +218,7 @@ fn choose(
         let transition = &graph.transitions()[index as usize];
         (transition.from, transition.to)
     };
-    let inside = components_of(timeline, chosen.iter().map(ends).collect()).main;
+    let inside = main_component_of(timeline, &chosen.iter().map(ends).collect::<Vec<_>>()).main;
     if apart > 0 && (count(&inside) as f64) < COVERED * all as f64 {
         return Stage::Choosing(order, apart / 2);
     }

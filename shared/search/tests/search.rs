@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use search::{
     Anytime, Chain, Curve, Demand, Direction, Found, Goal, KeyLeg, LegEnd, Measure, Optimiser, PathRequest, PathTask,
     PlaceRequest, PlaceTask, Progress, Request, Shape, Spot, Start, State, Target, Task, WanderRequest, Ways,
-    cheapest_walk, components, depth_first, edges_looked_at, holding_loop, to_targets, walk_down,
+    cheapest_walk, depth_first, edges_looked_at, holding_loop, main_component, to_targets, walk_down,
 };
 
 /// Runs a search to its end.
@@ -312,7 +312,7 @@ fn loops_close_inside_their_behaviour() {
 fn the_actor_never_gets_stuck() {
     for seed in 0..10 {
         let scene = random_scene::make(seed, &[14, 9, 11], 30);
-        let found = components(&scene.graph, &scene.timeline);
+        let found = main_component(&scene.graph, &scene.timeline);
         for frame in 0..34_u32 {
             let reaches = |to: u32| frame == to || cheapest_walk(&scene.graph, &scene.timeline, frame, to).is_some();
             if let Some(inside) =
@@ -358,6 +358,17 @@ fn what_makes_no_sense_is_refused_with_a_sentence() {
     refuse(&deep, "not a request");
     let place = Request::new(Target::Place(PlaceRequest { x: f32::NAN, ..PlaceRequest::default() }));
     assert!(Direction::new(&scene.borrowed(), None, &place, 100).is_err());
+}
+
+/// The page refuses the same with the same words: `tests/browser` reads the same list.
+#[test]
+fn requests_are_refused_in_the_same_words_everywhere() {
+    let list: Vec<(String, Option<String>)> =
+        serde_json::from_str(include_str!("../../../tests/fixtures/requests.json")).unwrap();
+    for (text, sentence) in list {
+        let refused = Request::from_json(&text).err().map(|error| error.to_string());
+        assert_eq!(refused, sentence, "{text}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Cheapest walks between frames drawn at random.
 
 use actor::graph::EssentialGraph;
-use actor::walk::{Leg, Walk};
+use actor::walk::Walk;
 use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
@@ -39,10 +39,7 @@ pub(super) fn walks(subject: &Subject, graph: &EssentialGraph, job: &Job) -> Res
     for walk in found.iter().flatten() {
         let values = [walk.cost, walk.deformation, f64::from(walk.duration), walk.transition_count() as f64];
         values.into_iter().zip(&mut walks.moments).for_each(|(value, moments)| moments.add(value));
-        walks.transitions.extend(walk.legs.iter().filter_map(|leg| match leg {
-            Leg::Synthetic(index) => Some(*index as usize),
-            Leg::Recorded { .. } => None,
-        }));
+        walks.transitions.extend(walk.legs.iter().filter_map(|leg| leg.transition().map(|index| index as usize)));
     }
     walks.transitions.sort_unstable();
     Ok(walks)

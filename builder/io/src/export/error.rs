@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use actor::pose_source::PoseError;
+use actor::walk::WalkError;
 use kernels::cholesky::CholeskyError;
 use thiserror::Error;
 
@@ -28,6 +29,9 @@ pub enum ExportError {
         /// Why.
         cause: PoseError,
     },
+    /// The walk is another bundle's.
+    #[error("the walk does not fit the bundle: {0}")]
+    Walk(#[from] WalkError),
     /// The mesh cannot be interpolated.
     #[error("the mesh cannot be interpolated: {0}")]
     Mesh(#[from] CholeskyError),

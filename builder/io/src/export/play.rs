@@ -28,7 +28,7 @@ pub struct Played<'a> {
 /// Begins to play `walk` from frame `start`, which stands at `placement`.
 ///
 /// # Errors
-/// A bundle that is not whole, or a mesh that cannot be interpolated.
+/// A bundle that is not whole, a mesh that cannot be interpolated, or a walk that does not belong to the graph.
 pub fn play<'a>(
     reader: &'a mut BundleReader,
     graph: &'a EssentialGraph,
@@ -39,7 +39,7 @@ pub fn play<'a>(
     let topology = reader.topology().ok_or(ExportError::NotWhole)?;
     let weights = topology.weights().to_vec();
     let mut synthesiser = Synthesiser::new(topology, reader.order())?;
-    synthesiser.begin_walk(start, placement, walk);
+    synthesiser.begin_walk(graph, timeline, (start, placement), walk)?;
     let pose = vec![Vec3::ZERO; weights.len()];
     let frames = walk.steps(graph) + 1;
     Ok(Played { graph, timeline, reader, weights, synthesiser, pose, centres: Vec::new(), frames })
