@@ -242,6 +242,8 @@ export interface ActorInfo {
   /** Cost of one frame of duration. */
   alpha: number;
   sequences: { name: string; first: number; count: number; cyclic: boolean; labels: string[] }[];
+  /** Names of all behaviours: the labels, then the sequences whose name is no label. */
+  behaviours: string[];
   images: { media_type: string; width: number; height: number; ready: boolean }[];
   /** Eigen textures and Eigen warps that the texture is rebuilt from; `null` where it does not change or is still to come. */
   appearance: [number, number] | null;

@@ -40,6 +40,13 @@ class Testing {
     return Array.from(this.player.arrival(frame));
   }
 
+  /** Searches for walks to poses and behaviours: how many when this was asked before, and now. */
+  plans() {
+    const before = this.planned ?? 0;
+    this.planned = this.player.plans();
+    return { before, now: this.planned };
+  }
+
   /** Keeps to one way of rebuilding the texture, waits for it at the present moment, and reads it: RGBA, and its width. */
   async texture(setting) {
     const { stage, player } = this;

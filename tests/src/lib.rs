@@ -24,7 +24,7 @@ pub fn synthesise(bundle: &[u8], from: u32, to: u32) -> Result<Vec<Vec<Vec3>>> {
     let walk = cheapest_walk(&graph, &timeline, from, to).context("there is no walk")?;
     let order = reader.order().map(<[u32]>::to_vec);
     let mut synthesiser = Synthesiser::new(&topology, order.as_deref())?;
-    synthesiser.begin_walk(from, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (from, Placement::IDENTITY), &walk)?;
     let mut frames = Vec::new();
     let mut pose = vec![Vec3::ZERO; topology.vertex_count()];
     while synthesiser.next_frame(&graph, &timeline, &mut reader, &mut pose)?.is_some() {

@@ -41,6 +41,11 @@ export class Director {
     return JSON.parse(this.player.plan(to));
   }
 
+  /** The frame of a behaviour that is reached at the least cost. */
+  nearest(behaviour) {
+    return this.player.nearest(behaviour);
+  }
+
   /** Where the body would stand if the actor went to a frame: the middle of some of its vertices, in its place. */
   arrivalOf(frame) {
     const [heading, x, z] = this.player.arrival(frame);

@@ -10,7 +10,7 @@ import { PlayerError } from './errors.js';
 import { handleKey } from './keyboard.js';
 import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
-import { behavioursOf, frameAt, frameOfTarget, soughtTarget } from './targets.js';
+import { frameAt, frameOfTarget, soughtTarget } from './targets.js';
 import { VERSION, requestOf } from './tools/request.js';
 import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
@@ -162,7 +162,7 @@ export class ReprisePlayer extends AttributeElement {
   get state() { return this.info ? this.#core.director.state : null; }
   get complete() { return this.#core?.complete ?? false; }
   get playing() { return this.info ? this.#core.director.player.playing() : false; }
-  get behaviours() { return this.info ? behavioursOf(this.info) : []; }
+  get behaviours() { return [...(this.info?.behaviours ?? [])]; }
   get answer() { return this.#core?.toolbox.answer ?? null; }
   get queued() { return [...(this.#core?.queue.targets ?? [])]; }
 

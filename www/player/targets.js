@@ -3,9 +3,6 @@
 import { PlayerError } from './errors.js';
 import { poseName, words } from './format.js';
 
-/** Of so many frames of a behaviour, the last one is planned in any case. */
-const STEP = 5;
-
 const wrong = (message) => new PlayerError('bad-argument', message);
 
 /**
@@ -18,7 +15,7 @@ export function frameOfTarget(target, director) {
   if (target && typeof target === 'object') {
     if (target.frame !== undefined) return frameOfTarget(target.frame, director);
     if (target.sequence !== undefined) return frameAt(director, target.sequence, target.seconds);
-    if (target.behaviour !== undefined) return nearestOf(director, target.behaviour);
+    if (target.behaviour !== undefined) return director.nearest(String(target.behaviour));
   }
   if (!Number.isInteger(target)) throw wrong('A target is a frame, a sequence with seconds, a behaviour, a place or a path.');
   if (target < 0 || target >= info.frames) throw wrong(`There is no frame ${target}; the actor has ${info.frames}.`);
@@ -56,56 +53,6 @@ export function frameAt({ info, timeline }, sequence, seconds = 0) {
   const found = info.sequences.find(({ name }) => name === sequence);
   if (!found) throw wrong(`There is no sequence named “${sequence}”.`);
   return timeline.step(found.first, Math.round((Number(seconds) || 0) * info.fps));
-}
-
-/** Names of all behaviours: the labels, then the sequences whose name is no label. */
-export function behavioursOf(info) {
-  const labels = info.sequences.flatMap((sequence) => sequence.labels);
-  return [...new Set([...labels, ...info.sequences.map(({ name }) => name)])];
-}
-
-/** The sequences that show a behaviour. As in the search, a label wins over a sequence of the same name. */
-export function shownBy({ sequences }, behaviour) {
-  const labelled = sequences.filter(({ labels }) => labels.includes(behaviour));
-  return labelled.length > 0 ? labelled : sequences.filter(({ name }) => name === behaviour);
-}
-
-/**
- * The frame of a behaviour that is reached at the least cost. One in a few frames is planned, and those before it only where
- * they may be cheaper: from each of them the recording leads to it, at the cost of so many frames.
- */
-function nearestOf(director, behaviour) {
-  const { info } = director;
-  const shows = shownBy(info, behaviour);
-  if (shows.length === 0) throw wrong(`There is no behaviour named “${behaviour}”.`);
-  const costs = new Map();
-  let trouble = null;
-  const costOf = (frame) => {
-    if (!costs.has(frame)) {
-      let cost = Infinity;
-      try {
-        ({ cost } = director.plan(frame));
-      } catch (error) {
-        trouble = error;
-      }
-      costs.set(frame, cost);
-    }
-    return costs.get(frame);
-  };
-  const gaps = shows.flatMap(({ first, count }) => {
-    const ends = Array.from({ length: Math.ceil(count / STEP) }, (_, at) => Math.min(first + count - 1, first + at * STEP + STEP - 1));
-    return ends.map((end, at) => ({ start: at === 0 ? first : ends[at - 1] + 1, end }));
-  });
-  const least = () => Math.min(...costs.values());
-  gaps.forEach(({ end }) => costOf(end));
-  for (const { start, end } of gaps) {
-    for (let frame = start; frame < end; frame += 1) {
-      if (costOf(end) - (end - frame) * info.alpha < least()) costOf(frame);
-    }
-  }
-  const [best, cost] = [...costs].reduce((one, other) => (other[1] < one[1] ? other : one));
-  if (cost === Infinity) throw trouble;
-  return best;
 }
 
 /** Targets one after the other: the next one is told when the actor has arrived. */

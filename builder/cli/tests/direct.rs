@@ -130,7 +130,7 @@ fn made(bundle: &Path, report: &Value) -> Vec<Vec<Vec3>> {
     assert_eq!(Some(walk.check(&graph, &timeline, start).unwrap()), walk.end(&graph).or(Some(start)));
     let mut synthesiser = Synthesiser::new(reader.topology().unwrap(), reader.order()).unwrap();
     let placement = Placement { heading: placement[0], translation: glam::Vec2::new(placement[1], placement[2]) };
-    synthesiser.begin_walk(start, placement, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (start, placement), &walk).unwrap();
     let mut frames = Vec::new();
     let mut pose = vec![Vec3::ZERO; 6];
     while synthesiser.next_frame(&graph, &timeline, &mut reader, &mut pose).unwrap().is_some() {
@@ -310,7 +310,7 @@ fn what_cannot_be_done_is_said() {
     let out = out.to_str().unwrap();
     refuse(&["-o", out], 2, "say what to do");
     refuse(&["--wander", "5s", "-o", "walk.mp4"], 2, "says no format");
-    refuse(&["--wander", "5s", "-o", "walk.png"], 2, "says no format");
+    refuse(&["--wander", "5s", "-o", "walk.png"], 2, "say where its number goes");
     refuse(&["--wander", "never", "-o", out], 2, "no duration");
     refuse(&["--to", "fly:1", "-o", out], 1, "there are: bend, straight");
     refuse(&["--behaviour", "fly", "-o", out], 1, "there are: bend, straight");

@@ -19,6 +19,7 @@ mod escape;
 mod graphs;
 pub mod html;
 mod interpolation;
+mod motion;
 pub mod plot;
 mod poses;
 mod scaling;
@@ -32,6 +33,7 @@ mod trajectories;
 mod transitions;
 pub mod truth;
 mod walks;
+mod wandering;
 
 use thiserror::Error;
 
@@ -65,11 +67,15 @@ pub enum Section {
     Scaling,
     /// 8: eigen appearance maps.
     Appearance,
+    /// 9: what walks look like.
+    Motion,
+    /// 10: wandering.
+    Wandering,
 }
 
 impl Section {
     /// All sections, in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Poses,
         Self::Transitions,
         Self::Graphs,
@@ -78,6 +84,8 @@ impl Section {
         Self::Walks,
         Self::Scaling,
         Self::Appearance,
+        Self::Motion,
+        Self::Wandering,
     ];
 
     /// Its number.
@@ -98,6 +106,8 @@ impl Section {
             Self::Walks => "Walks",
             Self::Scaling => "Size and speed",
             Self::Appearance => "Appearance",
+            Self::Motion => "What walks look like",
+            Self::Wandering => "Wandering",
         }
     }
 }
@@ -168,6 +178,12 @@ pub enum EvaluateError {
     /// Poses could not be interpolated: a fault of ours.
     #[error("poses cannot be interpolated: {0}")]
     Interpolation(#[from] kernels::cholesky::CholeskyError),
+    /// A picture could not be encoded: a fault of ours.
+    #[error("a picture cannot be encoded: {0}")]
+    Picture(image::ImageError),
+    /// A walk leaves the graph: a fault of ours.
+    #[error("a walk cannot be shown: {0}")]
+    Walk(#[from] actor::walk::WalkError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -191,7 +207,15 @@ impl EvaluateError {
     /// Whether the input, not the builder, is at fault.
     #[must_use]
     pub fn is_input(&self) -> bool {
-        !matches!(self, Self::Build(_) | Self::Graph(GraphError::Build(_)) | Self::Interpolation(_) | Self::Pose(_))
+        !matches!(
+            self,
+            Self::Build(_)
+                | Self::Graph(GraphError::Build(_))
+                | Self::Interpolation(_)
+                | Self::Picture(_)
+                | Self::Walk(_)
+                | Self::Pose(_)
+        )
     }
 }
 
@@ -210,6 +234,8 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Walks => walks::section(subject, job),
             Section::Scaling => scaling::section(subject, job),
             Section::Appearance => textures::section(subject, job),
+            Section::Motion => motion::section(subject, job),
+            Section::Wandering => wandering::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

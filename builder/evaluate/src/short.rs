@@ -5,10 +5,9 @@ use actor::capture::Poses;
 use actor::graph::EssentialGraph;
 use actor::pose_source::PoseSource;
 use actor::timeline::{Sequence, Timeline};
-use actor::walk::Walk;
+use actor::walk::{Leg, Walk};
 use bundle::{BundleError, BundleReader};
-use glam::{Vec2, Vec3, Vec3Swizzles};
-use kernels::align::centre_of_mass;
+use glam::{Vec2, Vec3};
 use kernels::cholesky::elimination_order;
 use kernels::topology::Topology;
 use rayon::prelude::*;
@@ -112,7 +111,7 @@ fn read(bytes: &[u8]) -> Result<Actor, ReportError> {
         reader.read(frame, &mut pose)?;
         poses.push(&pose);
     }
-    let centres = poses.iter().map(|pose| centre_of_mass(pose, topology.weights()).xz()).collect();
+    let centres = poses.ground_centres(topology.weights());
     Ok(Actor { name, bytes: bytes.len(), timeline, topology, graph, poses, centres })
 }
 
@@ -231,12 +230,9 @@ fn quality(actor: &Actor, walks: &[Vec<Option<Walk>>]) -> SectionReport {
 }
 
 fn synthetic_frames(actor: &Actor, walk: &Walk) -> usize {
-    let durations = walk.legs.iter().map(|leg| match leg {
-        actor::walk::Leg::Synthetic(index) => {
-            actor.graph.transitions().get(*index as usize).map_or(0, |transition| transition.warp.duration())
-        }
-        actor::walk::Leg::Recorded { .. } => 0,
-    });
+    let transitions = walk.legs.iter().filter_map(Leg::transition);
+    let durations =
+        transitions.filter_map(|index| Some(actor.graph.transitions().get(index as usize)?.warp.duration()));
     durations.sum()
 }
 

@@ -7,8 +7,7 @@ use actor::capture::Capture;
 use actor::contacts::Contacts;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
-use glam::{Vec2, Vec3Swizzles};
-use kernels::align::centre_of_mass;
+use glam::Vec2;
 
 use super::truth::Truth;
 use super::{EvaluateError, EvaluateOptions};
@@ -70,8 +69,7 @@ impl Subject {
         job: &Job,
     ) -> Result<Self, EvaluateError> {
         let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), job)?;
-        let weights = capture.topology.weights();
-        let centres = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
+        let centres = capture.poses.ground_centres(capture.topology.weights());
         let contacts = pipeline::contacts::contacts(&capture.topology, &capture.timeline, &capture.poses);
         Ok(Self {
             contacts,

@@ -2,10 +2,9 @@
 //! 3.18).
 
 use actor::motion::Motion;
-use actor::walk::{Leg, steps_of};
 use search::{
     Answer, DEFAULT_EFFORT, Direction, FrameRef, Goal, Key, KeysRequest, PathReport, PathRequest, Progress as Found,
-    Request, Scene, Shape, Start, Target, WanderRequest, Ways,
+    Request, Scene, Shape, Start, Target, Ways,
 };
 
 use super::EvaluateError;
@@ -20,8 +19,6 @@ const SLICE: u32 = 20_000;
 /// The mean error in frames of the papers' ten key poses (thesis figure 3.18), at 50 frames a second.
 const PAPERS_FRAMES: f64 = 5.0;
 const PAPERS_FPS: f64 = 50.0;
-/// Seconds of the random walk.
-const WANDERED: f64 = 60.0;
 
 /// Makes the section.
 pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
@@ -38,7 +35,6 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     ));
     paths(&scene, &mut section, job);
     keys(&scene, &mut section, job);
-    wander(&scene, subject.options.seed, &mut section, job);
     Ok(section)
 }
 
@@ -178,65 +174,4 @@ fn keys(scene: &Scene, section: &mut SectionReport, job: &Job) {
               for each frame."
             .into(),
     });
-}
-
-fn wander(scene: &Scene, seed: u64, section: &mut SectionReport, job: &Job) {
-    let wander = WanderRequest { seconds: WANDERED, ..WanderRequest::default() };
-    let request = Request { seed, ..Request::new(Target::Wander(wander)) };
-    let answer = ask(scene, None, &request, job, "wandering");
-    let goal = answer.as_ref().and_then(|answer| Some((answer, &answer.parts.first()?.goal)));
-    let Some((answer, &Goal::Wander { objectives: [even, proxy, now], frames })) = goal else { return };
-    let columns = ["measure", "value"];
-    let caption = format!("A random walk of {WANDERED:.0} s (Prada and others 2016, section 7.1).");
-    let mut table = Table::new("walk_wandering", caption, &columns);
-    let number = |value: f64| Cell::Number(value, 4);
-    table.rows = vec![
-        vec!["objective, equal probabilities".into(), number(even)],
-        vec!["objective, after the convex proxy".into(), number(proxy)],
-        vec!["objective, as used".into(), number(now)],
-        vec!["frames that are visited in the long run".into(), Cell::Count(u64::from(frames))],
-        vec!["transitions taken".into(), Cell::Count(answer.walk.transition_count() as u64)],
-        vec!["longest stretch shown twice, s".into(), Cell::Number(longest_repeat(scene, answer), 2)],
-    ];
-    section.tables.push(table);
-    section.agreements.push(Agreement {
-        papers:
-            "Optimised probabilities make the stationary distribution closer to uniform than equal ones (Prada 7.1)."
-                .into(),
-        found: format!("The objective falls from {even:.4} to {proxy:.4} by the proxy and {now:.4} in the end."),
-        verdict: Verdict::of(now < even, now < even && now <= proxy),
-        why: String::new(),
-    });
-}
-
-/// The longest time in seconds that a walk shows the same edges in the same order twice.
-fn longest_repeat(scene: &Scene, answer: &Answer) -> f64 {
-    // Edges of the walk: a recorded frame, or a transition beyond all frames.
-    let mut edges = Vec::new();
-    for leg in &answer.walk.legs {
-        match *leg {
-            Leg::Recorded { first, steps, .. } => {
-                edges.extend(
-                    (0..i64::from(steps)).filter_map(|step| scene.timeline.offset(first, step)).map(|f| (f, 1)),
-                );
-            }
-            Leg::Synthetic(index) => {
-                let steps = scene.graph.transitions().get(index as usize).map_or(0, steps_of);
-                edges.push((scene.timeline.frame_count() + index, steps));
-            }
-        }
-    }
-    // The longest common suffix of the walk up to two of its edges, by dynamic programming over pairs.
-    let (mut before, mut longest) = (vec![0_u32; edges.len() + 1], 0);
-    for (place, edge) in edges.iter().enumerate() {
-        let mut now = vec![0_u32; edges.len() + 1];
-        for other in 0..place {
-            if edges[other].0 == edge.0 {
-                now[other + 1] = before[other] + edge.1;
-                longest = longest.max(now[other + 1]);
-            }
-        }
-        before = now;
-    }
-    f64::from(longest) / scene.ways.fps
 }

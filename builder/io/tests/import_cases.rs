@@ -318,9 +318,54 @@ fn loops_of_characters_are_found() {
     for name in ["Death_A", "Jump_Start", "Jump_Land", "Lie_Down", "Lie_StandUp", "Sit_Chair_Down", "T-Pose"] {
         assert!(others.iter().any(|found| found == name), "{name} is a loop");
     }
-    let (loops, _) = clips(&data().join("gltf/fox/Fox.glb"));
-    assert!(loops.contains(&"Walk".to_owned()) && loops.contains(&"Run".to_owned()), "{loops:?}");
-    let (loops, _) = clips(&data().join("gltf/lumberjack/lumberjack.glb"));
-    assert!(loops.contains(&"Walk".to_owned()), "{loops:?}");
+    let (loops, others) = clips(&data().join("gltf/fox/Fox.glb"));
+    assert_eq!((loops, others), (vec!["Survey".to_owned(), "Walk".into(), "Run".into()], vec![]));
+    // A row of poses that ends where it begins is one, too.
+    let (loops, others) = clips(&data().join("gltf/lumberjack/lumberjack.glb"));
+    assert_eq!((loops, others), (vec!["Walk".to_owned(), "Poses".into()], vec!["A-pose".to_owned()]));
+    let (loops, others) = clips(&data().join("gltf/robot-expressive/RobotExpressive.glb"));
+    assert_eq!(others, ["Death", "Sitting", "Standing"]);
+    for name in ["Dance", "Idle", "Jump", "Running", "Walking", "Wave"] {
+        assert!(loops.iter().any(|found| found == name), "{name} is no loop");
+    }
     assert_eq!(clips(&data().join("gltf/cesium-man/CesiumMan.glb")).0, ["CesiumMan"]);
+}
+
+/// The pose that closes a loop is left out, so that going round shows no pose twice and skips none: the step over the end is as
+/// long as those within.
+#[test]
+#[ignore = "reads ../shared/data"]
+fn going_round_a_loop_is_as_even_as_the_loop() {
+    let path = data().join("gltf/fox/Fox.glb").to_str().unwrap().to_owned();
+    let with = |cyclic: Cyclic| {
+        let options = ImportOptions { cyclic, ..ImportOptions::default() };
+        import(std::slice::from_ref(&path), &options, &Job::silent()).unwrap().capture
+    };
+    let (closed, open) = (with(Cyclic::Auto), with(Cyclic::None));
+    for (round, whole) in closed.timeline.sequences().iter().zip(open.timeline.sequences()) {
+        assert_eq!((round.cyclic, whole.cyclic, round.frame_count + 1), (true, false, whole.frame_count));
+        let step = |from: u32, to: u32| {
+            let (a, b) = (closed.poses.frame(from), closed.poses.frame(to));
+            (a.iter().zip(b).map(|(a, b)| f64::from(a.distance_squared(*b))).sum::<f64>() / a.len() as f64).sqrt()
+        };
+        let last = round.end_frame() - 1;
+        let longest = (round.first_frame..last).map(|frame| step(frame, frame + 1)).fold(0.0, f64::max);
+        let wrap = step(last, round.first_frame);
+        assert!(wrap > 0.0 && wrap <= longest, "{}: {wrap} over the end, {longest} within", round.name);
+        // What was left out is the first pose, within a thousandth of the 190 units of the fox.
+        let (first, repeated) = (open.poses.frame(whole.first_frame), open.poses.frame(whole.end_frame() - 1));
+        assert!(first.iter().zip(repeated).all(|(a, b)| a.distance(*b) < 0.2));
+    }
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn takes_of_a_stage_are_no_loops() {
+    for name in ["crane", "jumping"] {
+        let files = fixtures::unpacked(name);
+        let folder = files[0].parent().unwrap().to_str().unwrap().to_owned();
+        let imported = import(&[folder], &ImportOptions::default(), &Job::silent()).unwrap();
+        assert!(imported.capture.timeline.sequences().iter().all(|sequence| !sequence.cyclic), "{name}");
+        assert!(!codes(&imported).contains(&"W_CYCLIC"), "{name}");
+    }
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::contacts;
 use crate::distance::Measured;
 use crate::essential::sparse::{Candidates, candidate_transitions, essential_of};
-use crate::essential::{BuildError, Components, EssentialError, Findings, build_graph, strongly_connected};
+use crate::essential::{BuildError, Components, EssentialError, Findings, build_graph, reach, strongly_connected};
 use crate::transitions::{TransitionError, TransitionOptions};
 
 /// How the graph of a capture is made.
@@ -107,6 +107,6 @@ pub fn graph_of(
     let edges: Vec<(u32, u32)> =
         graph.transitions().iter().map(|transition| (transition.from, transition.to)).collect();
     let components = strongly_connected(timeline, &edges);
-    let reach = components.reach(timeline, &edges);
+    let reach = reach(&components, timeline, &edges);
     Ok(Graphed { graph, unreachable_pairs: reach.unreachable_pairs, dead_ends: reach.dead_ends, components })
 }

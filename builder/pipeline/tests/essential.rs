@@ -14,7 +14,7 @@ use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
 use pipeline::essential::sparse::{Candidates, by_all_paths, by_searches, row_candidates};
-use pipeline::essential::{Essential, essential_edges, motion_graph, strongly_connected};
+use pipeline::essential::{Essential, essential_edges, motion_graph, reach, strongly_connected};
 use pipeline::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
 
 /// E of the complete digraph: transitions and recorded steps.
@@ -91,7 +91,7 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     assert_eq!(found.unreached, unreached);
 
     let components = strongly_connected(timeline, &found.edges);
-    let reach = components.reach(timeline, &found.edges);
+    let reach = reach(&components, timeline, &found.edges);
     assert_eq!((reach.unreachable_pairs, &reach.dead_ends), (found.unreachable_pairs, &found.dead_ends));
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&(i, j)| i != j) {
         let together = components.component_of_frame[i] == components.component_of_frame[j];

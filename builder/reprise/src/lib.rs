@@ -43,8 +43,8 @@
 //! let mut played = play(&mut reader, &graph, &timeline, (5, Placement::IDENTITY), &walk)?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("walk.glb");
-//! let frames = export(&actor, &mut played, &Output::Glb(path.clone()), &ExportOptions::default(), &job)?;
-//! assert_eq!(frames, played.frames);
+//! let written = export(&actor, &mut played, &Output::Glb(path.clone()), &ExportOptions::default(), &job)?;
+//! assert_eq!(written.frames, played.frames);
 //! # assert!(path.metadata()?.len() > 1000);
 //! # Ok(())
 //! # }

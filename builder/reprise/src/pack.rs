@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use actor::capture::Capture;
+use actor::files::Files;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use appearance::naive::naive;
@@ -121,7 +122,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     };
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
-    let (bytes, mut pack_report) = pack_with_looks(&imported.capture, &models, quality, options, job)?;
+    let looks = (models.as_slice(), quality);
+    let (bytes, mut pack_report) = pack_with_files(&imported.capture, &imported.files, looks, options, job)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
@@ -188,12 +190,23 @@ pub fn pack_with_looks(
     options: &PackOptions,
     job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
+    pack_with_files(capture, &Files::default(), (models, quality), options, job)
+}
+
+/// As [`pack_with_looks`], with what exports need to know of the capture's files.
+fn pack_with_files(
+    capture: &Capture,
+    files: &Files,
+    looks: (&[AppearanceModel], AppearanceQuality),
+    options: &PackOptions,
+    job: &Job,
+) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let measured =
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &graphed.graph, (models, quality), options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, files, &graphed.graph, looks, options))?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     let pack_report = PackReport {
@@ -238,6 +251,7 @@ fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
 
 fn encode(
     capture: &Capture,
+    files: &Files,
     graph: &EssentialGraph,
     (models, quality): (&[AppearanceModel], AppearanceQuality),
     options: &PackOptions,
@@ -254,7 +268,7 @@ fn encode(
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
-    Ok(bundle::encode_with_looks(&input, &looks)?)
+    Ok(bundle::encode_with_files(&input, &looks, files)?)
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

@@ -8,7 +8,7 @@ use crate::contacts::Contacts;
 use crate::graph::{EssentialGraph, Transition};
 use crate::pose_source::PoseError;
 use crate::timeline::Timeline;
-use crate::walk::{Leg, Walk};
+use crate::walk::Leg;
 use crate::warp::Warp;
 use kernels::align::{Placement, rotate};
 use kernels::scalar::half_turn;
@@ -155,20 +155,20 @@ pub fn transition_placement(
     Ok(Placement { heading, ..blend.placements[1] })
 }
 
-/// Placement of a walk's last frame, the actor standing at `start` on its first one. Reads no pose but at the wraps of
+/// Placement of the last frame of `legs`, the actor standing at `start` on their first one. Reads no pose but at the wraps of
 /// cyclic sequences.
 ///
 /// # Errors
-/// A walk that does not belong to `graph`, or a frame at a wrap that cannot be read.
+/// Legs that do not belong to `graph`, or a frame at a wrap that cannot be read.
 pub fn arrival(
     graph: &EssentialGraph,
     timeline: &Timeline,
     ground: &mut impl Ground,
     start: Placement,
-    walk: &Walk,
+    legs: &[Leg],
 ) -> Result<Placement, PoseError> {
     let mut placement = start;
-    for leg in &walk.legs {
+    for leg in legs {
         match *leg {
             Leg::Recorded { first, steps, .. } => {
                 let mut frame = first;
@@ -179,6 +179,8 @@ pub fn arrival(
                 }
             }
             Leg::Synthetic(index) => placement = placement.after(&transition(graph, index)?.placement),
+            // Within a sequence recorded frames stand as they do, whichever way they are gone through.
+            Leg::Back { .. } => {}
         }
     }
     Ok(placement)

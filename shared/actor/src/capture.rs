@@ -1,11 +1,12 @@
 //! A whole capture in memory: what import hands to every later stage of the builder.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use thiserror::Error;
 
 use crate::pose_source::{PoseError, PoseSource};
 use crate::surface::Surface;
 use crate::timeline::Timeline;
+use kernels::align::centre_of_mass;
 use kernels::topology::Topology;
 
 /// Textured mesh sequences of one subject over one topology.
@@ -164,6 +165,12 @@ impl Poses {
     /// All frames, in order.
     pub fn iter(&self) -> impl Iterator<Item = &[Vec3]> {
         self.positions.chunks_exact(self.vertex_count.max(1))
+    }
+
+    /// Centre of mass of every frame as it was recorded, in metres along (X, Z); `weights` are the topology's.
+    #[must_use]
+    pub fn ground_centres(&self, weights: &[f32]) -> Vec<Vec2> {
+        self.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect()
     }
 }
 

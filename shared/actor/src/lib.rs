@@ -2,8 +2,9 @@
 //!
 //! A capture becomes an actor once its sequences ([`timeline`]), what is drawn ([`surface`]), its poses ([`capture`],
 //! [`pose_source`]), what stands on the ground ([`contacts`]), how it moves over the ground ([`motion`], [`ground`]) and its
-//! transitions ([`warp`], [`graph`]) are known. A [`walk`] is a way through the graph; [`blend`] says where on the ground both
-//! sides of a transition are. Searches, synthesis and the file format all build on this and on nothing of each other.
+//! transitions ([`warp`], [`graph`]) are known; [`files`] remembers what it was read from. A [`walk`] is a way through the
+//! graph; [`blend`] says where on the ground both sides of a transition are, and [`components`] which frames lead to which.
+//! Searches, synthesis and the file format all build on this and on nothing of each other.
 //!
 //! This crate does no input or output and knows no GPU, no thread and no page.
 //!
@@ -12,7 +13,9 @@
 
 pub mod blend;
 pub mod capture;
+pub mod components;
 pub mod contacts;
+pub mod files;
 pub mod graph;
 pub mod ground;
 pub mod motion;

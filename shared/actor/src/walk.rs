@@ -20,6 +20,47 @@ pub enum Leg {
     },
     /// The transition with this index in [`EssentialGraph::transitions`].
     Synthetic(u32),
+    /// Recorded frames backwards, from `first` down to `last` of the same sequence, both included: out of a dead end, or to
+    /// a frame at which no transition can arrive. No edge of the graph; a step costs as much as one forwards.
+    Back {
+        /// The frame that the stretch begins with.
+        first: u32,
+        /// The frame that it ends with.
+        last: u32,
+        /// Steps from `first` down to `last`.
+        steps: u32,
+    },
+}
+
+impl Leg {
+    /// Steps from frame to frame; none for a transition that the graph does not have.
+    #[must_use]
+    pub fn steps(&self, graph: &EssentialGraph) -> u32 {
+        match *self {
+            Self::Recorded { steps, .. } | Self::Back { steps, .. } => steps,
+            Self::Synthetic(edge) => graph.transitions().get(edge as usize).map_or(0, steps_of),
+        }
+    }
+
+    /// The frames that it begins and ends with; `None` for a transition that the graph does not have.
+    #[must_use]
+    pub fn ends(&self, graph: &EssentialGraph) -> Option<(u32, u32)> {
+        match *self {
+            Self::Recorded { first, last, .. } | Self::Back { first, last, .. } => Some((first, last)),
+            Self::Synthetic(edge) => {
+                graph.transitions().get(edge as usize).map(|transition| (transition.from, transition.to))
+            }
+        }
+    }
+
+    /// The transition that it is, if it is one.
+    #[must_use]
+    pub fn transition(&self) -> Option<u32> {
+        match *self {
+            Self::Synthetic(edge) => Some(edge),
+            Self::Recorded { .. } | Self::Back { .. } => None,
+        }
+    }
 }
 
 /// A walk through the graph, from frame to frame.
@@ -39,7 +80,7 @@ impl Walk {
     /// Number of transitions on the way.
     #[must_use]
     pub fn transition_count(&self) -> usize {
-        self.legs.iter().filter(|leg| matches!(leg, Leg::Synthetic(_))).count()
+        self.legs.iter().filter_map(Leg::transition).count()
     }
 }
 
@@ -48,6 +89,34 @@ impl Walk {
 #[must_use]
 pub fn steps_of(transition: &Transition) -> u32 {
     (transition.warp.duration() as u32).saturating_sub(1).max(1)
+}
+
+/// Follows `legs` from frame `start` and returns the frame that they end with.
+///
+/// # Errors
+/// The first leg that the graph does not have, or that does not continue the one before.
+pub fn end_of(legs: &[Leg], graph: &EssentialGraph, timeline: &Timeline, start: u32) -> Result<u32, WalkError> {
+    let mut frame = start;
+    for (index, leg) in legs.iter().enumerate() {
+        let (first, last) = leg.ends(graph).ok_or(WalkError::NoSuchLeg(index))?;
+        let recorded = match *leg {
+            Leg::Recorded { steps, .. } => timeline.offset(first, i64::from(steps)) == Some(last),
+            // Backwards across the wrap of a cyclic sequence nobody knows where the body stood.
+            Leg::Back { steps, .. } => {
+                timeline.sequence_of(first).is_some_and(|sequence| sequence.contains(last))
+                    && first.checked_sub(steps) == Some(last)
+            }
+            Leg::Synthetic(_) => true,
+        };
+        if !recorded {
+            return Err(WalkError::NoSuchLeg(index));
+        }
+        if first != frame {
+            return Err(WalkError::Gap(index));
+        }
+        frame = last;
+    }
+    Ok(frame)
 }
 
 /// Why legs are not a walk through a graph: what the checker found first.
@@ -73,7 +142,7 @@ impl Walk {
         let mut walk = Self::default();
         for (index, leg) in legs.iter().enumerate() {
             match *leg {
-                Leg::Recorded { steps, .. } => {
+                Leg::Recorded { steps, .. } | Leg::Back { steps, .. } => {
                     walk.cost += graph.alpha() * f64::from(steps);
                     walk.duration += steps;
                 }
@@ -94,50 +163,25 @@ impl Walk {
     /// # Errors
     /// The first leg that the graph does not have or that does not continue the one before, or sums that are not the legs'.
     pub fn check(&self, graph: &EssentialGraph, timeline: &Timeline, start: u32) -> Result<u32, WalkError> {
-        let mut frame = start;
-        for (index, leg) in self.legs.iter().enumerate() {
-            let (first, last) = match *leg {
-                Leg::Recorded { first, last, steps } => {
-                    if timeline.offset(first, i64::from(steps)) != Some(last) {
-                        return Err(WalkError::NoSuchLeg(index));
-                    }
-                    (first, last)
-                }
-                Leg::Synthetic(edge) => {
-                    let transition = graph.transitions().get(edge as usize).ok_or(WalkError::NoSuchLeg(index))?;
-                    (transition.from, transition.to)
-                }
-            };
-            if first != frame {
-                return Err(WalkError::Gap(index));
-            }
-            frame = last;
-        }
+        let end = end_of(&self.legs, graph, timeline, start)?;
         let sums = Self::of_legs(self.legs.clone(), graph)?;
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + a.abs());
         let holds =
             same(sums.cost, self.cost) && same(sums.deformation, self.deformation) && sums.duration == self.duration;
-        if holds { Ok(frame) } else { Err(WalkError::Sums) }
+        if holds { Ok(end) } else { Err(WalkError::Sums) }
     }
 
     /// Steps from frame to frame: the frames that are shown after the one that the walk begins with. Transitions whose
     /// index the graph does not have count none.
     #[must_use]
     pub fn steps(&self, graph: &EssentialGraph) -> u32 {
-        let step = |leg: &Leg| match *leg {
-            Leg::Recorded { steps, .. } => steps,
-            Leg::Synthetic(edge) => graph.transitions().get(edge as usize).map_or(0, steps_of),
-        };
-        self.legs.iter().map(step).sum()
+        self.legs.iter().map(|leg| leg.steps(graph)).sum()
     }
 
     /// The frame that the walk ends with; `None` where it has no legs, or its last one is not in the graph.
     #[must_use]
     pub fn end(&self, graph: &EssentialGraph) -> Option<u32> {
-        match *self.legs.last()? {
-            Leg::Recorded { last, .. } => Some(last),
-            Leg::Synthetic(edge) => graph.transitions().get(edge as usize).map(|transition| transition.to),
-        }
+        self.legs.last()?.ends(graph).map(|(_, last)| last)
     }
 
     /// Appends a recorded step or stretch from `first` to `last`, joining it to a recorded leg that ends there.
@@ -157,7 +201,7 @@ impl Walk {
         for leg in &other.legs {
             match *leg {
                 Leg::Recorded { first, last, steps } => self.push_recorded(first, last, steps),
-                Leg::Synthetic(_) => self.legs.push(*leg),
+                Leg::Synthetic(_) | Leg::Back { .. } => self.legs.push(*leg),
             }
         }
         self.cost += other.cost;

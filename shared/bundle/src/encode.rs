@@ -14,8 +14,9 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{contacts, graph, integers, motion, surface};
+use super::{contacts, files, graph, integers, motion, surface};
 use actor::capture::Capture;
+use actor::files::Files;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::{PoseError, PoseSource};
@@ -111,6 +112,18 @@ pub fn encode_with_looks(
     input: &BundleInput,
     looks: &[AppearanceInput],
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
+    encode_with_files(input, looks, &Files::default())
+}
+
+/// As [`encode_with_looks`], with what exports need to know of the files that the capture came from.
+///
+/// # Errors
+/// As [`encode_with_looks`]; faces that are not the capture's.
+pub fn encode_with_files(
+    input: &BundleInput,
+    looks: &[AppearanceInput],
+    files: &Files,
+) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
     let capture = input.capture;
     check(input)?;
     let (lowest, highest) = bounds(capture.poses.iter());
@@ -137,6 +150,7 @@ pub fn encode_with_looks(
     };
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
     let mut drafts = drafts(input, &meta, geometry)?;
+    add_files(&mut drafts, files, capture)?;
     let mut appearance = None;
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
         let report = add_appearance(&mut drafts, textures, models, capture)?;
@@ -152,6 +166,21 @@ pub fn encode_with_looks(
     }
     let report = EncodeReport { appearance, ..report(&header, capture.poses.len(), rms_error, max_error) };
     Ok((bytes, report))
+}
+
+/// What the page does not need comes behind what it does.
+fn add_files(drafts: &mut Vec<Draft>, files: &Files, capture: &Capture) -> Result<(), EncodeError> {
+    let file_vertices = &capture.vertex_of_file_vertex;
+    if let Some(faces) = &files.faces {
+        let wrong = |reason: &str| EncodeError::Inconsistent(format!("the faces of the files {reason}"));
+        faces.check(&capture.surface, file_vertices).map_err(wrong)?;
+        let raw = files::encode_faces(faces, &capture.surface, file_vertices, capture.topology.vertex_count());
+        drafts.push(Draft { kind: Kind::FileFaces, ordinal: 0, raw });
+    }
+    if !files.place.is_plain() {
+        drafts.push(Draft { kind: Kind::FilePlace, ordinal: 0, raw: files::encode_place(&files.place) });
+    }
+    Ok(())
 }
 
 /// What the first pose is painted with comes right after it; what refines that, or is there to compare with, comes last.

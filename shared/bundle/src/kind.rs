@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 3;
+pub const VERSION_MINOR: u16 = 4;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,11 +46,15 @@ pub enum Kind {
     Motion,
     /// What stands on the ground in every frame. Since 1.2.
     Contacts,
+    /// The faces of the input files. Since 1.4.
+    FileFaces,
+    /// The place, the unit and the axes of the input files. Since 1.4.
+    FilePlace,
 }
 
 impl Kind {
     /// All kinds of this version.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -69,9 +73,12 @@ impl Kind {
         Self::NaiveMode,
         Self::Motion,
         Self::Contacts,
+        Self::FileFaces,
+        Self::FilePlace,
     ];
 
-    /// Its number in the file. Numbers 32 to 63 are reserved for appearance, those from 64 on for direction.
+    /// Its number in the file. Numbers 32 to 63 are reserved for appearance, 64 to 95 for direction, 96 to 127 for
+    /// the files.
     #[must_use]
     pub fn number(self) -> u16 {
         match self {
@@ -93,6 +100,8 @@ impl Kind {
             Self::NaiveMode => 39,
             Self::Motion => 64,
             Self::Contacts => 65,
+            Self::FileFaces => 96,
+            Self::FilePlace => 97,
         }
     }
 
@@ -124,6 +133,8 @@ impl Kind {
             Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
             Self::Contacts => "contacts",
+            Self::FileFaces => "file-faces",
+            Self::FilePlace => "file-place",
         }
     }
 
@@ -138,6 +149,7 @@ impl Kind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::FileFaces | Self::FilePlace => 4,
             Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,
             Self::Contacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,
             Self::EarlierAppearance | Self::EarlierMode | Self::Motion => 1,

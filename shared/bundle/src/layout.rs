@@ -51,8 +51,8 @@ pub(super) fn count(header: &Header, kind: Kind) -> usize {
 fn needs(kind: Kind) -> &'static [Kind] {
     match kind {
         Kind::Meta => &[],
-        Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => &[Kind::Meta],
-        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices => &[Kind::Meta, Kind::Surface],
+        Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts | Kind::FilePlace => &[Kind::Meta],
+        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices | Kind::FileFaces => &[Kind::Meta, Kind::Surface],
         Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => &[Kind::Meta, Kind::Surface],
         Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
         Kind::EarlierMode => &[Kind::EarlierAppearance],

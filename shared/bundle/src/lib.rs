@@ -12,6 +12,7 @@ mod checksum;
 mod contacts;
 mod encode;
 mod error;
+mod files;
 mod graph;
 mod header;
 mod integers;
@@ -30,7 +31,8 @@ pub use appearance::{
     store_appearance,
 };
 pub use encode::{
-    BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_looks,
+    BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_files,
+    encode_with_looks,
 };
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, SectionEntry};

@@ -11,8 +11,9 @@ use super::kind::Kind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, Textures, appearance, contacts, graph, integers, layout, motion, surface};
+use super::{Appearance, Textures, appearance, contacts, files, graph, integers, layout, motion, surface};
 use actor::contacts::Contacts;
+use actor::files::{FileFaces, FilePlace};
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::{PoseError, PoseSource};
@@ -47,6 +48,9 @@ pub struct BundleReader {
     graph: Option<EssentialGraph>,
     order: Option<Vec<u32>>,
     file_vertices: Option<Vec<u32>>,
+    /// The section as it is: only exports want it.
+    file_faces: Option<Vec<u8>>,
+    file_place: FilePlace,
     motion: Option<Motion>,
     contacts: Contacts,
     looks: [Looks; 2],
@@ -189,6 +193,33 @@ impl BundleReader {
     #[must_use]
     pub fn file_vertices(&self) -> Option<&[u32]> {
         self.file_vertices.as_deref()
+    }
+
+    /// The faces of the input files; `None` also where they are the triangles of the drawn mesh, as far as the bundle says.
+    ///
+    /// # Errors
+    /// A section that does not hold faces of this surface.
+    pub fn file_faces(&self) -> Result<Option<FileFaces>, BundleError> {
+        let (Some(bytes), Some(surface), Some(topology)) = (&self.file_faces, &self.surface, &self.topology) else {
+            return Ok(None);
+        };
+        let vertex_count = topology.vertex_count();
+        let every: Vec<u32>;
+        let file_vertices = match &self.file_vertices {
+            Some(file_vertices) => file_vertices,
+            None => {
+                every = (0..vertex_count as u32).collect();
+                &every
+            }
+        };
+        let faces = files::decode_faces(bytes, surface, file_vertices, vertex_count);
+        faces.map(Some).map_err(|reason| BundleError::section(Kind::FileFaces, reason))
+    }
+
+    /// The place, the unit and the axes of the input files; those of the capture where the bundle does not say.
+    #[must_use]
+    pub fn file_place(&self) -> FilePlace {
+        self.file_place
     }
 
     /// Where the actor is and which way it faces in every frame; `None` also where the bundle does not say. Then
@@ -336,6 +367,10 @@ impl BundleReader {
             }
             return Ok(());
         }
+        if kind == Kind::FilePlace {
+            self.file_place = files::decode_place(&raw).map_err(wrong)?;
+            return Ok(());
+        }
         if kind == Kind::Motion {
             self.motion = Some(motion::decode(&raw, timeline).map_err(wrong)?);
             return Ok(());
@@ -369,6 +404,7 @@ impl BundleReader {
             Kind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
+            Kind::FileFaces => self.file_faces = Some(raw),
             Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => {
                 let (coding, modes) = appearance::Coding::of(kind);
                 let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
@@ -384,7 +420,7 @@ impl BundleReader {
                 let mode = self.looks[looks as usize].modes.get_mut(ordinal);
                 *mode.ok_or_else(|| wrong("is not declared"))? = Some(raw);
             }
-            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts => {}
+            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts | Kind::FilePlace => {}
         }
         Ok(())
     }

@@ -61,6 +61,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(frame_findings(&mut reader));
     findings.extend(graph_findings(&reader));
     findings.extend(appearance_findings(&reader));
+    findings.extend(file_findings(&reader));
     findings
 }
 
@@ -110,6 +111,11 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
         findings.push(Finding::new("no-order", Severity::Note, message));
     }
     findings
+}
+
+fn file_findings(reader: &BundleReader) -> Option<Finding> {
+    let error = reader.file_faces().err()?;
+    Some(Finding::new("inconsistent", Severity::Error, error.to_string()))
 }
 
 fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {

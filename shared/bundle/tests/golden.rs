@@ -9,14 +9,13 @@ mod captures;
 
 use actor::capture::{Capture, Poses};
 use actor::contacts::Contacts;
+use actor::files::{FaceRun, FileFaces, FilePlace, Files};
 use actor::motion::Motion;
 use actor::pose_source::PoseSource;
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
-use bundle::{
-    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_appearance, validate,
-};
+use bundle::{AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_files, validate};
 use captures::{contacts, graph, timeline};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use kernels::topology::Topology;
 use texture::AppearanceModel;
 
@@ -26,6 +25,7 @@ const GOLDEN_1_0: &[u8] = include_bytes!("golden/v1.0.reprise");
 const GOLDEN_WITH_CONTACTS: &[u8] = include_bytes!("golden/v1.2.reprise");
 const GOLDEN_WITH_EARLIER_APPEARANCE: &[u8] = include_bytes!("golden/v1.1-appearance.reprise");
 const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.3-appearance.reprise");
+const GOLDEN_WITH_FILES: &[u8] = include_bytes!("golden/v1.4-files.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
 fn pyramid() -> Capture {
@@ -78,7 +78,23 @@ fn looks() -> AppearanceModel {
     }
 }
 
+/// The pyramid's files: two of its triangles were a polygon, the first vertex was there twice, and one edge was sharp.
+fn files() -> Files {
+    let faces = FileFaces {
+        corners: vec![[4, 3, 0], [3, 2, 0], [2, 1, 0], [1, 5, 0]],
+        joined: vec![false, true, false, false],
+        runs: vec![FaceRun { part: 0, faces: 3 }],
+        normals: vec![[0, 0, 0], [0, 0, 0], [1, 0, 1], [0, 1, 1]],
+    };
+    let place = FilePlace { offset: DVec3::new(432_188.0, 13.0, -583_922.0), unit: 0.01, z_up: true };
+    Files { faces: Some(faces), place }
+}
+
 fn check_writer(appearance: Option<&AppearanceInput>, contacts: Contacts, golden: &[u8]) {
+    check_writer_of(appearance, contacts, &Files::default(), golden);
+}
+
+fn check_writer_of(appearance: Option<&AppearanceInput>, contacts: Contacts, files: &Files, golden: &[u8]) {
     let capture = pyramid();
     let standing = contacts.parts() > 0;
     let graph = graph_without_transcendentals(&capture).with_contacts(contacts);
@@ -87,9 +103,10 @@ fn check_writer(appearance: Option<&AppearanceInput>, contacts: Contacts, golden
     let poisson_order = Some(&order[..]);
     let input =
         BundleInput { capture: &capture, graph: &graph, first_frame: 10, max_error: 0.001, poisson_order, generator };
-    let (bytes, _) = encode_with_appearance(&input, appearance).unwrap();
+    let (bytes, _) = encode_with_files(&input, appearance.map_or(&[], std::slice::from_ref), files).unwrap();
     if bytes != golden {
-        let path = format!("{}/written-{}-{standing}.reprise", env!("CARGO_TARGET_TMPDIR"), appearance.is_some());
+        let name = format!("written-{}-{standing}-{}", appearance.is_some(), files.faces.is_some());
+        let path = format!("{}/{name}.reprise", env!("CARGO_TARGET_TMPDIR"));
         std::fs::write(&path, &bytes).unwrap();
         panic!(
             "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside the old file"
@@ -117,6 +134,18 @@ fn the_writer_of_appearance_has_not_changed() {
     let model = looks();
     let appearance = AppearanceInput { model: &model, material: 0, quality: AppearanceQuality::default() };
     check_writer(Some(&appearance), Contacts::default(), GOLDEN_WITH_APPEARANCE);
+}
+
+#[test]
+fn the_writer_of_files_has_not_changed() {
+    check_writer_of(None, Contacts::default(), &files(), GOLDEN_WITH_FILES);
+}
+
+#[test]
+fn version_1_4_can_be_read() {
+    check_golden(GOLDEN_WITH_FILES, Contacts::default());
+    let reader = BundleReader::from_bytes(GOLDEN_WITH_FILES).unwrap();
+    assert_eq!(Files { faces: reader.file_faces().unwrap(), place: reader.file_place() }, files());
 }
 
 #[test]

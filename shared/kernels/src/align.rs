@@ -2,7 +2,7 @@
 //!
 //! Boukhayma, thesis (2017), equations 2.3 to 2.5, with `atan2` in place of the arc tangent.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// A rotation about +Y followed by a translation in the ground plane: `world_from_pose`.
 ///
@@ -68,11 +68,18 @@ pub fn rotate(heading: f32, v: Vec2) -> Vec2 {
 /// Weighted centre of mass of a pose in metres; `weights` have a sum of 1.
 #[must_use]
 pub fn centre_of_mass(pose: &[Vec3], weights: &[f32]) -> Vec3 {
-    let mut sum = glam::DVec3::ZERO;
+    weighted_sum(pose, weights).as_vec3()
+}
+
+/// The sum of a pose's points times their `weights`, in double precision: the centre of mass as far as these have a sum
+/// of 1.
+#[must_use]
+pub fn weighted_sum(pose: &[Vec3], weights: &[f32]) -> DVec3 {
+    let mut sum = DVec3::ZERO;
     for (point, &weight) in pose.iter().zip(weights) {
         sum += point.as_dvec3() * f64::from(weight);
     }
-    sum.as_vec3()
+    sum
 }
 
 /// The angle in radians by which `moving` must be turned about +Y to lie best on `fixed` (`Align` of thesis algorithm

@@ -1,12 +1,14 @@
 //! A cache of a handful of things by frame, of which the least recently used gives way.
 
 /// Up to a number of things, each of a frame.
+#[derive(Clone)]
 pub struct LruCache<T> {
     slots: Vec<Slot<T>>,
     most: usize,
     clock: u64,
 }
 
+#[derive(Clone)]
 struct Slot<T> {
     frame: u32,
     used: u64,

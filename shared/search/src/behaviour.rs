@@ -93,7 +93,7 @@ impl Hold {
             for leg in legs[index + 1..].iter().chain(&legs[..index]) {
                 match *leg {
                     Leg::Recorded { first, last, steps } => turned.push_recorded(first, last, steps),
-                    Leg::Synthetic(_) => turned.legs.push(*leg),
+                    Leg::Synthetic(_) | Leg::Back { .. } => turned.legs.push(*leg),
                 }
             }
             turned.push_recorded(first, frame, before);

@@ -10,7 +10,7 @@ const SPACING: f64 = 0.01;
 const MOST_POINTS: usize = 1 << 16;
 
 /// How the points of a curve are joined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// By straight lines.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::answer::Answer;
 use super::anytime::Progress;
-use super::request::{Request, RequestError, Target, VERSION, behaviour};
+use super::request::{Request, RequestError, Target, VERSION};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
 use super::spot::Spot;
 use super::work::Work;
@@ -164,15 +164,15 @@ impl Direction {
 fn check(scene: &Scene, target: &Target) -> Result<(), RequestError> {
     match target {
         Target::Pose(frame) => frame.find(scene.timeline).map(|_| ()),
-        Target::Behaviour(request) => behaviour(scene.ways, &request.name).map(|_| ()),
+        Target::Behaviour(request) => scene.ways.behaviour(&request.name).map(|_| ()),
         Target::Path(request) => {
             if request.vertices != scene.ways.group {
                 return Err(RequestError::OtherGroup);
             }
-            request.stretches.iter().try_for_each(|stretch| behaviour(scene.ways, &stretch.behaviour).map(|_| ()))
+            request.stretches.iter().try_for_each(|stretch| scene.ways.behaviour(&stretch.behaviour).map(|_| ()))
         }
         Target::Keys(request) => request.poses.iter().try_for_each(|key| key.pose.find(scene.timeline).map(|_| ())),
-        Target::Wander(request) => request.weights.keys().try_for_each(|name| behaviour(scene.ways, name).map(|_| ())),
+        Target::Wander(request) => request.weights.keys().try_for_each(|name| scene.ways.behaviour(name).map(|_| ())),
         Target::Place(_) => Ok(()),
         Target::Queue(_) => Err(RequestError::Nested),
     }

@@ -16,6 +16,7 @@
 mod answer;
 mod anytime;
 mod behaviour;
+mod behaviours;
 mod components;
 mod curve;
 mod depth_first;
@@ -27,6 +28,7 @@ mod meter;
 mod notes;
 mod path;
 mod place;
+mod plan;
 mod queue;
 mod random;
 mod request;
@@ -41,7 +43,8 @@ mod work;
 pub use answer::{Answer, Goal, KeyRow, Part};
 pub use anytime::{Anytime, Progress};
 pub use behaviour::{Hold, LoopSearch, holding_loop, walk_to_any, walk_to_behaviour};
-pub use components::{Components, components, components_of, reached, reaching};
+pub use behaviours::{Behaviour, behaviours, find_behaviour, frames_of};
+pub use components::{MainComponent, main_component, main_component_of, reached, reaching};
 pub use curve::{Curve, Shape};
 pub use depth_first::{Exhausted, depth_first};
 pub use direct::{DEFAULT_EFFORT, Direction};
@@ -49,10 +52,11 @@ pub use keys::{KeyLeg, LegEnd};
 pub use meter::edges_looked_at;
 pub use path::{Demand, PathReport, PathTask};
 pub use place::{PlaceReport, PlaceTask};
+pub use plan::plan_walk;
 pub use random::{Chain, Optimiser};
 pub use request::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
-    RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+    BehaviourRequest, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest,
+    Request, RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
 pub use scene::{Scene, Start};
 pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};

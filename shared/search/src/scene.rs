@@ -64,6 +64,7 @@ impl Done {
                     self.frame = next;
                 }
             }
+            Leg::Back { last, .. } => self.frame = last,
             Leg::Synthetic(index) => {
                 if let Some(transition) = scene.graph.transitions().get(index as usize) {
                     self.spot = self.spot.after(&Spot::from(&transition.placement));

@@ -1,28 +1,33 @@
-//! Wandering: a seeded random walk over a few good transitions that never repeats itself and never gets stuck.
+//! Wandering: a seeded random walk over a few good transitions that shows everything, evenly and for a while at a time, and never
+//! gets stuck.
+//!
+//! ```text
+//! graph -> Sparse (few transitions) -> Segments (what is shown together) -> Optimiser (probabilities) -> Stroll (the walk)
+//! ```
 
-use super::components::components_of;
+mod segments;
+mod sparse;
+mod stroll;
+
+use super::components::main_component_of;
 use super::meter;
 use super::queue::Queue;
-use super::random::{Chain, Optimiser};
+use super::random::Optimiser;
 use super::shortest::cheapest_walk_to;
 use super::ways::Ways;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
-use actor::walk::{Leg, Walk, steps_of};
-use kernels::sort;
-
-/// Seconds between two transitions that wandering may leave by, and between two that it may arrive by, where the graph
-/// allows it: an actor that blends all the time is never quite itself.
-const APART: f64 = 0.5;
-/// Share of the main component's frames that the chosen transitions have to keep within reach.
-const COVERED: f64 = 0.9;
+use actor::walk::Walk;
+use segments::Segments;
+use sparse::{Sparse, mean_distance};
+use stroll::Stroll;
 
 /// Transitions put in order, transitions taken out in order, and edges swept that count as an expanded state.
 const GATHERED: usize = 64;
 const ORDERED: usize = 16;
 const SWEPT: usize = 64;
-/// Expanded states that choosing transitions and making a chain of them counts as.
-const CHOICE: u32 = 1000;
+/// Expanded states that making a chain counts as.
+const MAKING: usize = 200;
 
 /// A wandering actor: transitions are chosen and their probabilities optimised in slices, then a walk of any length.
 #[derive(Clone, Debug)]
@@ -34,12 +39,11 @@ pub struct Wander {
 
 #[derive(Clone, Debug)]
 enum Stage {
-    /// The transitions before this one wait to be ordered by cost.
+    /// The transitions before this one wait to be put in order.
     Gathering(Queue, usize),
     /// Those that are in order.
     Ordering(Queue, Vec<u32>),
-    /// All in order, to be chosen with so many frames between two.
-    Choosing(Vec<u32>, u32),
+    Choosing(Box<Sparse>),
     Optimising(Box<Choices>),
     /// The graph has no loop at all.
     Stuck,
@@ -48,15 +52,11 @@ enum Stage {
 /// What can be chosen from where.
 #[derive(Clone, Debug)]
 struct Choices {
-    /// The frame of each state.
+    segments: Segments,
     frames: Vec<u32>,
-    state_of_frame: Vec<u32>,
-    /// The transition of each edge of the chain; `None` for a recorded step.
-    transitions: Vec<Option<u32>>,
-    optimiser: Optimiser,
+    inside: Vec<bool>,
+    stroll: Stroll,
 }
-
-const NO_STATE: u32 = u32::MAX;
 
 impl Wander {
     /// A wandering actor, nothing of which is known yet. `weights` are, for behaviours by their number in [`Ways`], how much
@@ -77,7 +77,7 @@ impl Wander {
                     for index in next..end {
                         let transition = &graph.transitions()[index];
                         if ways.main[transition.from as usize] && ways.main[transition.to as usize] {
-                            queue.push(transition.cost(graph.alpha()), index as u64);
+                            queue.push(mean_distance(graph, index as u32), index as u64);
                         }
                     }
                     match end - next < GATHERED {
@@ -88,17 +88,24 @@ impl Wander {
                 Stage::Ordering(mut queue, mut order) => {
                     order.extend((0..ORDERED).map_while(|_| queue.pop()).map(|(_, index)| index as u32));
                     match queue.len() {
-                        0 => Stage::Choosing(order, (APART * ways.fps) as u32),
+                        0 => Stage::Choosing(Box::new(Sparse::new(graph, timeline, ways, order))),
                         _ => Stage::Ordering(queue, order),
                     }
                 }
-                Stage::Choosing(order, apart) => {
-                    left = left.saturating_sub(CHOICE as usize);
-                    choose(graph, timeline, ways, order, apart, &self.weights)
-                }
+                Stage::Choosing(mut sparse) => match sparse.advance(graph, timeline, ways) {
+                    Some(states) => {
+                        left = left.saturating_sub(states);
+                        Stage::Choosing(sparse)
+                    }
+                    None => {
+                        left = left.saturating_sub(MAKING);
+                        let choices = choices(graph, timeline, ways, &sparse.chosen(), &self.weights);
+                        choices.map_or(Stage::Stuck, |choices| Stage::Optimising(Box::new(choices)))
+                    }
+                },
                 Stage::Optimising(mut choices) => {
-                    left = left.saturating_sub(choices.transitions.len() / SWEPT);
-                    let ended = choices.optimiser.advance(1);
+                    left = left.saturating_sub(choices.segments.transitions.len() / SWEPT);
+                    let ended = choices.segments.optimiser.advance(1);
                     self.stage = Stage::Optimising(choices);
                     if ended {
                         return true;
@@ -125,10 +132,10 @@ impl Wander {
     }
 
     /// The probabilities, their stationary distribution and the objective; `None` before transitions are chosen, and where
-    /// there is no loop.
+    /// there is no loop. States are runs of frames that are always shown together.
     #[must_use]
     pub fn optimiser(&self) -> Option<&Optimiser> {
-        self.choices().map(|choices| &choices.optimiser)
+        self.choices().map(|choices| &choices.segments.optimiser)
     }
 
     /// The frames that it visits.
@@ -137,51 +144,20 @@ impl Wander {
         self.choices().map_or(&[], |choices| &choices.frames)
     }
 
-    /// A walk from `from` of at least `steps` steps; it first goes to where it can wander. Each call takes another way.
-    /// `None` where nothing leads there, or where transitions are not chosen yet.
+    /// A walk from `from` of at least `steps` steps; it first goes to where it can wander. Each call takes another way, and
+    /// remembers what was shown before. `None` where nothing leads there, or where transitions are not chosen yet.
     #[must_use]
     pub fn walk(&mut self, graph: &EssentialGraph, timeline: &Timeline, from: u32, steps: u32) -> Option<Walk> {
         let mut random = self.random;
-        let choices = self.choices()?;
-        let is_inside = |frame: u32| choices.state_of_frame.get(frame as usize).is_some_and(|&state| state != NO_STATE);
-        let walk = cheapest_walk_to(graph, timeline, from, &is_inside)?;
-        let mut frame = walk.end(graph).unwrap_or(from);
-        let mut taken = walk.steps(graph);
-        let mut legs = walk;
-        while taken < steps {
-            let state = *choices.state_of_frame.get(frame as usize)?;
-            let (edge, end) = choices.choose(state, unit(&mut random))?;
-            let to = *choices.frames.get(end as usize)?;
-            match choices.transitions[edge] {
-                None => {
-                    legs.push_recorded(frame, to, 1);
-                    taken += 1;
-                }
-                Some(index) => {
-                    legs.legs.push(Leg::Synthetic(index));
-                    taken += steps_of(graph.transitions().get(index as usize)?);
-                }
-            }
-            frame = to;
-        }
+        let Stage::Optimising(choices) = &mut self.stage else { return None };
+        let Choices { segments, inside, stroll, .. } = choices.as_mut();
+        let is_inside = |frame: u32| inside.get(frame as usize).copied().unwrap_or(false);
+        let mut walk = cheapest_walk_to(graph, timeline, from, &is_inside)?;
+        let frame = walk.end(graph).unwrap_or(from);
+        let steps = steps.saturating_sub(walk.steps(graph));
+        walk.append(&stroll.walk(graph, timeline, segments, frame, steps, &mut || unit(&mut random))?);
         self.random = random;
-        Walk::of_legs(legs.legs, graph).ok()
-    }
-}
-
-impl Choices {
-    /// The edge and the state that a number from [0, 1) chooses.
-    fn choose(&self, state: u32, number: f64) -> Option<(usize, u32)> {
-        let mut left = number;
-        let mut last = None;
-        for (edge, end, probability) in self.optimiser.chain().edges(state as usize) {
-            last = Some((edge, end));
-            left -= probability;
-            if left < 0.0 {
-                break;
-            }
-        }
-        last
+        Some(walk)
     }
 }
 
@@ -194,99 +170,25 @@ fn unit(random: &mut u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Chooses transitions that keep nearly all of the main component within reach; where that takes more, they are to be closer
-/// together the next time.
-fn choose(
-    graph: &EssentialGraph,
-    timeline: &Timeline,
-    ways: &Ways,
-    order: Vec<u32>,
-    apart: u32,
-    weights: &[(usize, f64)],
-) -> Stage {
-    let count = |inside: &[bool]| inside.iter().filter(|&&inside| inside).count();
-    let all = count(&ways.main);
-    if all < 2 {
-        return Stage::Stuck;
-    }
-    let chosen = match apart {
-        0 => order.clone(),
-        _ => sparse_transitions(graph, ways.frame_count(), &order, apart),
-    };
-    meter::count(order.len() + chosen.len());
-    let ends = |&index: &u32| {
-        let transition = &graph.transitions()[index as usize];
-        (transition.from, transition.to)
-    };
-    let inside = components_of(timeline, chosen.iter().map(ends).collect()).main;
-    if apart > 0 && (count(&inside) as f64) < COVERED * all as f64 {
-        return Stage::Choosing(order, apart / 2);
-    }
-    match choices(graph, timeline, ways, &chosen, &inside, weights) {
-        Some(choices) => Stage::Optimising(Box::new(choices)),
-        None => Stage::Stuck,
-    }
-}
-
-/// Of `order`, the first transitions no two of which leave, or arrive, within `apart` frames of each other.
-fn sparse_transitions(graph: &EssentialGraph, frames: u32, order: &[u32], apart: u32) -> Vec<u32> {
-    let (mut leaves, mut arrives) = (vec![false; frames as usize], vec![false; frames as usize]);
-    let block = |taken: &mut [bool], frame: u32| {
-        let end = frame.saturating_add(apart + 1).min(frames);
-        taken[frame.saturating_sub(apart) as usize..end as usize].fill(true);
-    };
-    let mut chosen = Vec::new();
-    for &index in order {
-        let transition = &graph.transitions()[index as usize];
-        if !leaves[transition.from as usize] && !arrives[transition.to as usize] {
-            block(&mut leaves, transition.from);
-            block(&mut arrives, transition.to);
-            chosen.push(index);
-        }
-    }
-    chosen
-}
-
-/// The chain over the frames `inside` with recorded steps and the `chosen` transitions.
+/// The chain over what the `chosen` transitions keep connected; `None` where that is nothing.
 fn choices(
     graph: &EssentialGraph,
     timeline: &Timeline,
     ways: &Ways,
     chosen: &[u32],
-    inside: &[bool],
     weights: &[(usize, f64)],
 ) -> Option<Choices> {
-    let frames: Vec<u32> = (0..inside.len() as u32).filter(|&frame| inside[frame as usize]).collect();
-    let mut state_of_frame = vec![NO_STATE; inside.len()];
-    for (state, &frame) in frames.iter().enumerate() {
-        state_of_frame[frame as usize] = state as u32;
-    }
-    // From, to and the transition plus 1, or 0 for a recorded step.
-    let mut keys = Vec::new();
-    let mut join = |from: u32, to: u32, edge: u32| {
-        let [from, to] = [from, to].map(|frame| state_of_frame[frame as usize]);
-        if from != NO_STATE && to != NO_STATE {
-            keys.push(sort::key([from, to, edge, 0]));
-        }
-    };
-    for &frame in &frames {
-        if let Some(next) = timeline.next(frame) {
-            join(frame, next, 0);
-        }
-    }
-    for &index in chosen {
+    let ends = |&index: &u32| {
         let transition = &graph.transitions()[index as usize];
-        join(transition.from, transition.to, index + 1);
-    }
-    sort::sort(&mut keys);
-    let edges: Vec<[u32; 4]> = keys.into_iter().map(sort::numbers).collect();
-    let pairs: Vec<(u32, u32)> = edges.iter().map(|edge| (edge[0], edge[1])).collect();
-    let chain = Chain::even(frames.len() as u32, &pairs)?;
-    let weight = |&frame: &u32| {
-        let shown = weights.iter().filter(|(behaviour, _)| ways.shows(*behaviour, frame));
-        shown.map(|weight| weight.1).product::<f64>().clamp(1e-3, 1e3)
+        (transition.from, transition.to)
     };
-    let wanted: Vec<f64> = frames.iter().map(weight).collect();
-    let transitions = edges.iter().map(|edge| edge[2].checked_sub(1)).collect();
-    Some(Choices { frames, state_of_frame, transitions, optimiser: Optimiser::new(chain, &wanted) })
+    meter::count(chosen.len() + ways.main.len());
+    let inside = main_component_of(timeline, &chosen.iter().map(ends).collect::<Vec<_>>()).main;
+    let frames: Vec<u32> = (0..inside.len() as u32).filter(|&frame| inside[frame as usize]).collect();
+    if frames.len() < 2 {
+        return None;
+    }
+    let segments = Segments::new(graph, timeline, ways, chosen, &inside, weights)?;
+    let stroll = Stroll::new(&segments, timeline);
+    Some(Choices { segments, frames, inside, stroll })
 }

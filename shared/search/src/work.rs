@@ -11,7 +11,7 @@ use super::notes::{keys_notes, path_notes, place_notes, substitute_note};
 use super::path::{Demand, PathTask};
 use super::place::PlaceTask;
 use super::random::Optimiser;
-use super::request::{BehaviourRequest, PathRequest, PlaceRequest, RequestError, Target, WanderRequest, behaviour};
+use super::request::{BehaviourRequest, PathRequest, PlaceRequest, RequestError, Target, WanderRequest};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
 use super::shortest::cheapest_walk;
 use super::task::{State, Task};
@@ -161,7 +161,7 @@ pub(super) struct Holding {
 }
 
 fn hold_work(scene: &Scene, request: BehaviourRequest) -> Result<Work, RequestError> {
-    let number = behaviour(scene.ways, &request.name)?;
+    let number = scene.ways.behaviour(&request.name)?;
     let mut search = LoopSearch::new(scene.ways, number);
     if request.hold <= 0.0 {
         search.skip();
@@ -241,7 +241,7 @@ fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -
         demands.push(Demand {
             from: curve.length_at_knot(stretch.from),
             to: curve.length_at_knot(stretch.to),
-            behaviour: behaviour(ways, &stretch.behaviour)?,
+            behaviour: ways.behaviour(&stretch.behaviour)?,
         });
     }
     let starts = if is_free { free_starts(ways, &curve) } else { vec![done.state()] };
@@ -264,7 +264,7 @@ fn free_starts(ways: &Ways, curve: &Curve) -> Vec<State> {
 fn wander_work(scene: &Scene, request: &WanderRequest, seed: u64) -> Result<Work, RequestError> {
     let mut weights = Vec::with_capacity(request.weights.len());
     for (name, &weight) in &request.weights {
-        weights.push((behaviour(scene.ways, name)?, weight));
+        weights.push((scene.ways.behaviour(name)?, weight));
     }
     let steps = ((request.seconds * scene.ways.fps).round() as u32).min(MOST_STEPS);
     Ok(Work::Wander(Box::new((Wander::new(weights, seed), steps))))

@@ -3,7 +3,7 @@
 
 mod common;
 
-use actor::walk::steps_of;
+use actor::walk::{Leg, steps_of};
 use common::{random_scene, small_scene};
 use fixtures::Random;
 use glam::{Vec2, Vec3};
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use search::{
     Anytime, Chain, Curve, Demand, Direction, Found, Goal, KeyLeg, LegEnd, Measure, Optimiser, PathRequest, PathTask,
     PlaceRequest, PlaceTask, Progress, Request, Shape, Spot, Start, State, Target, Task, WanderRequest, Ways,
-    cheapest_walk, components, depth_first, edges_looked_at, holding_loop, to_targets, walk_down,
+    cheapest_walk, depth_first, edges_looked_at, holding_loop, main_component, to_targets, walk_down,
 };
 
 /// Runs a search to its end.
@@ -266,6 +266,59 @@ fn wandering_is_close_to_uniform_and_never_stuck() {
 }
 
 #[test]
+fn wandering_repeats_nothing_at_once_and_is_mostly_recorded() {
+    // Long sequences, as captures have them: a second of each can be shown before there is a choice.
+    let scene = random_scene::make(5, &[300, 250, 200], 1500);
+    let request =
+        Request { seed: 2, ..Request::new(Target::Wander(WanderRequest { seconds: 300.0, ..Default::default() })) };
+    let answer_of = |slice: u32| {
+        let mut direction = Direction::new(&scene.borrowed(), None, &request, 100_000).unwrap();
+        while direction.advance(&scene.borrowed(), slice).unwrap() == Progress::Running {}
+        direction.best(&scene.borrowed())
+    };
+    let answer = answer_of(1000);
+    // The same however it is cut into slices.
+    assert_eq!(answer.walk, answer_of(7).walk);
+    let mut shown = vec![false; scene.timeline.frame_count() as usize];
+    let (mut recorded, mut synthetic) = (0, 0);
+    for leg in &answer.walk.legs {
+        match *leg {
+            Leg::Recorded { first, steps, .. } => {
+                recorded += steps;
+                let frames = (0..=i64::from(steps)).filter_map(|step| scene.timeline.offset(first, step));
+                frames.for_each(|frame| shown[frame as usize] = true);
+            }
+            Leg::Synthetic(index) => synthetic += steps_of(&scene.graph.transitions()[index as usize]),
+            Leg::Back { .. } => panic!("wandering goes back"),
+        }
+    }
+    assert!(f64::from(synthetic) < 0.25 * f64::from(recorded + synthetic), "{synthetic} of {recorded}");
+    let main = |frame: &usize| scene.ways.main[*frame];
+    let (all, seen) =
+        ((0..shown.len()).filter(main).count(), (0..shown.len()).filter(main).filter(|&f| shown[f]).count());
+    assert!(seen as f64 >= 0.9 * all as f64, "{seen} of {all}");
+    // No two transitions in a row are taken again within ten seconds.
+    let mut taken: Vec<(u32, u32)> = Vec::new();
+    let mut step = 0;
+    for leg in &answer.walk.legs {
+        match *leg {
+            Leg::Recorded { steps, .. } => step += steps,
+            Leg::Synthetic(index) => {
+                taken.push((index, step));
+                step += steps_of(&scene.graph.transitions()[index as usize]);
+            }
+            Leg::Back { .. } => panic!("wandering goes back"),
+        }
+    }
+    let pairs: Vec<[(u32, u32); 2]> = taken.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    for (place, pair) in pairs.iter().enumerate() {
+        let again = pairs[place + 1..].iter().take_while(|later| later[0].1 < pair[0].1 + 250);
+        let repeats = again.filter(|later| later[0].0 == pair[0].0 && later[1].0 == pair[1].0).count();
+        assert_eq!(repeats, 0, "transitions {} and {} at step {}", pair[0].0, pair[1].0, pair[0].1);
+    }
+}
+
+#[test]
 fn the_optimiser_makes_distributions_even() {
     let mut random = Random::new(1);
     let states = 40_u32;
@@ -312,7 +365,7 @@ fn loops_close_inside_their_behaviour() {
 fn the_actor_never_gets_stuck() {
     for seed in 0..10 {
         let scene = random_scene::make(seed, &[14, 9, 11], 30);
-        let found = components(&scene.graph, &scene.timeline);
+        let found = main_component(&scene.graph, &scene.timeline);
         for frame in 0..34_u32 {
             let reaches = |to: u32| frame == to || cheapest_walk(&scene.graph, &scene.timeline, frame, to).is_some();
             if let Some(inside) =
@@ -358,6 +411,17 @@ fn what_makes_no_sense_is_refused_with_a_sentence() {
     refuse(&deep, "not a request");
     let place = Request::new(Target::Place(PlaceRequest { x: f32::NAN, ..PlaceRequest::default() }));
     assert!(Direction::new(&scene.borrowed(), None, &place, 100).is_err());
+}
+
+/// The page refuses the same with the same words: `tests/browser` reads the same list.
+#[test]
+fn requests_are_refused_in_the_same_words_everywhere() {
+    let list: Vec<(String, Option<String>)> =
+        serde_json::from_str(include_str!("../../../tests/fixtures/requests.json")).unwrap();
+    for (text, sentence) in list {
+        let refused = Request::from_json(&text).err().map(|error| error.to_string());
+        assert_eq!(refused, sentence, "{text}");
+    }
 }
 
 #[test]

@@ -1,23 +1,35 @@
 //! Synthesis of a walk through the essential graph, one frame at a time, with constant memory.
 //!
+//! ```text
+//! legs -> Walker -> Step -> Synthesiser -> pose, FrameInfo
+//! ```
+//!
+//! The [`Walker`] knows the route and no pose; the [`Synthesiser`] makes the frame of each step. Films are made by
+//! [`Synthesiser::next_frame`], which does all the work of a frame at once; the page asks
+//! [`Synthesiser::next_frame_within`] a budget and makes the beginning of a transition ahead of time. Both get the same
+//! frames, bit for bit.
+//!
 //! This work is based on: Boukhayma, thesis (2017), section 3.4, algorithms 2 and 3; TVCG algorithms 1 and 2. The
 //! centre of mass steps by the displacements between the frames that the warps actually visit; the papers' n + 1 would
 //! count a repeated frame's displacement twice. Walks may change their mind; wraps of cyclic sequences are bridged
-//! ([`recorded_step`]).
+//! ([`recorded_step`](actor::ground::recorded_step)).
 
-use std::collections::VecDeque;
+mod frames;
+mod walker;
+
+pub use walker::{Step, Walker};
 
 use glam::Vec3;
 
-use actor::blend::{Blend, transition};
-use actor::graph::{EssentialGraph, Transition};
-use actor::ground::{PoseMemory, PosesOnGround, recorded_step};
+use actor::blend::arrival;
+use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
 use actor::timeline::Timeline;
-use actor::walk::{Leg, Walk};
+use actor::walk::{Leg, Walk, WalkError};
+use frames::{FrameMaker, Recording, Standing};
 use kernels::align::Placement;
 use kernels::cholesky::CholeskyError;
-use kernels::poisson::{Effort, KeyedPose, PoissonInterpolator};
+use kernels::poisson::Effort;
 use kernels::topology::Topology;
 
 /// Where a frame of a walk comes from.
@@ -43,6 +55,38 @@ pub enum FrameKind {
     },
 }
 
+impl FrameKind {
+    /// The recorded frame that it is, or is nearer to.
+    #[must_use]
+    pub fn frame(self) -> u32 {
+        match self {
+            Self::Recorded { frame } => frame,
+            Self::Synthetic { lambda, source_frame, destination_frame, .. } => {
+                if lambda < 0.5 {
+                    source_frame
+                } else {
+                    destination_frame
+                }
+            }
+        }
+    }
+
+    /// The transition that it belongs to.
+    #[must_use]
+    pub fn transition(self) -> Option<u32> {
+        match self {
+            Self::Recorded { .. } => None,
+            Self::Synthetic { transition, .. } => Some(transition),
+        }
+    }
+
+    /// Whether it was synthesised.
+    #[must_use]
+    pub fn is_synthetic(self) -> bool {
+        self.transition().is_some()
+    }
+}
+
 /// A frame of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameInfo {
@@ -56,104 +100,133 @@ pub struct FrameInfo {
     pub effort: Effort,
 }
 
-/// Makes the frames of walks.
-pub struct Synthesiser {
-    weights: Vec<f32>,
-    interpolator: PoissonInterpolator,
-    memory: PoseMemory,
-    /// Source and destination of a transition, placed.
-    placed: [Vec<Vec3>; 2],
-    /// Legs to come.
-    legs: VecDeque<Leg>,
-    /// Legs of the walk begun so far.
-    legs_begun: usize,
-    state: State,
+/// What came of asking for a frame with a budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Made {
+    /// The next frame.
+    Frame(FrameInfo),
+    /// A transition is being begun, and the budget is spent: asking again goes on with it.
+    Unfinished,
+    /// The walk has arrived.
+    Arrived,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum State {
-    /// No walk was begun.
-    Idle,
-    /// The walk's first frame is due.
-    Due { frame: u32, placement: Placement },
-    /// A recorded frame was shown; `left` steps of the present leg are to come.
-    Recorded { frame: u32, placement: Placement, left: u32 },
-    /// A node of a transition was shown.
-    Synthetic { transition: u32, blend: Blend },
+/// Makes the frames of walks.
+pub struct Synthesiser {
+    maker: FrameMaker,
+    walker: Walker,
+    /// Where the actor stands; `None` before the first walk.
+    standing: Option<Standing>,
+    /// Whether the frame that it stands in has yet to be made.
+    is_due: bool,
+    /// The next transition of the route, and where the frame that it leaves will stand, once that was asked for.
+    coming: Option<(u32, Placement)>,
 }
 
 impl Synthesiser {
-    /// A synthesiser over `topology`; `order` as in [`PoissonInterpolator::new`].
+    /// A synthesiser over `topology`; `order` as in [`PoissonInterpolator::new`](kernels::poisson::PoissonInterpolator::new).
     ///
     /// # Errors
-    /// As [`PoissonInterpolator::new`].
+    /// As there.
     pub fn new(topology: &Topology, order: Option<&[u32]>) -> Result<Self, CholeskyError> {
-        let pose = vec![Vec3::ZERO; topology.vertex_count()];
-        Ok(Self {
-            weights: topology.weights().to_vec(),
-            interpolator: PoissonInterpolator::new(topology, order)?,
-            memory: PoseMemory::default(),
-            placed: [pose.clone(), pose],
-            legs: VecDeque::new(),
-            legs_begun: 0,
-            state: State::Idle,
-        })
+        let mut synthesiser = Self::unprepared(topology);
+        synthesiser.warm(topology, order)?;
+        Ok(synthesiser)
     }
 
-    /// Does a piece of the next transition's work ahead of time, at most one factorisation; whether more of it is left.
-    /// For idle moments while recorded frames are shown.
+    /// One that makes recorded frames only until it [is warm](Self::warm): there at once.
+    #[must_use]
+    pub fn unprepared(topology: &Topology) -> Self {
+        let maker = FrameMaker::new(topology);
+        Self { maker, walker: Walker::default(), standing: None, is_due: false, coming: None }
+    }
+
+    /// Makes what transitions need, where that is missing; the same `topology` as before. `order` as in [`Self::new`].
     ///
     /// # Errors
-    /// A frame that cannot be read (yet), or a walk that does not belong to `graph`.
-    pub fn prepare(
-        &mut self,
-        graph: &EssentialGraph,
-        timeline: &Timeline,
-        source: &mut dyn PoseSource,
-    ) -> Result<bool, PoseError> {
-        let Some(index) = self.legs.iter().find_map(|leg| match leg {
-            Leg::Synthetic(index) => Some(*index),
-            Leg::Recorded { .. } => None,
-        }) else {
-            return Ok(false);
-        };
-        let to = transition(graph, index)?;
-        let (_, lj) = to.warp.lengths();
-        let first = timeline.offset(to.to, 1 - lj as i64).ok_or(PoseError::OutOfRange(to.to))?;
-        let mut unprepared = [to.from, first].into_iter().filter(|&frame| !self.interpolator.is_prepared(frame));
-        let (next, more) = (unprepared.next(), unprepared.next().is_some());
-        if let Some(frame) = next {
-            let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-            ground.place(frame, Placement::IDENTITY, &mut self.placed[0])?;
-            let pose = KeyedPose { frame, pose: &self.placed[0] };
-            self.interpolator.prepare(pose).map_err(|_| PoseError::Damaged(frame))?;
-        }
-        Ok(more)
+    /// As [`Self::new`].
+    pub fn warm(&mut self, topology: &Topology, order: Option<&[u32]>) -> Result<(), CholeskyError> {
+        self.maker.warm(topology, order)
     }
 
     /// Begins `walk`, which starts at `frame`, the actor standing at `placement`. That frame is the first to come.
-    pub fn begin_walk(&mut self, frame: u32, placement: Placement, walk: &Walk) {
-        self.state = State::Due { frame, placement };
-        self.set_legs(walk);
+    ///
+    /// # Errors
+    /// A walk that is not in the graph, or has gaps.
+    pub fn begin_walk(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        (frame, placement): (u32, Placement),
+        walk: &Walk,
+    ) -> Result<(), WalkError> {
+        let mut walker = Walker::standing(frame);
+        walker.retarget(graph, timeline, &walk.legs)?;
+        self.stand(frame, placement);
+        (self.walker, self.is_due) = (walker, true);
+        Ok(())
     }
 
-    /// Replaces what is left of the walk: `walk` starts at [`Self::departure`]. A transition under way is finished first.
-    pub fn retarget(&mut self, walk: &Walk) {
-        if let State::Recorded { left, .. } = &mut self.state {
-            *left = 0;
+    /// Stands in `frame`, which has been shown already; the route is dropped.
+    pub fn stand(&mut self, frame: u32, placement: Placement) {
+        self.walker = Walker::standing(frame);
+        self.standing = Some(Standing::Recorded { frame, placement });
+        (self.is_due, self.coming) = (false, None);
+    }
+
+    /// Writes `frame`, placed, into `out`; where the actor stands does not change.
+    ///
+    /// # Errors
+    /// A frame that cannot be read (yet).
+    pub fn place(
+        &mut self,
+        source: &mut dyn PoseSource,
+        frame: u32,
+        placement: Placement,
+        out: &mut [Vec3],
+    ) -> Result<(), PoseError> {
+        self.maker.recorded(source, frame, placement, out).map(|_| ())
+    }
+
+    /// Drops the route at once, within a transition, too: it stands in the recorded frame that is nearest.
+    pub fn halt(&mut self) {
+        if let Some(standing) = self.standing {
+            let (frame, placement) = standing.recorded();
+            self.stand(frame, placement);
         }
-        self.set_legs(walk);
+    }
+
+    /// Replaces what is left of the route: `legs` start at [`Self::departure`]. A transition under way is finished first.
+    ///
+    /// # Errors
+    /// Legs that are not in the graph, or have gaps. The route stays as it was.
+    pub fn retarget(&mut self, graph: &EssentialGraph, timeline: &Timeline, legs: &[Leg]) -> Result<(), WalkError> {
+        self.walker.retarget(graph, timeline, legs)?;
+        self.coming = None;
+        Ok(())
+    }
+
+    /// Goes on with `legs`, which start where the route ends.
+    ///
+    /// # Errors
+    /// As [`Self::retarget`].
+    pub fn extend(&mut self, graph: &EssentialGraph, timeline: &Timeline, legs: &[Leg]) -> Result<(), WalkError> {
+        self.walker.extend(graph, timeline, legs)?;
+        self.coming = None;
+        Ok(())
+    }
+
+    /// The route, and how far it is done.
+    #[must_use]
+    pub fn walker(&self) -> &Walker {
+        &self.walker
     }
 
     /// The frame that a new walk has to start from: the one shown, or the end of the transition under way. `None` before
     /// the first walk.
     #[must_use]
     pub fn departure(&self, graph: &EssentialGraph) -> Option<u32> {
-        match self.state {
-            State::Idle => None,
-            State::Due { frame, .. } | State::Recorded { frame, .. } => Some(frame),
-            State::Synthetic { transition, .. } => Some(graph.transitions().get(transition as usize)?.to),
-        }
+        self.standing.map(|_| self.walker.departure(graph))
     }
 
     /// Placement of the recorded frames around [`Self::departure`] once the actor is there; `None` before the first walk.
@@ -166,12 +239,12 @@ impl Synthesiser {
         timeline: &Timeline,
         source: &mut dyn PoseSource,
     ) -> Result<Option<Placement>, PoseError> {
-        match self.state {
-            State::Idle => Ok(None),
-            State::Due { placement, .. } | State::Recorded { placement, .. } => Ok(Some(placement)),
-            State::Synthetic { transition: index, mut blend } => {
-                let warp = &transition(graph, index)?.warp;
-                let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
+        match self.standing {
+            None => Ok(None),
+            Some(Standing::Recorded { placement, .. }) => Ok(Some(placement)),
+            Some(Standing::Node { transition: index, mut blend }) => {
+                let warp = &actor::blend::transition(graph, index)?.warp;
+                let mut ground = self.maker.ground(source);
                 while let Some(next) = blend.next(timeline, &mut ground, warp, graph.contacts())? {
                     blend = next;
                 }
@@ -180,11 +253,63 @@ impl Synthesiser {
         }
     }
 
+    /// Where the last frame of `legs`, which start at [`Self::departure`], will stand; `None` before the first walk.
+    ///
+    /// # Errors
+    /// A frame that cannot be read, or legs that are not in the graph.
+    pub fn arrival(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+        legs: &[Leg],
+    ) -> Result<Option<Placement>, PoseError> {
+        let Some(start) = self.departure_placement(graph, timeline, source)? else { return Ok(None) };
+        arrival(graph, timeline, &mut self.maker.ground(source), start, legs).map(Some)
+    }
+
+    /// Does a piece of the work for the beginning of the next transition ahead of time, at most one factorisation; whether
+    /// more of it is left. For idle moments while recorded frames are shown; within a transition it does nothing.
+    ///
+    /// # Errors
+    /// A frame that cannot be read (yet).
+    pub fn prepare(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+    ) -> Result<bool, PoseError> {
+        if self.coming.is_none() {
+            let Some((way, transition)) = self.walker.coming() else { return Ok(false) };
+            let Some(placement) = self.arrival(graph, timeline, source, &way)? else { return Ok(false) };
+            self.coming = Some((transition, placement));
+        }
+        let Some((transition, placement)) = self.coming else { return Ok(false) };
+        Ok(self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)?.more)
+    }
+
+    /// The same for legs that may be asked for soon, from where it stands.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`], and legs that are not in the graph.
+    pub fn prepare_for(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+        legs: &[Leg],
+    ) -> Result<bool, PoseError> {
+        let first = legs.iter().enumerate().find_map(|(index, leg)| Some((&legs[..index], leg.transition()?)));
+        let (Some((way, transition)), None) = (first, self.walker.inside()) else { return Ok(false) };
+        let Some(placement) = self.arrival(graph, timeline, source, way)? else { return Ok(false) };
+        Ok(self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)?.more)
+    }
+
     /// Writes the walk's next frame, in metres, into `out`, which has one element per vertex. `None` once the walk has
     /// arrived. After an error the same frame can be asked for again.
     ///
     /// # Errors
-    /// A frame that cannot be read (yet), or a walk that does not belong to `graph`.
+    /// A frame that cannot be read (yet).
     pub fn next_frame(
         &mut self,
         graph: &EssentialGraph,
@@ -192,133 +317,74 @@ impl Synthesiser {
         source: &mut dyn PoseSource,
         out: &mut [Vec3],
     ) -> Result<Option<FrameInfo>, PoseError> {
-        match self.state {
-            State::Idle => Ok(None),
-            State::Due { frame, placement } => self.show_recorded(source, frame, placement, 0, out),
-            State::Recorded { frame, placement, left } if left > 0 => {
-                self.step_recorded(timeline, source, frame, placement, left, out)
-            }
-            State::Recorded { frame, placement, .. } => self.begin_leg(graph, timeline, source, frame, placement, out),
-            State::Synthetic { transition: index, blend } => {
-                let to = transition(graph, index)?;
-                let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-                let next = blend.next(timeline, &mut ground, &to.warp, graph.contacts())?;
-                self.show_node(source, index, to, next.unwrap_or(blend), out)
-            }
+        let Some(standing) = self.standing else { return Ok(None) };
+        if self.is_due {
+            let (frame, placement) = standing.recorded();
+            self.maker.recorded(source, frame, placement, out)?;
+            self.is_due = false;
+            return Ok(Some(self.info(standing, Effort::default())));
         }
+        let Some(step) = self.walker.next(timeline) else { return Ok(None) };
+        let (standing, effort) = self.maker.make(&mut Recording { graph, timeline, source }, standing, step, out)?;
+        self.walker.take(graph, timeline);
+        self.standing = Some(standing);
+        if matches!(step, Step::Node { .. }) {
+            self.coming = None;
+        }
+        Ok(Some(self.info(standing, effort)))
     }
 
-    fn set_legs(&mut self, walk: &Walk) {
-        self.legs.clear();
-        self.legs.extend(&walk.legs);
-        self.legs_begun = 0;
-    }
-
-    /// The first new frame of the next leg; the frame it begins with has been shown.
-    fn begin_leg(
+    /// The same with bounded work: the beginning of a transition takes its factorisations, beside which all else is quick, from
+    /// the budget of `factorisations`. A recorded frame prepares a piece of the transition to come, of one at most.
+    ///
+    /// # Errors
+    /// As [`Self::next_frame`].
+    pub fn next_frame_within(
         &mut self,
+        factorisations: &mut u32,
         graph: &EssentialGraph,
         timeline: &Timeline,
         source: &mut dyn PoseSource,
-        frame: u32,
-        placement: Placement,
         out: &mut [Vec3],
-    ) -> Result<Option<FrameInfo>, PoseError> {
-        while let Some(Leg::Recorded { steps: 0, .. }) = self.legs.front() {
-            self.legs.pop_front();
-            self.legs_begun += 1;
-        }
-        let Some(&leg) = self.legs.front() else { return Ok(None) };
-        let info = match leg {
-            Leg::Recorded { first, steps, .. } => {
-                check_leg(first, frame)?;
-                self.step_recorded(timeline, source, frame, placement, steps, out)
+    ) -> Result<Made, PoseError> {
+        match self.walker.next(timeline).filter(|_| !self.is_due) {
+            Some(Step::Node { transition, node: 1 }) => {
+                let Some((_, placement)) = self.standing.map(|standing| standing.recorded()) else {
+                    return Ok(Made::Arrived);
+                };
+                while !self.maker.is_prepared(transition, placement) {
+                    if *factorisations == 0 {
+                        return Ok(Made::Unfinished);
+                    }
+                    let mut over = Recording { graph, timeline, source };
+                    let piece = self.maker.prepare(&mut over, transition, placement)?;
+                    *factorisations -= u32::from(piece.factorised);
+                    if !piece.more {
+                        break;
+                    }
+                }
             }
-            Leg::Synthetic(index) => {
-                let to = transition(graph, index)?;
-                check_leg(to.from, frame)?;
-                let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-                let first = Blend::begin(timeline, &mut ground, (to.from, to.to), &to.warp, placement)?;
-                let second = first.next(timeline, &mut ground, &to.warp, graph.contacts())?;
-                self.interpolator.restart();
-                self.show_node(source, index, to, second.unwrap_or(first), out)
+            // Recorded frames are quick. What fails here fails again, and is told, when the transition begins.
+            Some(Step::Forward(_) | Step::Back(_)) => {
+                let _ = self.prepare(graph, timeline, source);
             }
-        }?;
-        self.legs.pop_front();
-        self.legs_begun += 1;
-        Ok(info.map(|info| FrameInfo { leg: self.legs_begun.checked_sub(1), ..info }))
-    }
-
-    fn step_recorded(
-        &mut self,
-        timeline: &Timeline,
-        source: &mut dyn PoseSource,
-        frame: u32,
-        placement: Placement,
-        left: u32,
-        out: &mut [Vec3],
-    ) -> Result<Option<FrameInfo>, PoseError> {
-        let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-        let (next, step) = recorded_step(timeline, &mut ground, frame)?.ok_or(PoseError::OutOfRange(frame))?;
-        self.show_recorded(source, next, placement.after(&step), left - 1, out)
-    }
-
-    fn show_recorded(
-        &mut self,
-        source: &mut dyn PoseSource,
-        frame: u32,
-        placement: Placement,
-        left: u32,
-        out: &mut [Vec3],
-    ) -> Result<Option<FrameInfo>, PoseError> {
-        PosesOnGround::new(source, &self.weights, &mut self.memory).place(frame, placement, out)?;
-        self.state = State::Recorded { frame, placement, left };
-        Ok(Some(self.info(FrameKind::Recorded { frame }, placement, Effort::default())))
-    }
-
-    /// A node of a transition. The last one is the destination itself, from where its placement goes on.
-    fn show_node(
-        &mut self,
-        source: &mut dyn PoseSource,
-        index: u32,
-        transition: &Transition,
-        blend: Blend,
-        out: &mut [Vec3],
-    ) -> Result<Option<FrameInfo>, PoseError> {
-        let [from, to] = blend.placements;
-        if blend.node + 1 >= transition.warp.duration() {
-            return self.show_recorded(source, transition.to, to, 0, out);
+            _ => {}
         }
-        let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
-        let [source_frame, destination_frame] = blend.frames;
-        ground.place(source_frame, from, &mut self.placed[0])?;
-        ground.place(destination_frame, to, &mut self.placed[1])?;
-        let effort = self
-            .interpolator
-            .interpolate(
-                KeyedPose { frame: source_frame, pose: &self.placed[0] },
-                KeyedPose { frame: destination_frame, pose: &self.placed[1] },
-                blend.lambda,
-                out,
-            )
-            .map_err(|_| PoseError::Damaged(source_frame))?;
-        self.state = State::Synthetic { transition: index, blend };
-        let kind = FrameKind::Synthetic {
-            transition: index,
-            node: blend.node as u32,
-            lambda: blend.lambda,
-            source_frame,
-            destination_frame,
+        Ok(self.next_frame(graph, timeline, source, out)?.map_or(Made::Arrived, Made::Frame))
+    }
+
+    fn info(&self, standing: Standing, effort: Effort) -> FrameInfo {
+        let (frame, placement) = standing.recorded();
+        let kind = match standing {
+            Standing::Recorded { .. } => FrameKind::Recorded { frame },
+            Standing::Node { transition, blend } => FrameKind::Synthetic {
+                transition,
+                node: blend.node as u32,
+                lambda: blend.lambda,
+                source_frame: blend.frames[0],
+                destination_frame: blend.frames[1],
+            },
         };
-        Ok(Some(self.info(kind, if blend.lambda < 0.5 { from } else { to }, effort)))
+        FrameInfo { kind, placement, leg: self.walker.leg(), effort }
     }
-
-    fn info(&self, kind: FrameKind, placement: Placement, effort: Effort) -> FrameInfo {
-        FrameInfo { kind, placement, leg: self.legs_begun.checked_sub(1), effort }
-    }
-}
-
-/// A leg has to begin where the actor is.
-fn check_leg(first: u32, frame: u32) -> Result<(), PoseError> {
-    if first == frame { Ok(()) } else { Err(PoseError::OutOfRange(first)) }
 }

@@ -8,7 +8,7 @@ use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround, recorded_step};
 use actor::pose_source::{PoseError, PoseSource};
 use actor::timeline::{Sequence, Timeline};
-use actor::walk::{Leg, Walk};
+use actor::walk::{Leg, Walk, WalkError};
 use actor::warp::{Move, Warp};
 use fixtures::captured;
 use glam::{Vec2, Vec3, Vec3Swizzles};
@@ -105,9 +105,9 @@ fn a_captured_walk_with_two_transitions_does_not_pop() {
 
     let start = Placement { heading: 2.0, translation: Vec2::new(3.0, -1.0) };
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
-    synthesiser.begin_walk(5, start, &walk);
-    assert!(synthesiser.prepare(&graph, &timeline, &mut poses).unwrap(), "one side is left");
-    assert!(!synthesiser.prepare(&graph, &timeline, &mut poses).unwrap(), "both sides are ready");
+    synthesiser.begin_walk(&graph, &timeline, (5, start), &walk).unwrap();
+    let pieces = 1 + (0..10).take_while(|_| synthesiser.prepare(&graph, &timeline, &mut poses).unwrap()).count();
+    assert!((2..=4).contains(&pieces), "{pieces} pieces: a factorisation each, and what is tried before");
     let played = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX);
     assert_eq!(played.infos.len(), 1 + 5 + 20 + 5 + 15 + 10);
 
@@ -145,7 +145,7 @@ fn a_captured_walk_with_two_transitions_does_not_pop() {
     assert!(longest <= fastest * 1.01, "{longest} against {fastest}");
     let mut memory = PoseMemory::default();
     let mut ground = PosesOnGround::new(&mut poses, weights, &mut memory);
-    let end = arrival(&graph, &timeline, &mut ground, start, &walk).unwrap();
+    let end = arrival(&graph, &timeline, &mut ground, start, &walk.legs).unwrap();
     let last = played.infos.last().unwrap().placement;
     assert!(end.translation.distance(last.translation) < 1e-4, "{end:?} against {last:?}");
     assert!((end.heading - last.heading).sin().abs() < 1e-5);
@@ -204,7 +204,7 @@ fn wraps_go_on_as_the_body_goes() {
     let graph = EssentialGraph::new(0.01, vec![], &timeline).unwrap();
     let walk = Walk { legs: vec![Leg::Recorded { first: 30, last: 30, steps: 60 }], ..Walk::default() };
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
-    synthesiser.begin_walk(30, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (30, Placement::IDENTITY), &walk).unwrap();
     let steps = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX).steps();
     assert_eq!(steps.len(), 60);
     let (least, most) = steps.iter().fold((f32::MAX, 0.0_f32), |(a, b), &step| (a.min(step), b.max(step)));
@@ -221,7 +221,7 @@ fn rigid_bodies_blend_rigidly_and_headings_accumulate() {
         Walk { legs: vec![Leg::Synthetic(0), Leg::Recorded { first: 27, last: 35, steps: 8 }], ..Walk::default() };
     let start = Placement { heading: -0.7, translation: Vec2::new(0.3, 8.0) };
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
-    synthesiser.begin_walk(12, start, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (12, start), &walk).unwrap();
     let played = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX);
     assert_eq!(played.infos.len(), 1 + 14 + 8);
     let shape = |pose: &[Vec3]| -> Vec<f32> { (0..6).map(|k| pose[k].distance(pose[(k + 1) % 6])).collect() };
@@ -258,7 +258,8 @@ fn arrival_of(
     walk: &Walk,
 ) -> Placement {
     let mut memory = PoseMemory::default();
-    arrival(graph, timeline, &mut PosesOnGround::new(poses, topology.weights(), &mut memory), start, walk).unwrap()
+    arrival(graph, timeline, &mut PosesOnGround::new(poses, topology.weights(), &mut memory), start, &walk.legs)
+        .unwrap()
 }
 
 #[test]
@@ -272,12 +273,12 @@ fn a_change_of_mind_finishes_the_transition_and_does_not_pop() {
     let walk = cheapest_walk(&graph, &timeline, 2, 36).unwrap();
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
     assert_eq!(synthesiser.departure(&graph), None);
-    synthesiser.begin_walk(2, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &walk).unwrap();
     let mut played = play(&mut synthesiser, &graph, &timeline, &mut poses, 7);
     assert_eq!(synthesiser.departure(&graph), Some(30));
     let there = synthesiser.departure_placement(&graph, &timeline, &mut poses).unwrap().unwrap();
     let back = cheapest_walk(&graph, &timeline, 30, 18).unwrap();
-    synthesiser.retarget(&back);
+    synthesiser.retarget(&graph, &timeline, &back.legs).unwrap();
     let rest = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX);
     let at_end = rest.infos.iter().find(|info| info.kind == FrameKind::Recorded { frame: 30 }).unwrap();
     assert_eq!((at_end.placement, at_end.leg), (there, None));
@@ -287,11 +288,11 @@ fn a_change_of_mind_finishes_the_transition_and_does_not_pop() {
     assert!(played.steps().iter().all(|&step| step < 0.13), "{:?}", played.steps());
 
     // Out of recorded frames it leaves at once.
-    synthesiser.begin_walk(2, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &walk).unwrap();
     play(&mut synthesiser, &graph, &timeline, &mut poses, 2);
     assert_eq!(synthesiser.departure(&graph), Some(3));
     let stay = Walk { legs: vec![Leg::Recorded { first: 3, last: 4, steps: 1 }], ..Walk::default() };
-    synthesiser.retarget(&stay);
+    synthesiser.retarget(&graph, &timeline, &stay.legs).unwrap();
     assert_eq!(play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX).infos.len(), 1);
 }
 
@@ -315,10 +316,10 @@ fn a_frame_that_has_not_arrived_can_be_asked_for_again() {
     let graph = EssentialGraph::new(0.01, vec![edge], &timeline).unwrap();
     let walk = cheapest_walk(&graph, &timeline, 2, 36).unwrap();
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
-    synthesiser.begin_walk(2, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &walk).unwrap();
     let expected = play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX);
     synthesiser = Synthesiser::new(&topology, None).unwrap();
-    synthesiser.begin_walk(2, Placement::IDENTITY, &walk);
+    synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &walk).unwrap();
     let mut arriving = Arriving(&mut poses, vec![]);
     let mut out = vec![Vec3::ZERO; 6];
     let mut frames = vec![];
@@ -337,10 +338,22 @@ fn a_walk_that_does_not_fit_is_refused() {
     let (topology, timeline, mut poses) = rigid_capture();
     let graph = EssentialGraph::new(0.01, vec![], &timeline).unwrap();
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
-    let mut out = vec![Vec3::ZERO; 6];
-    for legs in [vec![Leg::Synthetic(0)], vec![Leg::Recorded { first: 9, last: 10, steps: 1 }]] {
-        synthesiser.begin_walk(2, Placement::IDENTITY, &Walk { legs, ..Walk::default() });
-        assert!(synthesiser.next_frame(&graph, &timeline, &mut poses, &mut out).is_ok());
-        assert!(synthesiser.next_frame(&graph, &timeline, &mut poses, &mut out).is_err());
+    let stay = Walk { legs: vec![Leg::Recorded { first: 2, last: 5, steps: 3 }], ..Walk::default() };
+    synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &stay).unwrap();
+    let unfit = [
+        (vec![Leg::Synthetic(0)], WalkError::NoSuchLeg(0)),
+        (vec![Leg::Recorded { first: 9, last: 10, steps: 1 }], WalkError::Gap(0)),
+        (
+            vec![Leg::Recorded { first: 2, last: 3, steps: 1 }, Leg::Back { first: 4, last: 2, steps: 2 }],
+            WalkError::Gap(1),
+        ),
+        (vec![Leg::Back { first: 2, last: 39, steps: 3 }], WalkError::NoSuchLeg(0)),
+    ];
+    for (legs, error) in unfit {
+        let walk = Walk { legs, ..Walk::default() };
+        assert_eq!(synthesiser.begin_walk(&graph, &timeline, (2, Placement::IDENTITY), &walk), Err(error));
+        assert_eq!(synthesiser.retarget(&graph, &timeline, &walk.legs), Err(error));
     }
+    // What was under way goes on.
+    assert_eq!(play(&mut synthesiser, &graph, &timeline, &mut poses, usize::MAX).infos.len(), 4);
 }

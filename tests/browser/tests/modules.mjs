@@ -9,7 +9,6 @@ const { layoutScore } = await import(new URL('player/layout.js', www));
 const { Timeline } = await import(new URL('player/timeline.js', www));
 const { actorAddress } = await import(new URL('player/loading.js', www));
 const { coarseFirst } = await import(new URL('player/thumbnails.js', www));
-const { behavioursOf, frameOfTarget, shownBy } = await import(new URL('player/targets.js', www));
 const { EMPTY, partOf, requestOf } = await import(new URL('player/tools/request.js', www));
 const link = await import(new URL('player/tools/link.js', www));
 
@@ -93,46 +92,6 @@ export const tests = {
     assert.equal(line.across(80, 1), 129);
     assert.equal(line.across(110, -1), 10);
     assert.equal(line.across(110, 1), 110);
-  },
-
-  'a label wins over a sequence of the same name, as in the search': () => {
-    const sequences = [['walk', ['locomotion']], ['run', ['locomotion', 'walk']], ['jump', []]].map(([name, labels]) => ({ name, labels }));
-    const names = (behaviour) => shownBy({ sequences }, behaviour).map(({ name }) => name);
-    assert.deepEqual(['walk', 'locomotion', 'run', 'jump', 'nothing'].map(names), [['run'], ['walk', 'run'], ['run'], ['jump'], []]);
-    assert.deepEqual(behavioursOf({ sequences }), ['locomotion', 'walk', 'run', 'jump']);
-  },
-
-  'the nearest frame of a behaviour is the cheapest of all, without planning each': () => {
-    // Costs as plans have them: the recording leads on at alpha a frame, from anywhere that something else leads to.
-    let state = 12345;
-    const random = () => (state = (state * 1103515245 + 12345) % 2147483648) / 2147483648;
-    for (let round = 0; round < 300; round += 1) {
-      const counts = Array.from({ length: 1 + Math.floor(random() * 3) }, () => 1 + Math.floor(random() * 60));
-      const line = timeline(counts);
-      const sequences = line.sequences.map((sequence, at) => ({ ...sequence, labels: at === 1 ? [] : ['wanted'] }));
-      const alpha = random();
-      const costs = sequences.flatMap(({ count }) => {
-        let before = Infinity;
-        return Array.from({ length: count }, () => (before = Math.min(before + alpha, random() < 0.2 ? random() * 20 : Infinity)));
-      });
-      const planned = new Set();
-      const director = {
-        info: { frames: line.frames, alpha, sequences },
-        plan: (frame) => {
-          planned.add(frame);
-          if (costs[frame] === Infinity) throw Object.assign(new Error('no way'), { kind: 'unreachable' });
-          return { cost: costs[frame] };
-        },
-      };
-      const wanted = sequences.filter(({ labels }) => labels.length > 0).flatMap(({ first, count }) => Array.from({ length: count }, (_, at) => first + at));
-      const least = Math.min(...wanted.map((frame) => costs[frame]));
-      if (least === Infinity) {
-        assert.throws(() => frameOfTarget({ behaviour: 'wanted' }, director), { kind: 'unreachable' });
-        continue;
-      }
-      assert.equal(costs[frameOfTarget({ behaviour: 'wanted' }, director)], least, `round ${round}`);
-      assert.ok([...planned].every((frame) => wanted.includes(frame)), 'frames of another behaviour were planned');
-    }
   },
 
   'requests go through the tools unchanged': () => {

@@ -27,6 +27,26 @@ async function compare({ from, to, file }) {
 }
 
 export const tests = {
+  'requests are refused in the same words natively and in WebAssembly': async (browser) => {
+    const list = JSON.parse(await readFile(new URL('../../fixtures/requests.json', import.meta.url), 'utf8'));
+    const player = await browser.open();
+    await player.loaded();
+    const refused = await player.run(
+      (element, texts) =>
+        texts.map((text) => {
+          try {
+            element.testing.player.check_request(text);
+            return null;
+          } catch ({ message }) {
+            return message;
+          }
+        }),
+      list.map(([text]) => text),
+    );
+    assert.deepEqual(list.map(([text], at) => [text, refused[at]]), list);
+    await player.close();
+  },
+
   'walks are the same natively and in WebAssembly': async (browser) => {
     if (!folder) {
       assert.notEqual(process.env.CI, 'true', 'REPRISE_NATIVE names no folder of walks: run cargo xtask test');

@@ -160,12 +160,20 @@ export const tests = {
     const player = await standing(browser);
     const frame = await player.target();
     const { x, y } = await player.run((element, wanted) => element.testing.placeOf(wanted), frame);
+    await player.run((element) => element.testing.plans());
     await player.mouse.move(x, y);
     await player.until('the ghost', (element) => element.testing.ghosts().length === 1);
     const [ghost] = await player.run((element) => element.testing.ghosts());
     assert.ok(Math.abs(ghost - frame) <= 1, `${ghost} is not ${frame}`);
     assert.match(await player.part('.tooltip').textContent(), /\d+\.\d\d s.*goes there in \d+\.\d s/);
     assert.equal(await player.run((element) => element.state.target), null);
+    // Ghost, sentence, marks and click are one search.
+    const plans = await player.run((element) => element.testing.plans());
+    assert.ok(plans.now - plans.before <= 1, `${plans.now - plans.before} searches for one look`);
+    await player.mouse.click(x, y);
+    await player.until('a target', (element) => element.state.target !== null);
+    assert.equal((await player.run((element) => element.testing.plans())).now, plans.now);
+    await player.run((element) => element.cancel());
     await player.mouse.move(400, 100);
     await player.until('the ghost is gone', (element) => element.testing.ghosts().length === 0);
     assert.equal(await player.part('.tooltip').isVisible(), false);

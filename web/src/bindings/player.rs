@@ -145,6 +145,20 @@ impl Player {
         json(&self.inner.plan(to)?)
     }
 
+    /// The frame of a behaviour, a label or the name of a sequence, that is reached at the least cost.
+    ///
+    /// # Errors
+    /// There is no such behaviour, or no walk to it.
+    pub fn nearest(&mut self, behaviour: &str) -> Result<u32, JsValue> {
+        Ok(self.inner.nearest(behaviour)?)
+    }
+
+    /// Searches for walks to poses and behaviours so far.
+    #[must_use]
+    pub fn plans(&self) -> f64 {
+        self.inner.plans() as f64
+    }
+
     /// Leaves for frame `to`; the walk as JSON.
     ///
     /// # Errors

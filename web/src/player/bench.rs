@@ -69,7 +69,9 @@ impl Player {
         let mut transitions = 0;
         for edge in (0..graph.transitions().len()).step_by(stride).take(TRANSITIONS) {
             let walk = Walk { legs: vec![Leg::Synthetic(edge as u32)], ..Walk::default() };
-            synthesiser.begin_walk(graph.transitions()[edge].from, Placement::IDENTITY, &walk);
+            let from = graph.transitions()[edge].from;
+            let begun = synthesiser.begin_walk(&graph, &actor.timeline, (from, Placement::IDENTITY), &walk);
+            begun.map_err(|_| PlayerError::Damaged(from))?;
             transitions += 1;
             let before = synthetic.len();
             loop {

@@ -17,7 +17,7 @@ use thiserror::Error;
 
 use super::directing::Preparing;
 use super::loading::{Actor, Source};
-use super::plan::{LegReport, PlanReport, Stretch, report_legs};
+use super::report::{LegReport, PlanReport, report_legs};
 use super::{Player, PlayerError};
 
 /// States expanded between two looks at the clock: well below a millisecond in a browser.
@@ -213,11 +213,10 @@ impl Player {
     pub fn answer_report(&self) -> Result<AnswerReport, DirectError> {
         let answer = self.answer()?;
         let (_, graph, ways) = self.scene()?;
-        let stretches: Vec<_> = answer.walk.legs.iter().copied().map(Stretch::Walk).collect();
         let [heading, x, z] = answer.start_placement;
         let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
         let track = track(&ways, answer.start_frame, placement, &answer.walk);
-        Ok(AnswerReport { legs: report_legs(&stretches, &graph), track, answer })
+        Ok(AnswerReport { legs: report_legs(&answer.walk.legs, &graph), track, answer })
     }
 
     /// Sets off on the best walk so far. Where the search chose the start, the actor is put there first.
@@ -264,13 +263,19 @@ fn track(ways: &Ways, start: u32, placement: Placement, walk: &Walk) -> Vec<Trac
     };
     let mut pieces = Vec::with_capacity(walk.legs.len());
     for leg in &walk.legs {
-        let transition = match *leg {
-            Leg::Synthetic(index) => Some(index),
-            Leg::Recorded { .. } => None,
-        };
-        let steps = if let Leg::Recorded { steps, .. } = *leg { steps } else { 1 };
+        let transition = leg.transition();
         let here = ways.points.get(frame as usize).copied().unwrap_or_default();
         let mut piece = TrackPiece { synthetic: transition.is_some(), points: vec![ground(&spot, here)] };
+        if let Leg::Back { first, last, .. } = *leg {
+            let frames = ways.points.get(last as usize..first as usize).unwrap_or_default();
+            piece.points.extend(frames.iter().rev().map(|&point| ground(&spot, point)));
+            frame = last;
+        }
+        let steps = match *leg {
+            Leg::Recorded { steps, .. } => steps,
+            Leg::Synthetic(_) => 1,
+            Leg::Back { .. } => 0,
+        };
         for _ in 0..steps {
             let Some(index) = ways.from(frame).find(|&index| ways.way(index).transition == transition) else { break };
             piece.points.extend(ways.samples(index).iter().map(|sample| ground(&spot, sample.point)));

@@ -1,11 +1,13 @@
 //! Following the walks that searches find: where one would leave from, setting off, going on, and standing somewhere.
 
+use actor::graph::EssentialGraph;
 use actor::walk::Walk;
 use glam::{Vec2, Vec3Swizzles};
 use kernels::align::{Placement, centre_of_mass};
 
-use super::plan::{Goal, Plan, PlanReport, Route, Stretch};
-use super::{Player, PlayerError};
+use super::loading::Actor;
+use super::report::PlanReport;
+use super::{Goal, Player, PlayerError};
 
 impl Player {
     /// Where a walk from the present would begin: the frame, and its placement. That is the end of a transition under
@@ -15,13 +17,7 @@ impl Player {
     /// There is no actor or no graph yet, or a frame cannot be read.
     pub fn leaves(&mut self) -> Result<(u32, Placement), PlayerError> {
         let (actor, graph) = self.ready(0)?;
-        let inside = self.route.as_ref().is_some_and(|route| route.inside().is_some());
-        let end = if inside {
-            self.producer.transition_end(&mut self.loading, &actor.timeline, &graph)?
-        } else {
-            self.next.as_ref().or(self.last.as_ref()).map(|frame| frame.placement)
-        };
-        Ok((self.departure(&graph), end.unwrap_or(Placement::IDENTITY)))
+        Ok(self.producer.departure(&mut self.loading, &actor, &graph)?)
     }
 
     /// Sets off on `walk`, which begins where [`Self::leaves`] says now, and arrives at its end.
@@ -31,30 +27,35 @@ impl Player {
     pub fn follow(&mut self, start: u32, walk: &Walk) -> Result<PlanReport, PlayerError> {
         let (actor, graph) = self.ready(start)?;
         let from = self.departure(&graph);
-        let plan = Plan::of_walk(start, walk, &graph);
-        let Some(to) = walk_end(start, walk, &graph) else { return Err(PlayerError::Unreachable { from, to: start }) };
-        if from != start {
-            return Err(PlayerError::Unreachable { from, to: start });
-        }
-        let goal = Goal::Target(to);
-        self.route = Some(match &self.route {
-            Some(route) => route.redirected(&plan, goal),
-            None => Route::new(&plan, goal),
-        });
+        let to = walk.end(&graph).filter(|_| from == start).ok_or(PlayerError::Unreachable { from, to: start })?;
+        self.leave(&actor, &graph, to, walk)?;
+        Ok(PlanReport::new(walk, to, &graph, &actor.timeline))
+    }
+
+    /// Leaves for frame `to` by `walk`, which begins at the present.
+    pub(super) fn leave(
+        &mut self,
+        actor: &Actor,
+        graph: &EssentialGraph,
+        to: u32,
+        walk: &Walk,
+    ) -> Result<(), PlayerError> {
+        let left = self.producer.retarget(actor, graph, &walk.legs);
+        left.map_err(|_| PlayerError::Unreachable { from: self.departure(graph), to })?;
+        self.goal = Some(Goal::Target(to));
         self.playing = true;
         self.stalled = None;
-        Ok(plan.report(to, &graph, &actor.timeline))
+        Ok(())
     }
 
     /// Goes on with `walk` where the walk under way ends. False where none is under way, or it ends elsewhere.
     pub fn extend(&mut self, start: u32, walk: &Walk) -> bool {
-        let (Ok((_, graph)), Some(route)) = (self.ready(start), &mut self.route) else { return false };
-        let (Goal::Target(end), Some(to)) = (route.goal, walk_end(start, walk, &graph)) else { return false };
-        if end != start {
+        let (Ok((actor, graph)), Some(Goal::Target(end))) = (self.ready(start), self.goal) else { return false };
+        let Some(to) = walk.end(&graph) else { return false };
+        if end != start || self.producer.extend(&actor, &graph, &walk.legs).is_err() {
             return false;
         }
-        route.goal = Goal::Target(to);
-        route.extend(walk.legs.iter().copied().map(Stretch::Walk));
+        self.goal = Some(Goal::Target(to));
         true
     }
 
@@ -78,21 +79,9 @@ impl Player {
             return Err(PlayerError::NoFrame(frame));
         }
         let frame = self.recorded(frame, placement)?;
-        self.route = None;
+        self.goal = None;
         self.playing = false;
         self.show_at(frame, None, 0.0);
         Ok(())
     }
-}
-
-/// The frame that `walk` ends with; `None` where it has no legs.
-fn walk_end(start: u32, walk: &Walk, graph: &actor::graph::EssentialGraph) -> Option<u32> {
-    use actor::walk::Leg;
-    walk.legs
-        .iter()
-        .try_fold(start, |_, leg| match *leg {
-            Leg::Recorded { last, .. } => Some(last),
-            Leg::Synthetic(edge) => graph.transitions().get(edge as usize).map(|transition| transition.to),
-        })
-        .filter(|_| !walk.legs.is_empty())
 }

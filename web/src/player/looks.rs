@@ -1,10 +1,10 @@
 //! How the actor looks: modes as they arrive, and the coefficients of a moment.
 
 use bundle::{Appearance, BundleReader, ModeDecoder, Textures};
+use synthesis::FrameKind;
 use texture::basis::{Layer, Mode};
 
 use super::loading::Source;
-use super::produce::At;
 use super::state::Picture;
 use super::{Player, PlayerError};
 
@@ -89,14 +89,16 @@ impl Picture<'_> {
     /// The frames before and after the moment as mixtures of two recorded ones. A recorded frame beside a transition is
     /// that transition's beginning or end.
     fn sides(&self) -> [Side; 2] {
-        let side = |at: At| match at {
-            At::Synthetic { source, destination, lambda, .. } => (source, destination, lambda),
-            At::Recorded(frame) => (frame, frame, 0.0),
+        let side = |kind: FrameKind| match kind {
+            FrameKind::Synthetic { source_frame, destination_frame, lambda, .. } => {
+                (source_frame, destination_frame, lambda)
+            }
+            FrameKind::Recorded { frame } => (frame, frame, 0.0),
         };
-        let [before, after] = [side(self.before.at), side(self.after.at)];
-        match (self.before.at, self.after.at) {
-            (At::Recorded(_), At::Synthetic { .. }) => [(before.0, after.1, 0.0), after],
-            (At::Synthetic { .. }, At::Recorded(_)) => [before, (before.0, after.1, 1.0)],
+        let [before, after] = [side(self.before.kind), side(self.after.kind)];
+        match (self.before.kind.is_synthetic(), self.after.kind.is_synthetic()) {
+            (false, true) => [(before.0, after.1, 0.0), after],
+            (true, false) => [before, (before.0, after.1, 1.0)],
             _ => [before, after],
         }
     }

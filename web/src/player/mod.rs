@@ -12,8 +12,10 @@ mod follow;
 pub mod loading;
 pub mod looks;
 mod motion;
-pub mod plan;
+mod plan;
+mod plans;
 pub mod produce;
+pub mod report;
 pub mod state;
 
 use std::collections::VecDeque;
@@ -22,10 +24,9 @@ use std::rc::Rc;
 use actor::capture::Capture;
 use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
-use actor::walk::{Leg, Walk};
 use bundle::BundleError;
 use kernels::align::Placement;
-use search::{cheapest_walk, components};
+use search::{cheapest_walk, main_component};
 use synthesis::Synthesiser;
 use thiserror::Error;
 
@@ -34,11 +35,13 @@ use clock::Clock;
 use directing::Directing;
 use events::Events;
 use loading::{Actor, Loading, Phase};
-use plan::{Goal, Plan, PlanReport, Route};
+use plans::Plans;
 use produce::{Frame, Producer, placed_like};
 
 /// Most frames made in one tick: a slow device plays slower rather than not at all.
 const MOST_FRAMES_A_TICK: u32 = 8;
+/// Factorisations for a transition's beginning that a tick waits for.
+const FACTORISATIONS_A_TICK: u32 = 1;
 
 /// Why the player cannot do what it was asked.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -75,6 +78,17 @@ impl From<PoseError> for PlayerError {
     }
 }
 
+/// What happens at the end of a route.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Goal {
+    /// The actor has arrived, and stands.
+    Target(u32),
+    /// It plays on.
+    PlayOn,
+    /// It stands.
+    Stop,
+}
+
 /// The player of one actor.
 pub struct Player {
     loading: Loading,
@@ -87,12 +101,14 @@ pub struct Player {
     /// The frame that the picture comes from, and the one that it goes to.
     last: Option<Frame>,
     next: Option<Frame>,
-    route: Option<Route>,
+    /// What the route under way is for; `None` where there is none.
+    goal: Option<Goal>,
     playing: bool,
     looping: bool,
     stalled: Option<u32>,
-    /// Whether this tick has done a piece of a transition's beginning, and leaves the rest to the next.
-    waited: bool,
+    /// Factorisations for a transition's beginning that this tick may still do; the rest is left to the next.
+    factorisations: u32,
+    plans: Plans,
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
@@ -115,11 +131,12 @@ impl Player {
             trail: VecDeque::new(),
             last: None,
             next: None,
-            route: None,
+            goal: None,
             playing: false,
             looping: true,
             stalled: None,
-            waited: false,
+            factorisations: 0,
+            plans: Plans::default(),
             reference: Vec::new(),
             main: None,
             directing: Directing::default(),
@@ -151,7 +168,7 @@ impl Player {
 
     fn stand_up(&mut self) {
         if let (None, Some(actor), Some(graph)) = (&self.main, &self.loading.actor, &self.loading.graph) {
-            self.main = Some(components(graph, &actor.timeline).main);
+            self.main = Some(main_component(graph, &actor.timeline).main);
         }
         let (None, Some(actor)) = (&self.last, self.loading.actor.clone()) else { return };
         self.clock.set_fps(actor.timeline.fps());
@@ -176,7 +193,7 @@ impl Player {
     /// Goes on by `seconds` of real time. True where the picture changed.
     pub fn tick(&mut self, seconds: f64) -> bool {
         let mut changed = std::mem::take(&mut self.changed);
-        self.waited = false;
+        self.factorisations = FACTORISATIONS_A_TICK;
         if !self.playing {
             return changed;
         }
@@ -227,12 +244,18 @@ impl Player {
 
     /// A way that was only played on is thought over; one towards a target stays.
     fn drop_free_route(&mut self) {
-        let graph = self.loading.actor.as_ref().and_then(|actor| self.graph(actor));
-        if let (Some(route), Some(graph)) = (&self.route, &graph)
-            && route.goal == Goal::PlayOn
+        if self.goal == Some(Goal::PlayOn) {
+            self.come_to_stand(Goal::PlayOn);
+        }
+    }
+
+    /// Drops what is left of the route; a transition under way is finished.
+    fn come_to_stand(&mut self, goal: Goal) {
+        let Some(actor) = self.loading.actor.clone() else { return };
+        if let Some(graph) = self.graph(&actor)
+            && self.producer.retarget(&actor, &graph, &[]).is_ok()
         {
-            let start = route.departure(graph);
-            self.route = Some(route.redirected(&Plan { start, ..Plan::default() }, Goal::PlayOn));
+            self.goal = Some(goal);
         }
     }
 
@@ -257,7 +280,7 @@ impl Player {
         let recorded = self.recorded_pose(first)?;
         let placement = match self.nearer() {
             Some(shown) => {
-                let same = actor.timeline.sequence_index(shown.at.frame()) == actor.timeline.sequence_index(first);
+                let same = actor.timeline.sequence_index(shown.kind.frame()) == actor.timeline.sequence_index(first);
                 placed_like(shown, &recorded, &actor.topology, same.then_some(shown.placement.heading))
             }
             None => Placement::IDENTITY,
@@ -268,7 +291,7 @@ impl Player {
             Some(next) => Some(self.recorded(next, placement)?),
             None => None,
         };
-        if self.route.take().is_some_and(|route| route.goal != Goal::PlayOn) {
+        if self.goal.take().is_some_and(|goal| goal != Goal::PlayOn) {
             self.playing = false;
         }
         let weight = if after.is_some() { weight } else { 0.0 };
@@ -285,7 +308,15 @@ impl Player {
         self.clock.set_weight(weight);
         self.stalled = None;
         self.changed = true;
+        self.stand_as_shown();
         self.leave_trail(true);
+    }
+
+    /// The actor goes on from the frame that was made last.
+    fn stand_as_shown(&mut self) {
+        if let (Some(actor), Some(frame)) = (&self.loading.actor, self.next.as_ref().or(self.last.as_ref())) {
+            self.producer.stand(actor, frame.kind.frame(), frame.placement);
+        }
     }
 
     /// Moves what is shown, unturned, so that its centre of mass is over `here`.
@@ -297,52 +328,29 @@ impl Player {
             frame.ground += shift.translation;
             shift.apply_all(&mut frame.pose);
         }
+        self.stand_as_shown();
         if let (Some(point), Some(last)) = (self.trail.back_mut(), &self.last) {
             point.ground = last.ground;
         }
     }
 
-    /// The cheapest walk from the present to frame `to`, without leaving.
-    ///
-    /// # Errors
-    /// No walk, no such frame, or the graph has not arrived.
-    pub fn plan(&self, to: u32) -> Result<PlanReport, PlayerError> {
-        let (actor, graph) = self.ready(to)?;
-        Ok(self.plan_from_here(to)?.report(to, &graph, &actor.timeline))
-    }
-
-    /// Leaves for frame `to` by the cheapest walk; a transition under way is finished first.
-    ///
-    /// # Errors
-    /// As [`Self::plan`]; what was under way goes on then.
-    pub fn go_to(&mut self, to: u32) -> Result<PlanReport, PlayerError> {
-        let (actor, graph) = self.ready(to)?;
-        let plan = self.plan_from_here(to)?;
-        let goal = Goal::Target(to);
-        self.route = Some(match &self.route {
-            Some(route) => route.redirected(&plan, goal),
-            None => Route::new(&plan, goal),
-        });
-        self.playing = true;
-        self.stalled = None;
-        if self.next.is_none() {
-            self.finish_route();
-        }
-        Ok(plan.report(to, &graph, &actor.timeline))
-    }
-
     /// Stops where it is, a transition under way at its end; the target is dropped.
     pub fn cancel(&mut self) {
-        let Some(graph) = self.loading.actor.as_ref().and_then(|actor| self.graph(actor)) else { return };
-        let Some(route) = self.route.take() else { return };
-        if route.inside().is_some() {
-            let start = route.departure(&graph);
-            self.route = Some(route.redirected(&Plan { start, ..Plan::default() }, Goal::Stop));
-        } else if self.next.as_ref().is_some_and(|next| next.at.is_synthetic()) {
-            self.route = Some(Route::new(&Plan { start: route.departure(&graph), ..Plan::default() }, Goal::Stop));
+        if self.goal.is_none() {
+            return;
+        }
+        if self.producer.walker().is_some_and(|walker| walker.inside().is_some()) {
+            self.come_to_stand(Goal::Stop);
         } else {
+            self.drop_route();
             self.playing = false;
         }
+    }
+
+    /// Drops the route at once.
+    pub(crate) fn drop_route(&mut self) {
+        self.goal = None;
+        self.producer.halt();
     }
 
     fn ready(&self, to: u32) -> Result<(Actor, Rc<EssentialGraph>), PlayerError> {
@@ -351,19 +359,9 @@ impl Player {
         if to < actor.timeline.frame_count() { Ok((actor, graph)) } else { Err(PlayerError::NoFrame(to)) }
     }
 
-    fn plan_from_here(&self, to: u32) -> Result<Plan, PlayerError> {
-        let (actor, graph) = self.ready(to)?;
-        let from = self.departure(&graph);
-        plan::plan(&graph, &actor.timeline, from, to).ok_or(PlayerError::Unreachable { from, to })
-    }
-
     /// The frame from which what comes next can be chosen freely.
     fn departure(&self, graph: &EssentialGraph) -> u32 {
-        match (&self.route, self.next.as_ref().or(self.last.as_ref())) {
-            (Some(route), _) => route.departure(graph),
-            (None, Some(frame)) => frame.at.frame(),
-            (None, None) => 0,
-        }
+        self.producer.walker().map_or(0, |walker| walker.departure(graph))
     }
 
     /// The recorded pose of `frame`, as it was recorded.
@@ -377,40 +375,6 @@ impl Player {
         Ok(pose)
     }
 
-    /// Frame `frame` in the world, where it would stand if the actor went there from the present.
-    ///
-    /// # Errors
-    /// As [`Self::plan`] and [`Self::recorded_pose`].
-    pub fn ghost(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
-        let mut pose = self.recorded_pose(frame)?;
-        self.arrival(frame)?.apply_all(&mut pose);
-        Ok(pose)
-    }
-
-    /// Placement of frame `to` if the actor goes there from the present.
-    ///
-    /// # Errors
-    /// As [`Self::plan`].
-    pub fn arrival(&mut self, to: u32) -> Result<Placement, PlayerError> {
-        let (actor, graph) = self.ready(to)?;
-        let walk = self.plan_from_here(to)?.walk();
-        let (_, start) = self.leaves()?;
-        let inside = self.route.as_ref().is_some_and(|route| route.inside().is_some());
-        self.think_ahead(&actor, &graph, &walk, inside);
-        Ok(self.producer.arrival(&mut self.loading, &actor, &graph, start, &walk)?)
-    }
-
-    /// Whoever asks where `walk` arrives may soon click: a standing actor begins with the work for its first transition.
-    fn think_ahead(&mut self, actor: &Actor, graph: &EssentialGraph, walk: &Walk, inside: bool) {
-        let transition = walk.legs.iter().find_map(|leg| match leg {
-            Leg::Synthetic(edge) => Some(*edge),
-            Leg::Recorded { .. } => None,
-        });
-        if let (Some(edge), false, false) = (transition, inside, self.playing) {
-            self.producer.prepare(&mut self.loading, actor, graph, edge);
-        }
-    }
-
     /// All frames of the cheapest walk from `from`, as it was recorded, to `to`, made as the player makes them.
     ///
     /// # Errors
@@ -420,7 +384,9 @@ impl Player {
         let walk = cheapest_walk(&graph, &actor.timeline, from, to).ok_or(PlayerError::Unreachable { from, to })?;
         let mut synthesiser =
             Synthesiser::new(&actor.topology, self.loading.order()).map_err(|_| PlayerError::Damaged(from))?;
-        synthesiser.begin_walk(from, Placement::IDENTITY, &walk);
+        synthesiser
+            .begin_walk(&graph, &actor.timeline, (from, Placement::IDENTITY), &walk)
+            .map_err(|_| PlayerError::Unreachable { from, to })?;
         let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
         let mut all = Vec::new();
         while synthesiser.next_frame(&graph, &actor.timeline, &mut self.loading.source, &mut pose)?.is_some() {

@@ -1,71 +1,18 @@
-//! Makes frames: recorded ones placed in the world, and synthesised ones between them.
+//! Makes the frames that are shown, numbered and measured; what they look like is the synthesis' business.
 
-use actor::blend::arrival;
 use actor::graph::EssentialGraph;
-use actor::ground::{PoseMemory, PosesOnGround, recorded_step};
-use actor::pose_source::{PoseError, PoseSource};
-use actor::timeline::Timeline;
-use actor::walk::{Leg, Walk};
+use actor::pose_source::PoseError;
+use actor::walk::{Leg, WalkError};
 use glam::{Vec2, Vec3};
 use kernels::align::{Placement, align_heading, centre_of_mass};
 use kernels::sort::sort;
 use kernels::topology::Topology;
-use synthesis::{FrameInfo, FrameKind, Synthesiser};
+use synthesis::{FrameInfo, FrameKind, Made, Step, Synthesiser, Walker};
 
 use super::loading::{Actor, Loading};
 
 /// Times kept of which the median is told.
 const TIMES: usize = 60;
-
-/// Where a frame comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum At {
-    /// It was recorded.
-    Recorded(u32),
-    /// It was synthesised.
-    Synthetic {
-        /// Index of the transition in the graph.
-        edge: u32,
-        /// Weight of the destination, 0 to 1.
-        lambda: f32,
-        /// The recorded frame of the source side.
-        source: u32,
-        /// The recorded frame of the destination side.
-        destination: u32,
-    },
-}
-
-impl At {
-    /// The recorded frame that it is, or is nearer to.
-    #[must_use]
-    pub fn frame(self) -> u32 {
-        match self {
-            Self::Recorded(frame) => frame,
-            Self::Synthetic { lambda, source, destination, .. } => {
-                if lambda < 0.5 {
-                    source
-                } else {
-                    destination
-                }
-            }
-        }
-    }
-
-    /// The transition that it belongs to.
-    #[must_use]
-    pub fn edge(self) -> Option<u32> {
-        match self {
-            Self::Recorded(_) => None,
-            Self::Synthetic { edge, .. } => Some(edge),
-        }
-    }
-
-    /// Whether it was synthesised.
-    #[must_use]
-    pub fn is_synthetic(self) -> bool {
-        self.edge().is_some()
-    }
-}
 
 /// A frame as it is shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +22,7 @@ pub struct Frame {
     /// World positions, metres, one per welded vertex.
     pub pose: Vec<Vec3>,
     /// Where it comes from.
-    pub at: At,
+    pub kind: FrameKind,
     /// The world from the recorded pose (of the nearer side in a transition).
     pub placement: Placement,
     /// The centre of mass on the ground (X, Z), metres.
@@ -87,10 +34,8 @@ pub struct Producer {
     /// Tells milliseconds.
     pub now: fn() -> f64,
     made: u64,
-    memory: PoseMemory,
+    /// Once there is an actor.
     synthesiser: Option<Synthesiser>,
-    /// The transition that is being prepared, and whether all is done.
-    prepared: Option<(u32, bool)>,
     /// Milliseconds that the last synthetic frames took, in a ring.
     times: Vec<f64>,
 }
@@ -99,106 +44,126 @@ impl Producer {
     /// `now` tells milliseconds, only to say how long synthesis takes.
     #[must_use]
     pub fn new(now: fn() -> f64) -> Self {
-        Self { now, made: 0, memory: PoseMemory::default(), synthesiser: None, prepared: None, times: Vec::new() }
+        Self { now, made: 0, synthesiser: None, times: Vec::new() }
     }
 
-    /// Recorded frame `frame`, placed by `placement`.
+    fn synthesiser(&mut self, actor: &Actor) -> &mut Synthesiser {
+        self.synthesiser.get_or_insert_with(|| Synthesiser::unprepared(&actor.topology))
+    }
+
+    /// The route under way; `None` before there is an actor.
+    #[must_use]
+    pub fn walker(&self) -> Option<&Walker> {
+        self.synthesiser.as_ref().map(Synthesiser::walker)
+    }
+
+    /// Recorded frame `frame`, placed by `placement`; where the actor stands does not change.
     ///
     /// # Errors
     /// A frame that cannot be read.
     pub fn recorded(
         &mut self,
-        source: &mut impl PoseSource,
-        topology: &Topology,
-        frame: u32,
-        placement: Placement,
-    ) -> Result<Frame, PoseError> {
-        let mut pose = vec![Vec3::ZERO; topology.vertex_count()];
-        source.read(frame, &mut pose)?;
-        placement.apply_all(&mut pose);
-        Ok(self.number(topology, pose, At::Recorded(frame), placement))
-    }
-
-    /// The frame recorded after `frame`, which is placed by `placement`; at the wrap of a cyclic sequence it is placed
-    /// so that the motion goes on.
-    ///
-    /// # Errors
-    /// A frame that cannot be read, or the end of a sequence.
-    pub fn next_recorded(
-        &mut self,
         loading: &mut Loading,
         actor: &Actor,
         frame: u32,
         placement: Placement,
     ) -> Result<Frame, PoseError> {
-        let mut ground = PosesOnGround::new(&mut loading.source, actor.topology.weights(), &mut self.memory);
-        let step = recorded_step(&actor.timeline, &mut ground, frame)?;
-        let (next, step) = step.ok_or(PoseError::OutOfRange(frame))?;
-        self.recorded(&mut loading.source, &actor.topology, next, placement.after(&step))
+        let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
+        self.synthesiser(actor).place(&mut loading.source, frame, placement, &mut pose)?;
+        Ok(self.number(&actor.topology, pose, FrameKind::Recorded { frame }, placement))
     }
 
-    /// The next frame of transition `edge`. With `begin`, given the placement of the frame that it leaves, the first.
+    /// The actor stands in `frame` from now on, without a route.
+    pub fn stand(&mut self, actor: &Actor, frame: u32, placement: Placement) {
+        self.synthesiser(actor).stand(frame, placement);
+    }
+
+    /// Drops the route.
+    pub fn halt(&mut self) {
+        if let Some(synthesiser) = &mut self.synthesiser {
+            synthesiser.halt();
+        }
+    }
+
+    /// Leaves for the end of `legs`, which begin at [`Self::departure`]; a transition under way is finished first.
+    ///
+    /// # Errors
+    /// Legs that are not in the graph, or have gaps.
+    pub fn retarget(&mut self, actor: &Actor, graph: &EssentialGraph, legs: &[Leg]) -> Result<(), WalkError> {
+        self.synthesiser(actor).retarget(graph, &actor.timeline, legs)
+    }
+
+    /// Goes on with `legs`, which begin where the route ends.
+    ///
+    /// # Errors
+    /// As [`Self::retarget`].
+    pub fn extend(&mut self, actor: &Actor, graph: &EssentialGraph, legs: &[Leg]) -> Result<(), WalkError> {
+        self.synthesiser(actor).extend(graph, &actor.timeline, legs)
+    }
+
+    /// The frame after the present one on the route; `None` at its end, and where the beginning of a transition takes more
+    /// than the budget of `factorisations`: asking again goes on with it.
     ///
     /// # Errors
     /// A frame that cannot be read (yet); the same frame can be asked for again.
-    pub fn synthetic(
+    pub fn next(
         &mut self,
         loading: &mut Loading,
         actor: &Actor,
         graph: &EssentialGraph,
-        edge: u32,
-        begin: Option<Placement>,
-    ) -> Result<Frame, PoseError> {
-        let transition = graph.transitions().get(edge as usize).ok_or(PoseError::OutOfRange(edge))?;
-        self.warm(loading, actor)?;
+        factorisations: &mut u32,
+    ) -> Result<Option<Frame>, PoseError> {
         let start = (self.now)();
-        let synthesiser = self.synthesiser.as_mut().ok_or(PoseError::Damaged(transition.from))?;
-        let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
-        let mut next = |synthesiser: &mut Synthesiser| {
-            let info = synthesiser.next_frame(graph, &actor.timeline, &mut loading.source, &mut pose)?;
-            info.ok_or(PoseError::OutOfRange(transition.to))
-        };
-        if let Some(placement) = begin {
-            synthesiser.begin_walk(transition.from, placement, &transition_alone(edge));
-            self.prepared = None;
-            // The frame that the walk begins with is on the stage already.
-            next(synthesiser)?;
+        let synthesiser = self.synthesiser(actor);
+        let step = synthesiser.walker().next(&actor.timeline);
+        let is_node = matches!(step, Some(Step::Node { .. }));
+        if is_node || synthesiser.walker().coming().is_some() {
+            let warm = self.warm(loading, actor);
+            // While recorded frames are shown, that can wait to be told.
+            if is_node {
+                warm?;
+            }
         }
-        let info = next(synthesiser)?;
-        self.note((self.now)() - start);
-        Ok(self.number(&actor.topology, pose, at(&info), info.placement))
+        let synthesiser = self.synthesiser(actor);
+        let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
+        let made =
+            synthesiser.next_frame_within(factorisations, graph, &actor.timeline, &mut loading.source, &mut pose)?;
+        let Made::Frame(FrameInfo { kind, placement, .. }) = made else { return Ok(None) };
+        if kind.is_synthetic() {
+            self.note((self.now)() - start);
+        }
+        Ok(Some(self.number(&actor.topology, pose, kind, placement)))
     }
 
-    /// Placement of the frame that the transition under way arrives at.
+    /// The frame from which what comes next can be chosen freely, and its placement once the actor is there.
     ///
     /// # Errors
     /// A frame that cannot be read.
-    pub fn transition_end(
+    pub fn departure(
         &mut self,
         loading: &mut Loading,
-        timeline: &Timeline,
+        actor: &Actor,
         graph: &EssentialGraph,
-    ) -> Result<Option<Placement>, PoseError> {
-        match &mut self.synthesiser {
-            Some(synthesiser) => synthesiser.departure_placement(graph, timeline, &mut loading.source),
-            None => Ok(None),
-        }
+    ) -> Result<(u32, Placement), PoseError> {
+        let synthesiser = self.synthesiser(actor);
+        let frame = synthesiser.departure(graph).unwrap_or(0);
+        let placement = synthesiser.departure_placement(graph, &actor.timeline, &mut loading.source)?;
+        Ok((frame, placement.unwrap_or(Placement::IDENTITY)))
     }
 
-    /// Placement of the last frame of `walk`, begun at `start`.
+    /// Placement of the last frame of `legs`, begun at [`Self::departure`].
     ///
     /// # Errors
-    /// A frame at a wrap that cannot be read.
+    /// A frame that cannot be read.
     pub fn arrival(
         &mut self,
         loading: &mut Loading,
         actor: &Actor,
         graph: &EssentialGraph,
-        start: Placement,
-        walk: &Walk,
+        legs: &[Leg],
     ) -> Result<Placement, PoseError> {
-        let mut ground = PosesOnGround::new(&mut loading.source, actor.topology.weights(), &mut self.memory);
-        arrival(graph, &actor.timeline, &mut ground, start, walk)
+        let arrival = self.synthesiser(actor).arrival(graph, &actor.timeline, &mut loading.source, legs)?;
+        Ok(arrival.unwrap_or(Placement::IDENTITY))
     }
 
     /// Median milliseconds of the last synthetic frames; 0 before the first.
@@ -207,33 +172,21 @@ impl Producer {
         median(&self.times)
     }
 
-    /// Makes the synthesiser where there is none yet: the slow part of the first transition.
+    /// Makes what transitions need where it is missing: the slow part of the first one.
     ///
     /// # Errors
     /// A mesh that cannot be factorised.
     pub fn warm(&mut self, loading: &Loading, actor: &Actor) -> Result<(), PoseError> {
-        if self.synthesiser.is_none() {
-            let made = Synthesiser::new(&actor.topology, loading.order());
-            self.synthesiser = Some(made.map_err(|_| PoseError::Damaged(actor.first_frame))?);
-        }
-        Ok(())
+        let warm = self.synthesiser(actor).warm(&actor.topology, loading.order());
+        warm.map_err(|_| PoseError::Damaged(actor.first_frame))
     }
 
-    /// Does a piece of the work that the beginning of transition `edge` would have to wait for; whether more of it is
-    /// left. Not within a transition.
-    pub fn prepare(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, edge: u32) -> bool {
-        if self.prepared == Some((edge, true)) || self.warm(loading, actor).is_err() {
-            return false;
-        }
-        let Some(synthesiser) = &mut self.synthesiser else { return false };
-        if self.prepared.is_none_or(|(before, _)| before != edge) {
-            let from = graph.transitions().get(edge as usize).map_or(0, |transition| transition.from);
-            synthesiser.begin_walk(from, Placement::IDENTITY, &transition_alone(edge));
-        }
+    /// Does a piece of the work that the first transition of `legs` would have to wait for. Not within a transition.
+    pub fn prepare_for(&mut self, loading: &mut Loading, actor: &Actor, graph: &EssentialGraph, legs: &[Leg]) {
         // What fails here fails again, and is told, when the transition begins.
-        let more = synthesiser.prepare(graph, &actor.timeline, &mut loading.source).unwrap_or(false);
-        self.prepared = Some((edge, !more));
-        more
+        if self.warm(loading, actor).is_ok() {
+            let _ = self.synthesiser(actor).prepare_for(graph, &actor.timeline, &mut loading.source, legs);
+        }
     }
 
     fn note(&mut self, milliseconds: f64) {
@@ -243,23 +196,10 @@ impl Producer {
         self.times.push(milliseconds);
     }
 
-    fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, at: At, placement: Placement) -> Frame {
+    fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> Frame {
         let centre = centre_of_mass(&pose, topology.weights());
         self.made += 1;
-        Frame { number: self.made, pose, at, placement, ground: Vec2::new(centre.x, centre.z) }
-    }
-}
-
-fn transition_alone(edge: u32) -> Walk {
-    Walk { legs: vec![Leg::Synthetic(edge)], ..Walk::default() }
-}
-
-fn at(info: &FrameInfo) -> At {
-    match info.kind {
-        FrameKind::Recorded { frame } => At::Recorded(frame),
-        FrameKind::Synthetic { transition, lambda, source_frame, destination_frame, .. } => {
-            At::Synthetic { edge: transition, lambda, source: source_frame, destination: destination_frame }
-        }
+        Frame { number: self.made, pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
     }
 }
 

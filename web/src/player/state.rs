@@ -3,11 +3,13 @@
 use bundle::Textures;
 use glam::{Vec2, Vec3};
 use kernels::sort::{key, numbers, sort};
+use search::behaviours;
 use serde::Serialize;
+use synthesis::FrameKind;
 
-use super::plan::{Goal, LegReport, report_legs};
-use super::produce::{At, Frame};
-use super::{Player, PlayerError};
+use super::produce::Frame;
+use super::report::{LegReport, report_legs};
+use super::{Goal, Player, PlayerError};
 use crate::trail::TrailPoint;
 
 /// The frames that the picture lies between.
@@ -31,7 +33,7 @@ impl Picture<'_> {
     /// 0 where recorded, 1 where synthesised.
     #[must_use]
     pub fn synthetic(&self) -> f32 {
-        let [before, after] = [self.before, self.after].map(|frame| f32::from(u8::from(frame.at.is_synthetic())));
+        let [before, after] = [self.before, self.after].map(|frame| f32::from(u8::from(frame.kind.is_synthetic())));
         before + (after - before) * self.weight as f32
     }
 
@@ -118,6 +120,8 @@ pub struct Info<'a> {
     density: f64,
     alpha: f64,
     sequences: Vec<SequenceInfo<'a>>,
+    /// Names of all behaviours: the labels, then the sequences whose name is no label.
+    behaviours: Vec<String>,
     images: Vec<ImageInfo>,
     /// Modes of colours and of warps in the textures; `null` where no texture changes, or it has not arrived.
     appearance: Option<[usize; 2]>,
@@ -169,24 +173,24 @@ impl Player {
         let picture = self.picture()?;
         let graph = self.loading.graph.as_deref();
         let nearer = self.nearer()?;
-        let target = self.route.as_ref().and_then(|route| match route.goal {
-            Goal::Target(frame) => Some(frame),
-            Goal::PlayOn | Goal::Stop => None,
-        });
-        let way = self.route.as_ref().zip(graph);
-        let (leg, leg_progress) = way.map_or((0, 0.0), |(route, graph)| route.progress(graph));
+        let target = match self.goal {
+            Some(Goal::Target(frame)) => Some(frame),
+            Some(Goal::PlayOn | Goal::Stop) | None => None,
+        };
+        let way = self.producer.walker().filter(|_| self.goal.is_some()).zip(graph);
+        let (leg, leg_progress) = way.map_or((0, 0.0), |(walker, graph)| walker.progress(graph));
         let ahead = if self.next.is_some() { 1.0 - self.clock.weight() } else { 0.0 };
-        let frames = way.map_or(0.0, |(route, graph)| f64::from(route.remaining(graph)) + ahead);
+        let frames = way.map_or(0.0, |(walker, graph)| f64::from(walker.remaining(graph)) + ahead);
         let ground = picture.ground();
         Some(State {
             frame: fractional(&picture),
-            mode: match (self.playing, self.next.as_ref().unwrap_or(nearer).at.is_synthetic()) {
+            mode: match (self.playing, self.next.as_ref().unwrap_or(nearer).kind.is_synthetic()) {
                 (false, _) => "paused",
                 (true, true) => "synthetic",
                 (true, false) => "recorded",
             },
             target,
-            walk: way.filter(|_| target.is_some()).map(|(route, graph)| report_legs(route.stretches(), graph)),
+            walk: way.filter(|_| target.is_some()).map(|(walker, graph)| report_legs(walker.legs(), graph)),
             leg,
             leg_progress,
             remaining_seconds: if target.is_some() { frames / self.clock.fps() } else { 0.0 },
@@ -228,6 +232,7 @@ impl Player {
             density: graph.map_or(0.0, |graph| graph.density(timeline)),
             alpha: graph.map_or(0.0, actor::graph::EssentialGraph::alpha),
             sequences: sequences.collect(),
+            behaviours: behaviours(timeline).into_iter().map(|behaviour| behaviour.name).collect(),
             images: images.collect(),
             naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
             appearance: self.appearance(Textures::Aligned).map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
@@ -265,19 +270,21 @@ impl Player {
 /// The recorded frame that is shown, fractional between neighbours.
 fn fractional(picture: &Picture<'_>) -> f64 {
     let weight = picture.weight;
-    match (picture.before.at, picture.after.at) {
-        (At::Recorded(a), At::Recorded(b)) if b == a + 1 => f64::from(a) + weight,
-        (At::Recorded(a), At::Recorded(b)) if b + 1 == a => f64::from(a) - weight,
+    match (picture.before.kind, picture.after.kind) {
+        (FrameKind::Recorded { frame: a }, FrameKind::Recorded { frame: b }) if b == a + 1 => f64::from(a) + weight,
+        (FrameKind::Recorded { frame: a }, FrameKind::Recorded { frame: b }) if b + 1 == a => f64::from(a) - weight,
         (before, after) => f64::from(if weight < 0.5 { before } else { after }.frame()),
     }
 }
 
 fn transition(picture: &Picture<'_>, graph: &actor::graph::EssentialGraph) -> Option<TransitionReport> {
-    let of = |at: At| match at {
-        At::Synthetic { edge, lambda, source, destination } => Some((edge, lambda, source, destination)),
-        At::Recorded(_) => None,
+    let of = |kind: FrameKind| match kind {
+        FrameKind::Synthetic { transition, lambda, source_frame, destination_frame, .. } => {
+            Some((transition, lambda, source_frame, destination_frame))
+        }
+        FrameKind::Recorded { .. } => None,
     };
-    let (before, after) = (of(picture.before.at), of(picture.after.at));
+    let (before, after) = (of(picture.before.kind), of(picture.after.kind));
     let (edge, mut lambda, source, destination) = after.or(before.filter(|before| before.1 < 1.0))?;
     if after.is_some() {
         let begin = before.filter(|before| before.0 == edge).map_or(0.0, |before| before.1);

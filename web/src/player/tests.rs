@@ -13,12 +13,12 @@ use glam::{Quat, Vec3};
 use kernels::align::Placement;
 use kernels::topology::Topology;
 use search::{Goal, PathRequest, Progress, Request, RequestError, Target};
+use synthesis::FrameKind;
 use texture::AppearanceModel;
 
 use super::direct::{DirectError, Origin};
 use super::events::Event;
 use super::loading::{Loading, Phase};
-use super::produce::At;
 use super::{Player, PlayerError};
 
 /// A timeline of 25 frames per second with sequences of these lengths, cyclic or not.
@@ -224,6 +224,56 @@ fn cancelling_stands_still_between_frames() {
     assert!(!player.tick(0.1));
     assert!((frame(&player) - 2.5).abs() < 1e-9);
     assert_eq!(player.state().unwrap().target, None);
+}
+
+#[test]
+fn what_is_looked_at_and_clicked_is_planned_once() {
+    let mut player = player(&[(12, false), (12, false), (8, false)], &[(4, 18)]);
+    assert_eq!(player.plans(), 0);
+    let seen = player.plan(21).unwrap();
+    let foreseen = player.arrival(21).unwrap();
+    let ghost = player.ghost(21).unwrap();
+    assert_eq!(player.go_to(21).unwrap(), seen);
+    assert_eq!(player.plans(), 1);
+    run(&mut player);
+    assert!(largest_step(&ghost, &player.picture().unwrap().pose()) < 1e-5);
+    // From elsewhere it is another plan, and so is what cannot be reached: once.
+    for _ in 0..3 {
+        assert_eq!(player.plan(26), Err(PlayerError::Unreachable { from: 21, to: 26 }));
+        player.arrival(26).unwrap_err();
+        player.arrival(19).unwrap();
+    }
+    assert_eq!(player.plans(), 3);
+    // Where it stands has no part in it but for where it arrives.
+    player.stand(0, glam::Vec2::new(5.0, 0.0), 0.0).unwrap();
+    let moved = player.arrival(21).unwrap();
+    assert_eq!(player.plans(), 3);
+    assert!(moved.translation.distance(foreseen.translation) > 1.0);
+    player.stand(0, glam::Vec2::new(5.0, 0.0), 1.0).unwrap();
+    assert!((player.arrival(21).unwrap().heading - moved.heading - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn the_nearest_frame_of_a_behaviour_is_the_cheapest_of_all() {
+    let edges = [(4, 18), (6, 27), (20, 6), (30, 15)];
+    for start in [0.0, 4.0, 5.0, 14.0, 20.0, 25.0] {
+        let mut player = player(&[(12, false), (12, false), (10, false)], &edges);
+        player.seek(start).unwrap();
+        for (name, frames) in [("s0", 0..12), ("s12", 12..24), ("s24", 24..34)] {
+            let before = player.plans();
+            let nearest = player.nearest(name);
+            assert_eq!(player.plans(), before + 1);
+            let costs: Vec<_> = frames.map(|to| player.plan(to).map_or(f64::INFINITY, |plan| plan.cost)).collect();
+            let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+            let nearest = nearest.unwrap();
+            let before = player.plans();
+            assert_eq!(player.go_to(nearest).unwrap().cost, least, "{name} from {start}");
+            assert_eq!(player.plans(), before);
+            player.seek(start).unwrap();
+        }
+        let unknown = player.nearest("flying").unwrap_err();
+        assert_eq!(unknown.to_string(), r#"there is no behaviour "flying"; there are: s0, s12, s24"#);
+    }
 }
 
 #[test]
@@ -484,21 +534,21 @@ fn coefficients_are_interpolated_as_the_shape_is() {
     for _ in 0..600 {
         player.tick(0.01);
         let picture = player.picture().unwrap();
-        let mixed = |at: At| match at {
-            At::Recorded(frame) => frame as f32,
-            At::Synthetic { source, destination, lambda, .. } => {
-                source as f32 + (destination as f32 - source as f32) * lambda
+        let mixed = |kind: FrameKind| match kind {
+            FrameKind::Recorded { frame } => frame as f32,
+            FrameKind::Synthetic { source_frame, destination_frame, lambda, .. } => {
+                source_frame as f32 + (destination_frame as f32 - source_frame as f32) * lambda
             }
         };
         let weight = picture.weight as f32;
-        let wanted = mixed(picture.before.at) * (1.0 - weight) + mixed(picture.after.at) * weight;
+        let wanted = mixed(picture.before.kind) * (1.0 - weight) + mixed(picture.after.kind) * weight;
         for layer in 0..2 {
             let own = coefficient(&picture.weights(&layers[layer]), layer);
             assert!((own - wanted * (layer + 1) as f32).abs() < 0.1, "{own} {wanted} {picture:?}");
             let ([source, destination], lambda) = picture.ends(&layers[layer]);
             let [source, destination] = [source, destination].map(|weights| coefficient(&weights, layer));
             assert!((0.0..=1.0).contains(&lambda));
-            if picture.before.at.is_synthetic() || picture.after.at.is_synthetic() {
+            if picture.before.kind.is_synthetic() || picture.after.kind.is_synthetic() {
                 in_transition += 1;
                 // Each side is one texture, that of its own sequence.
                 let sequence = 20.0 * (layer + 1) as f32;

@@ -2,7 +2,6 @@
 
 import { button, h } from '../dom.js';
 import { count, duration, words } from '../format.js';
-import { behavioursOf } from '../targets.js';
 import { Air } from './air.js';
 import { Curve, mix } from './curve.js';
 import { deviation, gaps } from './deviation.js';
@@ -97,7 +96,7 @@ export class PathTool extends Tool {
   }
 
   opened({ info }) {
-    this.behaviours = behavioursOf(info);
+    this.behaviours = info.behaviours;
     const named = this.behaviours.map((value) => ({ value, text: words(value), mark: this.hue(value), title: `Paint: ${words(value)} on this stretch` }));
     this.choice.set([{ value: 'shape', text: 'Shape', title: 'Drag points; click the path for a new one' }, ...named, { value: 'none', text: 'Any', title: 'Rub out what was painted' }], 'shape');
   }

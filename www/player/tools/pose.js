@@ -5,7 +5,7 @@
 
 import { button, h, rove } from '../dom.js';
 import { words } from '../format.js';
-import { behavioursOf, nameOf } from '../targets.js';
+import { nameOf } from '../targets.js';
 import { NumberField } from './dock.js';
 import { Tool } from './tool.js';
 
@@ -57,7 +57,7 @@ export class PoseTool extends Tool {
   answered() {}
 
   opened({ info }) {
-    const names = behavioursOf(info).map((behaviour) => {
+    const names = info.behaviours.map((behaviour) => {
       const act = ({ shiftKey }) => this.box.take(this.hold ? { behaviour, hold: this.hold } : { behaviour }, shiftKey);
       return button(words(behaviour), `Go to ${words(behaviour)}; with shift: after what is under way`, act);
     });

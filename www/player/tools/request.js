@@ -55,7 +55,7 @@ function tidy(value) {
  * @param {import('../timeline.js').Timeline} timeline
  * @returns {{tool: string, part: object, queue?: object[]}} the queue is what comes after the document's pose
  */
-export function partOf({ target, seed = 1 }, timeline) {
+export function partOf({ target, seed = 0 }, timeline) {
   const { place, path, keys, wander } = target;
   if (place) return { tool: 'place', part: { place: { ...place, heading: place.heading ?? null } } };
   const editable = path && path.points.length <= MOST_POINTS && !path.free_start;

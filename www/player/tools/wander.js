@@ -2,7 +2,6 @@
 
 import { h, iconButton } from '../dom.js';
 import { words } from '../format.js';
-import { behavioursOf } from '../targets.js';
 import { NumberField } from './dock.js';
 import { Tool } from './tool.js';
 
@@ -37,7 +36,7 @@ export class WanderTool extends Tool {
 
   opened({ info }) {
     this.sliders.clear();
-    this.list.replaceChildren(...behavioursOf(info).map((behaviour) => this.slider(behaviour)));
+    this.list.replaceChildren(...info.behaviours.map((behaviour) => this.slider(behaviour)));
   }
 
   slider(behaviour) {

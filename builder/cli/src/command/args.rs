@@ -270,6 +270,9 @@ pub struct DirectArguments {
     /// Go to a pose: a sequence's name and a time in seconds within it, or a frame's number; may be given again.
     #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
     pub to: Vec<TypedPose>,
+    /// Write a sequence as it was recorded, from its first frame to its last, instead of a walk.
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["path", "keys", "place", "behaviour", "wander", "to", "request", "start", "times"])]
+    pub sequence: Option<String>,
     /// A JSON file with a whole request (docs/directing.md), by itself or with where the actor was, as the page saves it.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "place", "behaviour", "wander", "to"])]
     pub request: Option<PathBuf>,
@@ -294,6 +297,9 @@ pub struct DirectArguments {
     /// Seconds in which the camera of pictures turns once about the actor.
     #[arg(long, default_value = "8s", value_name = "DURATION", value_parser = parse_seconds)]
     pub turn: f64,
+    /// Megabytes that the textures of a GLB's frames may take in a viewer, where they change; beyond, all wear the first.
+    #[arg(long, default_value_t = 512, value_name = "MB", value_parser = clap::value_parser!(u64).range(0..=65_536))]
+    pub glb_textures: u64,
     /// Print an object with the walk and what it reaches on stdout.
     #[arg(long)]
     pub json: bool,
@@ -399,4 +405,8 @@ pub enum EvaluateSection {
     Scaling,
     /// Eigen appearance maps.
     Appearance,
+    /// What blends add to walks, their seams, stutter and slide.
+    Motion,
+    /// Random walks of five minutes.
+    Wandering,
 }

@@ -33,12 +33,12 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
         return Ok(asked);
     }
     if let Some(path) = &arguments.path {
-        let request: PathRequest = serde_json::from_str(&read(path)?).map_err(|error| wrong(path, &error))?;
-        targets.push(Target::Path(request));
+        let path_request = PathRequest::of_json(&json(path, &read(path)?)?.into());
+        targets.push(Target::Path(path_request.map_err(|error| wrong(path, &error))?));
     }
     if let Some(path) = &arguments.keys {
-        let request: KeysRequest = toml::from_str(&read(path)?).map_err(|error| wrong(path, &error))?;
-        targets.push(Target::Keys(request));
+        let value: Value = toml::from_str(&read(path)?).map_err(|error| wrong(path, &error))?;
+        targets.push(Target::Keys(KeysRequest::of_json(&value.into()).map_err(|error| wrong(path, &error))?));
     }
     targets.extend(arguments.place.clone().map(Target::Place));
     targets.extend(arguments.behaviour.clone().map(Target::Behaviour));
@@ -64,7 +64,7 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
 fn saved(path: &Path) -> Result<Asked, Failure> {
     let text = read(path)?;
     let plain = |text: &str| Request::from_json(text).map_err(|error| wrong(path, &error));
-    let Ok(Value::Object(mut fields)) = serde_json::from_str(&text) else {
+    let Value::Object(mut fields) = json(path, &text)? else {
         return Ok(Asked { request: plain(&text)?, start: None });
     };
     let Some(request) = fields.remove("request") else {
@@ -83,6 +83,14 @@ fn saved(path: &Path) -> Result<Asked, Failure> {
         None => None,
     };
     Ok(Asked { request: plain(&request.to_string())?, start })
+}
+
+/// What a file of JSON holds. Where it holds none, the error says where it ends to be JSON.
+fn json(path: &Path, text: &str) -> Result<Value, Failure> {
+    serde_json::from_str(text).map_err(|error| {
+        let refused = Request::from_json(text).err().map_or_else(String::new, |refused| refused.to_string());
+        wrong(path, &format!("{refused}: {error}"))
+    })
 }
 
 fn read(path: &Path) -> Result<String, Failure> {

@@ -3,11 +3,15 @@
 use std::path::Path;
 use std::time::Instant;
 
+use actor::graph::EssentialGraph;
 use actor::motion::{Motion, measure_group};
 use actor::timeline::Timeline;
+use actor::walk::{Leg, Walk};
 use anyhow::{Context, anyhow};
 use bundle::BundleReader;
-use capture_io::export::{Actor, ExportError, ExportOptions, Output, export, play};
+use capture_io::export::{Actor, ExportError, ExportOptions, Output, Written, export, play};
+use capture_io::import::Warning;
+use glam::Vec3;
 use job::{Job, Progress as Step};
 use kernels::align::Placement;
 use search::{Answer, Direction, Goal, Progress, Request, RequestError, Scene, Start, Survey, Target, Ways};
@@ -38,11 +42,29 @@ struct DirectReport {
     frames: u32,
     /// Where.
     output: String,
+    /// What is not as in the actor, or may be mistaken.
+    warnings: Vec<Warning>,
+}
+
+/// What `--json` prints of a sequence.
+#[derive(Serialize)]
+struct SequenceReport {
+    /// Its name.
+    sequence: String,
+    /// Frames that were written.
+    frames: u32,
+    /// Where.
+    output: String,
+    /// What is not as in the actor, or may be mistaken.
+    warnings: Vec<Warning>,
 }
 
 /// Plans, makes and writes.
 pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failure> {
     let output = Output::parse(&arguments.output).map_err(|error| Failure::Usage(error.to_string()))?;
+    if let Some(name) = &arguments.sequence {
+        return sequence(name, arguments, &output, terminal);
+    }
     let Asked { request, start } = asked(arguments)?;
     let mut reader = read_bundle(&arguments.bundle)?;
     let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
@@ -60,20 +82,65 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
 
     let [heading, x, z] = answer.start_placement;
     let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
-    let actor = Actor::of(&reader).map_err(failure)?;
-    let options =
-        ExportOptions { every: arguments.every, size: arguments.size, turn_seconds: arguments.turn.max(0.1) as f32 };
-    let mut played =
-        play(&mut reader, &graph, &timeline, (answer.start_frame, placement), &answer.walk).map_err(failure)?;
-    let frames = export(&actor, &mut played, &output, &options, &Job::new(&|step: Step| terminal.progress(step)))
-        .map_err(failure)?;
-    let walked = walked(&answer, &played.centres, ways.group.is_empty());
+    let begin = (answer.start_frame, placement);
+    let (written, centres) =
+        write(&mut reader, (&graph, &timeline), begin, &answer.walk, arguments, &output, terminal)?;
+    let Written { frames, warnings } = written;
+    let walked = walked(&answer, &centres, ways.group.is_empty());
     terminal.log(&summary(&answer, &walked, search_seconds, frames, &arguments.output));
     if arguments.json {
         let output = arguments.output.clone();
-        print_json(&DirectReport { request, answer, walked, search_seconds, frames, output })?;
+        print_json(&DirectReport { request, answer, walked, search_seconds, frames, output, warnings })?;
     }
     Ok(())
+}
+
+/// Writes a sequence as it was recorded.
+fn sequence(name: &str, arguments: &DirectArguments, output: &Output, terminal: &Terminal) -> Result<(), Failure> {
+    let mut reader = read_bundle(&arguments.bundle)?;
+    let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
+        return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
+    };
+    let Some(found) = timeline.sequences().iter().find(|sequence| sequence.name == name) else {
+        let names: Vec<&str> = timeline.sequences().iter().map(|sequence| sequence.name.as_str()).collect();
+        return Err(Failure::Input(anyhow!("there is no sequence {name:?}; there are: {}", names.join(", "))));
+    };
+    let (first, steps) = (found.first_frame, found.frame_count - 1);
+    let legs = vec![Leg::Recorded { first, last: first + steps, steps }];
+    let walk = Walk::of_legs(legs, &graph).map_err(|error| Failure::Internal(error.into()))?;
+    let begin = (first, Placement::IDENTITY);
+    let (written, _) = write(&mut reader, (&graph, &timeline), begin, &walk, arguments, output, terminal)?;
+    let Written { frames, warnings } = written;
+    terminal.log(&format!("{}: {frames} frames of \"{name}\"", arguments.output));
+    if arguments.json {
+        let output = arguments.output.clone();
+        print_json(&SequenceReport { sequence: name.into(), frames, output, warnings })?;
+    }
+    Ok(())
+}
+
+/// Makes the frames of `walk` and writes them; what was written, and where the centre of mass was in each frame.
+fn write(
+    reader: &mut BundleReader,
+    (graph, timeline): (&EssentialGraph, &Timeline),
+    begin: (u32, Placement),
+    walk: &Walk,
+    arguments: &DirectArguments,
+    output: &Output,
+    terminal: &Terminal,
+) -> Result<(Written, Vec<Vec3>), Failure> {
+    let actor = Actor::of(reader).map_err(failure)?;
+    let options = ExportOptions {
+        every: arguments.every,
+        size: arguments.size,
+        turn_seconds: arguments.turn.max(0.1) as f32,
+        most_texture_bytes: arguments.glb_textures << 20,
+    };
+    let mut played = play(reader, graph, timeline, begin, walk).map_err(failure)?;
+    let written = export(&actor, &mut played, output, &options, &Job::new(&|step: Step| terminal.progress(step)))
+        .map_err(failure)?;
+    written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
+    Ok((written, played.centres))
 }
 
 fn failure(error: ExportError) -> Failure {

@@ -64,6 +64,8 @@ fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
             EvaluateSection::Walks => Section::Walks,
             EvaluateSection::Scaling => Section::Scaling,
             EvaluateSection::Appearance => Section::Appearance,
+            EvaluateSection::Motion => Section::Motion,
+            EvaluateSection::Wandering => Section::Wandering,
         })
         .collect();
     sections.sort_unstable();

@@ -75,6 +75,7 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
     let sections_of = |start: &str| -> u64 {
         reader.sections().iter().filter(|section| section.name.starts_with(start)).map(|section| section.stored).sum()
     };
+    let place = reader.file_place();
     let sections: Vec<Value> = reader
         .sections()
         .iter()
@@ -93,6 +94,14 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
             "components": topology.component_count(),
             "fps": timeline.fps(),
         },
+        // What exports write: the files' vertices, at their place, in their unit and axes.
+        "files": {
+            "vertices": reader.file_vertices().map_or(topology.vertex_count(), <[u32]>::len),
+            "metres_per_unit": place.unit,
+            "up": if place.z_up { "z" } else { "y" },
+        },
+        // Metres that were taken off all positions.
+        "offset": place.offset.to_array(),
         "sequences": sequences(timeline),
         "graph": reader.graph().map(|graph| json!({
             "transitions": graph.transitions().len(),

@@ -1,6 +1,5 @@
 //! Seams of transitions against the capture's own change from frame to frame.
 
-use super::walks::lengths_by;
 use crate::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use crate::plot::{Kind, Plot, Series, histogram};
 use crate::seams::{Change, Ease, Own, SeamSummary, Seams};
@@ -56,7 +55,7 @@ pub(super) fn seam_tables(
         let s = SeamSummary::of(seams, limit);
         summaries.push(s);
         table.rows.push(vec![
-            lengths_by(*choice).into(),
+            choice.word().into(),
             (*population).into(),
             if *ease == Ease::Linear { "linear" } else { "smooth" }.into(),
             Cell::Count(s.count),

@@ -1,7 +1,7 @@
 //! Cheapest walks between frames drawn at random.
 
 use actor::graph::EssentialGraph;
-use actor::walk::{Leg, Walk};
+use actor::walk::Walk;
 use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
@@ -39,10 +39,7 @@ pub(super) fn walks(subject: &Subject, graph: &EssentialGraph, job: &Job) -> Res
     for walk in found.iter().flatten() {
         let values = [walk.cost, walk.deformation, f64::from(walk.duration), walk.transition_count() as f64];
         values.into_iter().zip(&mut walks.moments).for_each(|(value, moments)| moments.add(value));
-        walks.transitions.extend(walk.legs.iter().filter_map(|leg| match leg {
-            Leg::Synthetic(index) => Some(*index as usize),
-            Leg::Recorded { .. } => None,
-        }));
+        walks.transitions.extend(walk.legs.iter().filter_map(|leg| leg.transition().map(|index| index as usize)));
     }
     walks.transitions.sort_unstable();
     Ok(walks)
@@ -57,7 +54,7 @@ pub(super) fn walks_table<'a>(walks: impl Iterator<Item = (LengthChoice, &'a Wal
     for (choice, walks) in walks {
         let [cost, deformation, duration, transitions] = walks.moments;
         table.rows.push(vec![
-            lengths_by(choice).into(),
+            choice.word().into(),
             Cell::Count(cost.count),
             Cell::Number(cost.mean, 3),
             Cell::Number(deformation.mean, 3),
@@ -67,8 +64,4 @@ pub(super) fn walks_table<'a>(walks: impl Iterator<Item = (LengthChoice, &'a Wal
         ]);
     }
     table
-}
-
-pub(super) fn lengths_by(choice: LengthChoice) -> &'static str {
-    if choice == LengthChoice::Total { "sum" } else { "mean" }
 }

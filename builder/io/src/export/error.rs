@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use actor::pose_source::PoseError;
+use actor::walk::WalkError;
+use bundle::BundleError;
 use kernels::cholesky::CholeskyError;
 use thiserror::Error;
 
@@ -15,6 +17,20 @@ pub enum ExportError {
     /// The bundle has not arrived in full.
     #[error("the bundle is not whole")]
     NotWhole,
+    /// The bundle contradicts itself.
+    #[error(transparent)]
+    Bundle(#[from] BundleError),
+    /// A model of textures cannot be read.
+    #[error("section appearance-mode {ordinal} of the bundle {reason}: builder validate says more")]
+    Mode {
+        /// Which of its kind.
+        ordinal: u32,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// One name for many files.
+    #[error("{0:?} is one file, but every frame is one: say where its number goes, as in frames/%05d.obj")]
+    NoNumber(String),
     /// A name that says no format.
     #[error(
         "{0:?} says no format: name a .glb file, or frames such as frames/%05d.obj, frames/%05d.ply or frames/%05d.png"
@@ -28,6 +44,9 @@ pub enum ExportError {
         /// Why.
         cause: PoseError,
     },
+    /// The walk is another bundle's.
+    #[error("the walk does not fit the bundle: {0}")]
+    Walk(#[from] WalkError),
     /// The mesh cannot be interpolated.
     #[error("the mesh cannot be interpolated: {0}")]
     Mesh(#[from] CholeskyError),

@@ -5,14 +5,23 @@
 //! ```
 //!
 //! Frames are written as they are made; only a GLB, which is one file, is held in memory.
+//!
+//! What goes out is what came in: the files' vertices and faces in their order (`mesh`), their materials by name
+//! (`materials`), each frame's own texture (`textures`, `frame_textures`), and, but for GLB, which has metres and +Y up, the
+//! files' place, unit and axes.
 
 mod error;
+mod frame_textures;
 mod glb;
+mod glb_file;
+mod materials;
+mod mesh;
 mod obj;
 mod output;
 mod picture;
 mod play;
 mod ply;
+mod textures;
 mod turntable;
 
 pub use error::ExportError;
@@ -20,10 +29,14 @@ pub use output::Output;
 pub use picture::{Picture, Raster};
 pub use play::{Played, play};
 
+use actor::files::FilePlace;
 use actor::surface::Surface;
 use bundle::BundleReader;
 use glam::Vec3;
 
+use self::mesh::FileMesh;
+use self::textures::FrameTextures;
+use crate::import::Warning;
 use job::Job;
 
 /// How a walk is written.
@@ -35,15 +48,18 @@ pub struct ExportOptions {
     pub size: (u32, u32),
     /// Seconds in which the turntable turns once.
     pub turn_seconds: f32,
+    /// The most bytes that the textures of a GLB's frames may take once decoded, with their smaller levels. Where they take
+    /// more, all frames wear that of the first.
+    pub most_texture_bytes: u64,
 }
 
 impl Default for ExportOptions {
     fn default() -> Self {
-        Self { every: 1, size: (720, 720), turn_seconds: 8.0 }
+        Self { every: 1, size: (720, 720), turn_seconds: 8.0, most_texture_bytes: 512 << 20 }
     }
 }
 
-/// A bundle with all that exports need of it, its images included.
+/// A bundle with all that exports need of it, its images and models of textures included.
 pub struct Actor {
     /// What is drawn.
     pub surface: Surface,
@@ -51,16 +67,35 @@ pub struct Actor {
     pub fps: f32,
     /// Name of the subject.
     pub name: String,
+    mesh: FileMesh,
+    place: FilePlace,
+    textures: Option<FrameTextures>,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// Number of frames.
+    pub frames: u32,
+    /// What is not as in the actor, or may be mistaken.
+    pub warnings: Vec<Warning>,
 }
 
 impl Actor {
     /// Takes from a whole bundle what exports need.
     ///
     /// # Errors
-    /// A bundle that is not whole.
+    /// A bundle that is not whole, or textures that cannot be read.
     pub fn of(reader: &BundleReader) -> Result<Self, ExportError> {
         let (Some(meta), Some(surface)) = (reader.meta(), reader.surface()) else { return Err(ExportError::NotWhole) };
-        Ok(Self { surface: surface.clone(), fps: meta.fps, name: meta.name.clone() })
+        Ok(Self {
+            surface: surface.clone(),
+            fps: meta.fps,
+            name: meta.name.clone(),
+            mesh: FileMesh::of(reader)?,
+            place: reader.file_place(),
+            textures: FrameTextures::of(reader, surface)?,
+        })
     }
 
     /// Positions of the drawn mesh's corners of a pose over welded vertices.
@@ -70,7 +105,7 @@ impl Actor {
     }
 }
 
-/// Writes the frames that `played` makes to `output`; returns how many were written.
+/// Writes the frames that `played` makes to `output`.
 ///
 /// # Errors
 /// A frame that cannot be made, or a file that cannot be written.
@@ -80,13 +115,24 @@ pub fn export(
     output: &Output,
     options: &ExportOptions,
     job: &Job,
-) -> Result<u32, ExportError> {
-    match output {
-        Output::Glb(path) => glb::write(actor, played, path, options, job),
-        Output::Obj(pattern) => obj::write(actor, played, pattern, options, job),
-        Output::Ply(pattern) => ply::write(actor, played, pattern, options, job),
-        Output::Png(pattern) => turntable::write(actor, played, pattern, options, job),
+) -> Result<Written, ExportError> {
+    let (pattern, frames) = match output {
+        Output::Glb(path) => return glb::write(actor, played, path, options, job),
+        Output::Obj(pattern) => (pattern, obj::write(actor, played, pattern, options, job)?),
+        Output::Ply(pattern) => (pattern, ply::write(actor, played, pattern, options, job)?),
+        Output::Png(pattern) => (pattern, turntable::write(actor, played, pattern, options, job)?),
+    };
+    let mut warnings = Vec::new();
+    let next = pattern.file(frames);
+    if next.exists() {
+        let message = format!(
+            "{} is there from before and is none of the {frames} frames that were written: who reads the folder reads it, \
+             too; remove it and those after it",
+            next.display()
+        );
+        warnings.push(Warning::new("W_FRAMES_REMAIN", message));
     }
+    Ok(Written { frames, warnings })
 }
 
 /// The least and the largest coordinates; both 0 where there is no point.

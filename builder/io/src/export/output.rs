@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use actor::surface::{Image, ImageFormat, Surface};
-
 use super::error::ExportError;
 use job::files;
 
@@ -13,9 +11,9 @@ use job::files;
 pub enum Output {
     /// One animated GLB.
     Glb(PathBuf),
-    /// A numbered OBJ a frame, with materials and textures beside them.
+    /// A numbered OBJ a frame, with materials and textures beside them; of each frame, where they change.
     Obj(FramePattern),
-    /// A numbered PLY a frame, with the texture beside them.
+    /// A numbered PLY a frame, with the textures beside them.
     Ply(FramePattern),
     /// A numbered picture a frame, from a camera that turns about the actor.
     Png(FramePattern),
@@ -46,7 +44,10 @@ impl Output {
         if extension == "glb" {
             return Ok(Self::Glb(path.to_owned()));
         }
-        let pattern = FramePattern::parse(path).ok_or_else(wrong)?;
+        if !matches!(extension.as_str(), "obj" | "ply" | "png") {
+            return Err(wrong());
+        }
+        let pattern = FramePattern::parse(path).ok_or_else(|| ExportError::NoNumber(text.into()))?;
         match extension.as_str() {
             "obj" => Ok(Self::Obj(pattern)),
             "ply" => Ok(Self::Ply(pattern)),
@@ -80,6 +81,18 @@ impl FramePattern {
         self.folder.join(format!("{}{frame:0digits$}{}", self.before, self.after, digits = self.digits))
     }
 
+    /// The file of a frame with another ending than its own, which may begin with more of the name: `_texture.png`.
+    pub(super) fn companion(&self, frame: u32, ending: &str) -> String {
+        let rest = self.after.rsplit_once('.').map_or("", |(rest, _)| rest);
+        format!("{}{frame:0digits$}{rest}{ending}", self.before, digits = self.digits)
+    }
+
+    /// The name of a file that belongs to all frames.
+    pub(super) fn beside(&self, name: &str) -> String {
+        let joint = if self.before.ends_with(char::is_alphanumeric) { "_" } else { "" };
+        format!("{}{joint}{name}", self.before)
+    }
+
     /// Makes the folder.
     pub(super) fn make_folder(&self) -> Result<(), ExportError> {
         if self.folder.as_os_str().is_empty() {
@@ -92,23 +105,4 @@ impl FramePattern {
 /// Writes `bytes` to `file`, all of them or none.
 pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> Result<(), ExportError> {
     files::write_whole(file, bytes).map_err(ExportError::write(file))
-}
-
-/// Writes the textures of a surface into `folder`; their names, by image.
-pub(super) fn write_textures(surface: &Surface, folder: &Path) -> Result<Vec<String>, ExportError> {
-    let mut names = Vec::new();
-    for (index, image) in surface.images.iter().enumerate() {
-        let name = format!("texture_{index}.{}", extension(image));
-        write_whole(&folder.join(&name), &image.bytes)?;
-        names.push(name);
-    }
-    Ok(names)
-}
-
-fn extension(image: &Image) -> &'static str {
-    match image.format {
-        ImageFormat::Png => "png",
-        ImageFormat::Jpeg => "jpg",
-        ImageFormat::WebP => "webp",
-    }
 }

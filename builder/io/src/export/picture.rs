@@ -1,7 +1,7 @@
 //! Pictures of the actor, drawn in software: textured triangles with perspective, four samples a pixel, a soft shadow on the
 //! ground. It runs anywhere and gives the same pictures everywhere.
 
-use actor::surface::Surface;
+use actor::surface::{Image, Surface};
 use glam::{FloatExt, Vec2, Vec3};
 use image::{Rgb, RgbImage, RgbaImage};
 
@@ -49,24 +49,35 @@ impl<'a> Raster<'a> {
     /// # Errors
     /// A texture that cannot be decoded.
     pub fn new(surface: &'a Surface) -> Result<Self, ExportError> {
-        let decode = |(image, encoded): (usize, &actor::surface::Image)| {
-            let decoded = image::load_from_memory(&encoded.bytes);
-            decoded.map(|decoded| decoded.to_rgba8()).map_err(|cause| ExportError::Texture { image, cause })
-        };
-        let textures = surface.images.iter().enumerate().map(decode).collect::<Result<_, _>>()?;
+        let images = surface.images.iter().enumerate();
+        let textures = images.map(|(image, encoded)| decode(image, encoded)).collect::<Result<_, _>>()?;
         Ok(Self { surface, textures })
     }
 
     /// Draws the surface with its corners at `positions`, in metres.
     #[must_use]
     pub fn draw(&self, positions: &[Vec3], picture: &Picture) -> RgbImage {
+        self.draw_in(positions, picture, None)
+    }
+
+    /// As [`Self::draw`], the material of this index in this texture instead of its own.
+    pub(super) fn draw_in(
+        &self,
+        positions: &[Vec3],
+        picture: &Picture,
+        changed: Option<(u32, &RgbaImage)>,
+    ) -> RgbImage {
         let (width, height) = (picture.size.0 as usize * OVER, picture.size.1 as usize * OVER);
         let view = View::new(picture, width, height);
         let shade = Shade::under(positions);
         let mut canvas = Canvas::new((width, height), |x, y| view.background(x, y, &shade));
         for part in &self.surface.parts {
             let Some(material) = self.surface.materials.get(part.material as usize) else { continue };
-            let texture = material.image.and_then(|image| self.textures.get(image as usize));
+            let own = || material.image.and_then(|image| self.textures.get(image as usize));
+            let texture = match changed {
+                Some((changed, texture)) if changed == part.material => Some(texture),
+                _ => own(),
+            };
             let tint = Vec3::from_slice(&material.base_colour[..3]).max(Vec3::ZERO).powf(1.0 / 2.2);
             for triangle in self.surface.triangles_of(part) {
                 let points = triangle.map(|corner| positions[corner as usize]);
@@ -85,6 +96,12 @@ impl<'a> Raster<'a> {
         }
         RgbImage::from_fn(picture.size.0, picture.size.1, |x, y| resolve(canvas.pixel(x, y, OVER)))
     }
+}
+
+/// An image of a bundle, decoded.
+pub(super) fn decode(image: usize, encoded: &Image) -> Result<RgbaImage, ExportError> {
+    let decoded = image::load_from_memory(&encoded.bytes);
+    decoded.map(|decoded| decoded.to_rgba8()).map_err(|cause| ExportError::Texture { image, cause })
 }
 
 struct View {

@@ -6,7 +6,7 @@ use actor::walk::Walk;
 use bundle::BundleReader;
 use glam::Vec3;
 use kernels::align::{Placement, centre_of_mass};
-use synthesis::Synthesiser;
+use synthesis::{FrameKind, Synthesiser};
 
 use super::error::ExportError;
 use job::Job;
@@ -28,7 +28,7 @@ pub struct Played<'a> {
 /// Begins to play `walk` from frame `start`, which stands at `placement`.
 ///
 /// # Errors
-/// A bundle that is not whole, or a mesh that cannot be interpolated.
+/// A bundle that is not whole, a mesh that cannot be interpolated, or a walk that does not belong to the graph.
 pub fn play<'a>(
     reader: &'a mut BundleReader,
     graph: &'a EssentialGraph,
@@ -39,10 +39,21 @@ pub fn play<'a>(
     let topology = reader.topology().ok_or(ExportError::NotWhole)?;
     let weights = topology.weights().to_vec();
     let mut synthesiser = Synthesiser::new(topology, reader.order())?;
-    synthesiser.begin_walk(start, placement, walk);
+    synthesiser.begin_walk(graph, timeline, (start, placement), walk)?;
     let pose = vec![Vec3::ZERO; weights.len()];
     let frames = walk.steps(graph) + 1;
     Ok(Played { graph, timeline, reader, weights, synthesiser, pose, centres: Vec::new(), frames })
+}
+
+/// A frame that is written.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    /// Its number among those that are written.
+    pub number: u32,
+    /// Where it comes from.
+    pub kind: FrameKind,
+    /// Positions of the welded vertices, in metres.
+    pub pose: &'a [Vec3],
 }
 
 impl Played<'_> {
@@ -51,29 +62,31 @@ impl Played<'_> {
     /// # Errors
     /// A frame that cannot be read or made.
     pub fn next_pose(&mut self) -> Result<Option<&[Vec3]>, ExportError> {
-        let made = self.synthesiser.next_frame(self.graph, self.timeline, self.reader, &mut self.pose);
-        let made = made.map_err(|cause| ExportError::Frame { step: self.centres.len() as u32, cause })?;
-        if made.is_none() {
-            return Ok(None);
-        }
-        self.centres.push(centre_of_mass(&self.pose, &self.weights));
-        Ok(Some(&self.pose))
+        Ok(self.next()?.map(|(_, pose)| pose))
     }
 
-    /// Calls `write` with every `every`-th frame: its number among those written, and its pose. Reports each as one of
-    /// `what`, and returns how many there were.
+    /// The next frame: where it comes from, and its pose.
+    fn next(&mut self) -> Result<Option<(FrameKind, &[Vec3])>, ExportError> {
+        let made = self.synthesiser.next_frame(self.graph, self.timeline, self.reader, &mut self.pose);
+        let made = made.map_err(|cause| ExportError::Frame { step: self.centres.len() as u32, cause })?;
+        let Some(made) = made else { return Ok(None) };
+        self.centres.push(centre_of_mass(&self.pose, &self.weights));
+        Ok(Some((made.kind, &self.pose)))
+    }
+
+    /// Calls `write` with every `every`-th frame. Reports each as one of `what`, and returns how many there were.
     pub(super) fn each(
         &mut self,
         every: u32,
         (what, job): (&'static str, &Job),
-        mut write: impl FnMut(u32, &[Vec3]) -> Result<(), ExportError>,
+        mut write: impl FnMut(Shown) -> Result<(), ExportError>,
     ) -> Result<u32, ExportError> {
         let total = u64::from(self.written(every));
         let (mut step, mut written) = (0_u32, 0);
-        while let Some(pose) = self.next_pose()? {
+        while let Some((kind, pose)) = self.next()? {
             if step.is_multiple_of(every.max(1)) {
                 job.tell(what, u64::from(written), total)?;
-                write(written, pose)?;
+                write(Shown { number: written, kind, pose })?;
                 written += 1;
             }
             step += 1;

@@ -4,8 +4,11 @@ use std::f32::consts::TAU;
 use std::io::Cursor;
 
 use glam::Vec3;
+use rayon::prelude::*;
+use synthesis::FrameKind;
 
 use super::error::ExportError;
+use super::frame_textures::AT_ONCE;
 use super::output::{FramePattern, write_whole};
 use super::picture::{Picture, Raster};
 use super::play::Played;
@@ -19,6 +22,14 @@ const FILL: f32 = 0.72;
 /// Distance of the image plane over its height: a long lens.
 const FOCAL: f32 = 1.6;
 
+/// A picture that is still to be drawn.
+struct Due {
+    number: u32,
+    kind: FrameKind,
+    positions: Vec<Vec3>,
+    picture: Picture,
+}
+
 /// Writes all pictures.
 pub(super) fn write(
     actor: &Actor,
@@ -31,25 +42,39 @@ pub(super) fn write(
     let raster = Raster::new(&actor.surface)?;
     let seconds = options.every.max(1) as f32 / actor.fps;
     let mut follow: Option<(Vec3, f32)> = None;
-    played.each(options.every, ("pictures", job), |frame, pose| {
-        let positions = actor.corners(pose);
+    let mut due: Vec<Due> = Vec::new();
+    let frames = played.each(options.every, ("pictures", job), |shown| {
+        let positions = actor.corners(shown.pose);
         let (middle, height) = extent(&positions);
         let (at, tall) = follow.map_or((middle, height), |(at, tall)| {
             let share = 1.0 - (-FOLLOW * seconds).exp();
             (at.lerp(middle, share), tall.max(height))
         });
         follow = Some((at, tall));
-        let angle = 0.6 + TAU * frame as f32 * seconds / options.turn_seconds;
+        let angle = 0.6 + TAU * shown.number as f32 * seconds / options.turn_seconds;
         let distance = tall.max(0.01) / FILL * FOCAL;
         let eye = at + distance * Vec3::new(angle.sin(), 0.18, angle.cos());
         let picture = Picture { eye, at, size: options.size, focal: FOCAL };
-        let image = raster.draw(&positions, &picture);
-        let file = pattern.file(frame);
+        due.push(Due { number: shown.number, kind: shown.kind, positions, picture });
+        if due.len() < AT_ONCE { Ok(()) } else { draw(actor, &raster, pattern, std::mem::take(&mut due)) }
+    })?;
+    draw(actor, &raster, pattern, due)?;
+    Ok(frames)
+}
+
+/// Draws and writes pictures, in parallel.
+fn draw(actor: &Actor, raster: &Raster, pattern: &FramePattern, due: Vec<Due>) -> Result<(), ExportError> {
+    let one = |due: &Due| {
+        let texture = actor.textures.as_ref().map(|textures| (textures.material, textures.of_frame(due.kind)));
+        let changed = texture.as_ref().map(|(material, texture)| (*material, texture));
+        let image = raster.draw_in(&due.positions, &due.picture, changed);
+        let file = pattern.file(due.number);
         let mut bytes = Cursor::new(Vec::new());
         let encoded = image.write_to(&mut bytes, image::ImageFormat::Png);
         encoded.map_err(|cause| ExportError::Picture { file: file.clone(), cause })?;
         write_whole(&file, &bytes.into_inner())
-    })
+    };
+    due.par_iter().map(one).collect()
 }
 
 /// Middle of the box that the actor fills, and how tall or wide it is.

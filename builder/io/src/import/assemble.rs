@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use actor::capture::{Capture, Poses};
+use actor::files::FileFaces;
 use actor::surface::{Corner, Part, Surface};
 use actor::timeline::{Sequence, Timeline};
 use glam::Vec3;
@@ -10,6 +11,7 @@ use kernels::align::{Placement, align_heading, centre_of_mass};
 use kernels::topology::{Topology, barycentric_areas};
 
 use super::error::ImportError;
+use super::faces;
 use super::images::read_file;
 use super::loops::{self, Meets};
 use super::mesh::{FileMesh, FileTriangle};
@@ -24,13 +26,14 @@ const WELD_PART: f64 = 1e-5;
 /// The last frame of a cyclic sequence repeats the first where they agree to this part of the body's size.
 const REPEAT_PART: f32 = 1e-3;
 
-/// The capture, and for each sequence whether its last frame was dropped for repeating the first.
+/// The capture, the faces of its files where they are not simply the drawn triangles, and for each sequence whether its last
+/// frame was dropped for repeating the first.
 pub(super) fn assemble(
     plan: &Plan,
     recording: Recording,
     weld_tolerance: Option<f32>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Capture, Vec<bool>), ImportError> {
+) -> Result<(Capture, Option<FileFaces>, Vec<bool>), ImportError> {
     let Recording { mesh, mut positions, frame_counts, .. } = recording;
     let file_vertices = mesh.vertex_count;
     let path = plan.sequences.first().map(|s| s.source.path().to_owned()).unwrap_or_default();
@@ -62,6 +65,7 @@ pub(super) fn assemble(
     }
     let corners: Vec<[u32; 3]> = triangles.iter().map(welded).collect();
     let surface = surface(&mesh, &triangles, &vertex_of_file_vertex);
+    let faces = faces::faces(&mesh, &triangles, &surface, &vertex_of_file_vertex);
 
     keep_vertices(&mut positions, file_vertices, &kept);
     let vertex_count = kept.len();
@@ -79,7 +83,7 @@ pub(super) fn assemble(
         play(plan, &topology, positions, frame_counts, size, warnings);
     let timeline = timeline(plan, &frame_counts, &cyclic)?;
     let capture = Capture { name: plan.name.clone(), topology, surface, timeline, poses, vertex_of_file_vertex };
-    Ok((capture, dropped))
+    Ok((capture, faces, dropped))
 }
 
 /// Diagonal of the box around `pose`.

@@ -108,6 +108,7 @@ pub(super) fn shared_mesh(first: &First, path: &Path) -> Result<FileMesh, Import
         vertex_count: frame.positions.len(),
         faces: frame.faces.clone(),
         uvs: frame.uvs.clone(),
+        normals: frame.normals.clone(),
         colours: frame.colours.clone(),
         material_of_face: frame.material_of_face.clone(),
         materials: looks.iter().map(|look| look.material.clone()).collect(),

@@ -48,6 +48,8 @@ pub(super) struct Frame {
     pub faces: FaceList,
     /// Texture coordinates of the face corners, v downwards; empty where the file has none.
     pub uvs: Vec<[f32; 2]>,
+    /// Normals of the face corners, in the file's axes; empty where not all have one.
+    pub normals: Vec<[f32; 3]>,
     /// sRGB colours of the vertices; empty where the file has none.
     pub colours: Vec<[u8; 4]>,
     /// Index into `material_names` of each face; empty where the file names no material.
@@ -73,6 +75,8 @@ pub(super) struct FileMesh {
     pub faces: FaceList,
     /// Texture coordinates of the face corners, v downwards; empty where there are none.
     pub uvs: Vec<[f32; 2]>,
+    /// Normals of the face corners in the first frame, by which it is known which share one; empty where there are none.
+    pub normals: Vec<[f32; 3]>,
     /// sRGB colours of the file vertices; empty where there are none.
     pub colours: Vec<[u8; 4]>,
     /// Index into `materials` of each face; empty where all have material 0.
@@ -98,6 +102,8 @@ pub(super) struct FileTriangle {
     pub corners: [usize; 3],
     /// Its material.
     pub material: u32,
+    /// The face that it is a piece of.
+    pub face: u32,
 }
 
 impl FileMesh {
@@ -111,7 +117,11 @@ impl FileMesh {
             points.clear();
             points.extend(vertices.iter().map(|&v| pose.get(v as usize).copied().unwrap_or_default()));
             let split = triangulate(&points);
-            triangles.extend(split.iter().map(|t| FileTriangle { corners: t.map(|k| first + k), material }));
+            triangles.extend(split.iter().map(|t| FileTriangle {
+                corners: t.map(|k| first + k),
+                material,
+                face: face as u32,
+            }));
             first += vertices.len();
         }
         triangles.sort_by_key(|t| t.material);

@@ -38,6 +38,7 @@ mod beside;
 mod colour;
 mod draco;
 mod error;
+mod faces;
 mod folder;
 mod formats;
 mod frames;
@@ -75,6 +76,7 @@ mod worn;
 use std::path::PathBuf;
 
 use actor::capture::Capture;
+use actor::files::Files;
 use glam::DVec3;
 
 pub use self::error::ImportError;
@@ -134,6 +136,8 @@ pub struct Imported {
     /// What was taken off all positions so that the capture stands near the origin, in metres, +Y up; whole metres, and
     /// zero unless `W_RECENTRED` is among the warnings. A position plus this is where it was recorded.
     pub offset: DVec3,
+    /// What exports need to know of the files.
+    pub files: Files,
     /// Keeps those of `frame_textures` alive that were written out of glTF files.
     pub scratch: Option<Scratch>,
 }
@@ -159,11 +163,12 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
     job.tell("welding", 0, 1)?;
     let before = recording.frame_counts.clone();
-    let (capture, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
+    let (capture, faces, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     job.tell("welding", 1, 1)?;
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
-    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, scratch })
+    let files = Files { faces, place: plan.place(offset) };
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.

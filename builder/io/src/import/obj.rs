@@ -1,4 +1,4 @@
-//! Wavefront OBJ: `v` (with colours), `vt`, `f`, `usemtl` and `mtllib`; the rest is skipped.
+//! Wavefront OBJ: `v` (with colours), `vt`, `vn`, `f`, `usemtl` and `mtllib`; the rest is skipped.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
 /// Whether a statement that ends in a backslash goes on.
 fn continues(keyword: &str) -> Continues {
     match keyword {
-        "v" | "vt" | "f" | "fo" => Continues::Always,
+        "v" | "vt" | "vn" | "f" | "fo" => Continues::Always,
         "usemtl" | "mtllib" => Continues::WhereApart,
         // What is skipped may be carried on by lines that begin with a number, and are skipped, too.
         _ => Continues::Never,
@@ -37,6 +37,9 @@ struct Reader<'a> {
     uvs: Vec<[f32; 2]>,
     /// Index into `uvs` of each face corner, from 1; 0 for none.
     uv_of_corner: Vec<u32>,
+    normals: Vec<[f32; 3]>,
+    /// Index into `normals` of each face corner, from 1; 0 for none that can be read.
+    normal_of_corner: Vec<u32>,
     /// Colours of the vertices as written; not a number where a vertex has none. Empty where no vertex has.
     colours: Vec<[f32; 4]>,
     material: Option<u32>,
@@ -65,6 +68,8 @@ impl<'a> Reader<'a> {
             frame: Frame::default(),
             uvs: Vec::new(),
             uv_of_corner: Vec::new(),
+            normals: Vec::new(),
+            normal_of_corner: Vec::new(),
             colours: Vec::new(),
             material: None,
             material_by_name: HashMap::new(),
@@ -79,6 +84,10 @@ impl<'a> Reader<'a> {
         match keyword {
             "v" => self.vertex(line, without_comment(rest)),
             "vt" => self.texture_coordinate(line, without_comment(rest)),
+            "vn" => {
+                self.normals.push(normal(without_comment(rest)));
+                Ok(())
+            }
             // "fo" is what old files write.
             "f" | "fo" => self.face(line, without_comment(rest)),
             // A name may hold a "#": whether it is a comment shows when the name is looked for.
@@ -154,6 +163,7 @@ impl<'a> Reader<'a> {
             let uv = self.index(line, word, parts.next(), self.uvs.len(), "texture coordinate")?;
             self.frame.faces.vertices.push(vertex - 1);
             self.uv_of_corner.push(uv.unwrap_or(0));
+            self.normal_of_corner.push(self.normal_index(parts.next()));
             if vertex > self.last_vertex.0 {
                 self.last_vertex = (vertex, line);
             }
@@ -198,6 +208,13 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// An index of a normal from 1; 0 where there is none. Nothing that is drawn depends on normals, so nothing is refused.
+    fn normal_index(&self, part: Option<&str>) -> u32 {
+        let index = part.and_then(|text| text.parse::<i64>().ok()).unwrap_or(0);
+        let absolute = if index < 0 { self.normals.len() as i64 + 1 + index } else { index };
+        u32::try_from(absolute).unwrap_or(0)
+    }
+
     fn use_material(&mut self, name: &str) -> u32 {
         let next = self.frame.material_names.len() as u32;
         let material = *self.material_by_name.entry(name.to_owned()).or_insert(next);
@@ -231,6 +248,10 @@ impl<'a> Reader<'a> {
             self.frame.uvs = self.uv_of_corner.iter().map(uv).collect();
             self.frame.bare_corners = self.bare_corners();
         }
+        let normal = |&index: &u32| self.normals.get((index as usize).wrapping_sub(1)).copied();
+        // Normals of some corners only are those of no program.
+        let normals: Option<Vec<[f32; 3]>> = self.normal_of_corner.iter().map(normal).collect();
+        self.frame.normals = normals.unwrap_or_default();
         self.frame.notes.extend(self.odd.notes());
         Ok(self.frame)
     }
@@ -244,6 +265,12 @@ impl<'a> Reader<'a> {
         }
         bare
     }
+}
+
+/// Three numbers; zero where they are none.
+fn normal(data: &str) -> [f32; 3] {
+    let mut words = data.split_ascii_whitespace().map(|word| word.parse().unwrap_or(0.0));
+    [0, 1, 2].map(|_| words.next().unwrap_or(0.0))
 }
 
 impl Odd {

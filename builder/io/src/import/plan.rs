@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use actor::files::FilePlace;
+use glam::DVec3;
+
 use super::error::ImportError;
 use super::folder::list;
 use super::formats::unread_image;
@@ -24,6 +27,18 @@ pub(super) struct Plan {
     pub weights: Option<PathBuf>,
     pub sequences: Vec<PlannedSequence>,
     pub warnings: Vec<Warning>,
+}
+
+impl Plan {
+    /// Metres per unit of the input, with the decimals that were typed: 0.01 with 32 bits is wrong by 13 cm at 6,000 km.
+    pub fn metres_per_unit(&self) -> f64 {
+        self.unit.to_string().parse().unwrap_or(f64::from(self.unit))
+    }
+
+    /// Where the files are, when `offset` was taken off their positions, in metres.
+    pub fn place(&self, offset: DVec3) -> FilePlace {
+        FilePlace { offset, unit: self.metres_per_unit(), z_up: self.up == UpAxis::Z }
+    }
 }
 
 /// One sequence to read.

@@ -48,7 +48,7 @@ pub(super) fn read(plan: &Plan, job: &Job, warnings: &mut Vec<Warning>) -> Resul
     let Some(first) = plan.sequences.first() else { return Err(ImportError::NoInput) };
     let reference_path = first.source.path().to_owned();
     let (mesh, pose, narrow) = mesh_and_pose(&first.source)?;
-    let mut axes = Axes { up: plan.up, unit: as_written(plan.unit), offset: DVec3::ZERO };
+    let mut axes = Axes { up: plan.up, unit: plan.metres_per_unit(), offset: DVec3::ZERO };
     let place = pose.iter().map(|&p| axes.metres_from_input(p));
     warnings.extend(coarse(place.clone(), &reference_path).filter(|_| narrow));
     if let Some(offset) = offset_of(place) {
@@ -83,11 +83,6 @@ pub(super) fn read(plan: &Plan, job: &Job, warnings: &mut Vec<Warning>) -> Resul
     warnings.extend(notes.into_warnings());
     let frame_counts = counts.iter().map(|&count| count as usize).collect();
     Ok(Recording { mesh, positions, offset: axes.offset, frame_counts, textures, scratch })
-}
-
-/// `unit` with the decimals that were typed: 0.01 with 32 bits is wrong by 13 cm at 6,000 km.
-fn as_written(unit: f32) -> f64 {
-    unit.to_string().parse().unwrap_or(f64::from(unit))
 }
 
 /// The mesh of a source, its first pose as the file has it, and whether that was written with 32 bits.

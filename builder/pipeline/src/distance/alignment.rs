@@ -4,6 +4,7 @@
 //! taken over blocks of vertices in `f32` and from block to block in `f64`.
 
 use glam::{DVec3, Vec3};
+use kernels::align::weighted_sum;
 use kernels::lanes::lane_sum;
 use rayon::prelude::*;
 
@@ -35,22 +36,18 @@ impl VertexBlock {
     }
 }
 
-/// Weighted centres of mass of all frames; `weights` have a sum of 1.
+/// Weighted centres of mass of all frames. Divided by the sum of the weights, since in single precision that is not quite 1.
 pub(super) fn centres(poses: &[&[Vec3]], weights: &[f32]) -> Vec<DVec3> {
     let total: f64 = weights.iter().map(|&weight| f64::from(weight)).sum();
-    poses
-        .par_iter()
-        .map(|pose| pose.iter().zip(weights).map(|(p, &w)| p.as_dvec3() * f64::from(w)).sum::<DVec3>() / total)
-        .collect()
+    poses.par_iter().map(|pose| weighted_sum(pose, weights) / total).collect()
 }
 
 /// Leaves in each pair's `alignment` the cosine and sine of half the angle by which j is turned about +Y to lie on i.
-pub(super) fn align_all(level: Level, poses: &[&[Vec3]], weights: &[f32], tiles: &mut [Tile]) {
-    let centres = centres(poses, weights);
+pub(super) fn align_all(level: Level, poses: &[&[Vec3]], (weights, centres): (&[f32], &[DVec3]), tiles: &mut [Tile]) {
     for start in (0..weights.len()).step_by(BLOCK) {
         let blocks: Vec<_> = poses
             .par_iter()
-            .zip(&centres)
+            .zip(centres)
             .map(|(pose, &centre)| VertexBlock::new(pose, weights, centre, start))
             .collect();
         tiles::for_each(tiles, |tile| level.run(Products { blocks: &blocks, tile }));

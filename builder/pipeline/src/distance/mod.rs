@@ -15,7 +15,7 @@ mod triangles;
 use std::ops::Range;
 
 use actor::capture::Poses;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use job::work::Key;
 use job::{Job, Stopped};
 use kernels::topology::Topology;
@@ -197,6 +197,8 @@ fn band_from(bytes: &[u8], pairs: usize) -> Option<Vec<[f32; 2]>> {
 struct Measure<'a> {
     poses: &'a [&'a [Vec3]],
     vertex_weights: &'a [f32],
+    /// Centre of mass of each frame.
+    centres: Vec<DVec3>,
     terms: Terms,
 }
 
@@ -223,11 +225,16 @@ impl<'a> Measure<'a> {
         };
         let log = options.kind == DistanceKind::Deformation;
         let terms = Terms::Deformations { triangles, weights, stretch_weight: options.stretch_weight, log };
-        Ok(Self { poses, vertex_weights: topology.weights(), terms })
+        Ok(Self::of(topology, poses, terms))
     }
 
     fn residuals(topology: &'a Topology, poses: &'a [&'a [Vec3]]) -> Self {
-        Self { poses, vertex_weights: topology.weights(), terms: Terms::Residuals }
+        Self::of(topology, poses, Terms::Residuals)
+    }
+
+    fn of(topology: &'a Topology, poses: &'a [&'a [Vec3]], terms: Terms) -> Self {
+        let vertex_weights = topology.weights();
+        Self { poses, vertex_weights, centres: alignment::centres(poses, vertex_weights), terms }
     }
 
     /// Terms of a pair's sum.
@@ -246,7 +253,7 @@ impl<'a> Measure<'a> {
         told: &dyn Fn(f64) -> Result<(), Stopped>,
     ) -> Result<Vec<[f32; 2]>, Stopped> {
         let mut tiles = tiles::tiles(self.poses.len(), rows.clone());
-        alignment::align_all(level, self.poses, self.vertex_weights, &mut tiles);
+        alignment::align_all(level, self.poses, (self.vertex_weights, &self.centres), &mut tiles);
         let divisor = match &self.terms {
             Terms::Deformations { log: true, .. } => self.sum_deformation::<true>(level, &mut tiles, told)?,
             Terms::Deformations { log: false, .. } => self.sum_deformation::<false>(level, &mut tiles, told)?,
@@ -304,12 +311,11 @@ impl<'a> Measure<'a> {
         told: &dyn Fn(f64) -> Result<(), Stopped>,
     ) -> Result<(), Stopped> {
         let weights = self.vertex_weights;
-        let centres = alignment::centres(self.poses, weights);
         for start in (0..weights.len()).step_by(alignment::BLOCK) {
             let blocks: Vec<_> = self
                 .poses
                 .par_iter()
-                .zip(&centres)
+                .zip(&self.centres)
                 .map(|(pose, &centre)| alignment::VertexBlock::new(pose, weights, centre, start))
                 .collect();
             tiles::for_each(tiles, |tile| level.run(SumResidual { blocks: &blocks, tile }));

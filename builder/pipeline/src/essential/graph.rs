@@ -6,8 +6,7 @@ use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, GraphError, Transition};
 use actor::ground::Ground;
 use actor::pose_source::PoseError;
-use glam::{Vec2, Vec3Swizzles};
-use kernels::align::centre_of_mass;
+use glam::Vec2;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -65,8 +64,7 @@ pub fn build_graph(
     contacts: Contacts,
 ) -> Result<EssentialGraph, BuildError> {
     let timeline = &capture.timeline;
-    let weights = capture.topology.weights();
-    let centres: Vec<Vec2> = capture.poses.iter().map(|pose| centre_of_mass(pose, weights).xz()).collect();
+    let centres = capture.poses.ground_centres(capture.topology.weights());
     let warps = WarpFinder::new(findings.distances, timeline, findings.options)?;
     let edges: Vec<(u32, u32, TransitionCost)> = (0..kept.frame_count())
         .flat_map(|from| kept.from(from).iter().map(move |&(to, cost)| (from, to, cost)))

@@ -5,12 +5,12 @@
 //! Here it is decided from all transitions, for comparison: they make nearly complete digraphs, so all shortest paths are
 //! found by blocked min-plus products, then each edge that is one of them is compared with all paths over a node in between.
 
-mod components;
 mod costs;
 mod graph;
 pub mod hidden_paths;
 mod motion_graph;
 mod paths;
+mod reach;
 pub mod sparse;
 
 use actor::graph::{ALPHA_RESOLUTION, rounded_alpha};
@@ -18,12 +18,13 @@ use actor::timeline::Timeline;
 use rayon::prelude::*;
 use thiserror::Error;
 
-pub use self::components::{Components, Reach, strongly_connected};
 pub use self::costs::Costs;
 pub use self::graph::{BuildError, Findings, build_graph};
 pub use self::motion_graph::motion_graph;
 pub use self::paths::PathLengths;
+pub use self::reach::{Reach, reach};
 use crate::transitions::TransitionMatrix;
+pub use actor::components::{Components, strongly_connected};
 use kernels::simd::Level;
 
 /// The edges of the essential graph and what they cannot reach.

@@ -15,6 +15,20 @@ pub enum LengthChoice {
     Mean,
 }
 
+impl LengthChoice {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Total, Self::Mean];
+
+    /// A word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Total => "sum",
+            Self::Mean => "mean",
+        }
+    }
+}
+
 /// How transitions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransitionOptions {

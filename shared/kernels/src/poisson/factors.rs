@@ -1,5 +1,7 @@
 //! Factors that are kept to precondition the systems of nearby poses, and when to take a new one.
 
+use std::sync::Arc;
+
 use super::conjugate_gradients::Outcome;
 use crate::cholesky::Factor;
 
@@ -13,12 +15,12 @@ const TRUSTED_FRAMES: u32 = 6;
 const FACTORISATION: usize = 10;
 
 /// A pose's factor, and how well it did for other poses.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct KeptFactor {
     pub frame: u32,
-    pub factor: Factor,
+    pub factor: Arc<Factor>,
     /// Diagonal of the pose's Laplacian.
-    pub diagonal: Vec<f32>,
+    pub diagonal: Arc<[f32]>,
     /// The pose that it was used for last, and what one solve left of the error.
     measured: Option<(u32, f32)>,
     /// Fewest solves that another pose took.
@@ -29,8 +31,8 @@ pub(super) struct KeptFactor {
 
 impl KeptFactor {
     /// A factor that was not used yet.
-    pub fn new(frame: u32, factor: Factor, diagonal: Vec<f32>) -> Self {
-        Self { frame, factor, diagonal, ..Self::default() }
+    pub fn new(frame: u32, factor: Factor, diagonal: &[f32]) -> Self {
+        Self { frame, factor: Arc::new(factor), diagonal: diagonal.into(), ..Self::default() }
     }
 
     /// What one solve will leave of the error of a system of `frame`.

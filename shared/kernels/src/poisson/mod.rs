@@ -12,6 +12,8 @@ mod components;
 mod conjugate_gradients;
 mod factors;
 
+use std::sync::Arc;
+
 use glam::{Vec3, Vec4};
 
 use crate::cholesky::{CholeskyError, EliminationOrder, Symbolic, Workspace};
@@ -66,6 +68,31 @@ pub struct Effort {
     pub error: f32,
 }
 
+/// What an interpolator remembers of the poses before: it decides how the next one is solved, and so its last bits.
+#[derive(Clone)]
+pub struct Memory {
+    laplacians: LruCache<Arc<Laplacian>>,
+    factors: LruCache<KeptFactor>,
+}
+
+/// An interpolation that has begun.
+struct UnderWay {
+    sides: [Side; 2],
+    /// The side that is being solved.
+    side: usize,
+    /// Whether it has begun.
+    has_begun: bool,
+    effort: Effort,
+}
+
+/// One side of an interpolation.
+#[derive(Clone, Copy)]
+struct Side {
+    frame: u32,
+    weight: f32,
+    laplacian: usize,
+}
+
 /// Interpolates between poses of one topology.
 pub struct PoissonInterpolator {
     triangles: TriangleBatches,
@@ -73,8 +100,8 @@ pub struct PoissonInterpolator {
     symbolic: Symbolic,
     workspace: Workspace,
     components: Components,
-    laplacians: LruCache<Laplacian>,
-    factors: LruCache<KeptFactor>,
+    memory: Memory,
+    under_way: Option<UnderWay>,
     gradients: PairGradients,
     system: System,
     /// By vertex: the linear blend, what the solution differs from it, and the guess that the system starts from.
@@ -110,8 +137,8 @@ impl PoissonInterpolator {
             symbolic,
             workspace: Workspace::default(),
             components: Components::new(topology),
-            laplacians: LruCache::new(KEPT_LAPLACIANS),
-            factors: LruCache::new(KEPT_FACTORS),
+            memory: Memory { laplacians: LruCache::new(KEPT_LAPLACIANS), factors: LruCache::new(KEPT_FACTORS) },
+            under_way: None,
             gradients: PairGradients::default(),
             system: System::default(),
             blend: vec![Vec4::ZERO; n],
@@ -132,23 +159,17 @@ impl PoissonInterpolator {
         self.offset.fill(Vec4::ZERO);
     }
 
-    /// Whether a frame's Laplacian is factorised: interpolations of it and its neighbours are then fast. Asking keeps
-    /// its factor a while longer.
+    /// What it remembers now.
     #[must_use]
-    pub fn is_prepared(&mut self, frame: u32) -> bool {
-        self.factors.find(frame).is_some()
+    pub fn memory(&self) -> Memory {
+        self.memory.clone()
     }
 
-    /// Factorises a pose's Laplacian ahead of time, unless that was done.
-    ///
-    /// # Errors
-    /// A pose that is not finite.
-    pub fn prepare(&mut self, pose: KeyedPose<'_>) -> Result<(), CholeskyError> {
-        if !self.is_prepared(pose.frame) {
-            let laplacian = self.laplacian(pose);
-            self.factorise(pose.frame, laplacian, &mut Effort::default())?;
-        }
-        Ok(())
+    /// Goes back to what it remembered then: an interpolation begun since has never been.
+    pub fn recall(&mut self, memory: Memory) {
+        self.memory = memory;
+        self.under_way = None;
+        self.restart();
     }
 
     /// Writes the pose at `lambda` between `source` (0) and `destination` (1) into `out`, all of one element per vertex
@@ -168,44 +189,83 @@ impl PoissonInterpolator {
             self.restart();
             return Ok(Effort::default());
         }
+        self.begin([source, destination], lambda);
+        while !self.advance()? {}
+        Ok(self.finish(out))
+    }
+
+    /// Begins an interpolation that is worked on a piece at a time: as [`Self::interpolate`] does it all at once, for a
+    /// `lambda` between 0 and 1.
+    pub fn begin(&mut self, [source, destination]: [KeyedPose<'_>; 2], lambda: f32) {
         self.gradients.set(&self.triangles, source.pose, destination.pose);
         let laplacians = [self.laplacian(source), self.laplacian(destination)];
         self.blend(source.pose, destination.pose, lambda);
         self.find_missing(laplacians, lambda);
+        let sides = [
+            Side { frame: source.frame, weight: 1.0 - lambda, laplacian: laplacians[0] },
+            Side { frame: destination.frame, weight: lambda, laplacian: laplacians[1] },
+        ];
+        self.under_way = Some(UnderWay { sides, side: 0, has_begun: false, effort: Effort::default() });
+    }
 
-        let mut effort = Effort::default();
-        for (side, frame, weight) in [(0, source.frame, 1.0 - lambda), (1, destination.frame, lambda)] {
-            if let Err(error) = self.solve(side, frame, weight, laplacians[side], &mut effort) {
-                self.restart();
-                return Err(error);
-            }
+    /// Does the next piece of what was begun: at most one factorisation, and the solves with one factor. True once all is
+    /// done, and where nothing was begun.
+    ///
+    /// # Errors
+    /// A pose that is not finite; the interpolation is dropped.
+    pub fn advance(&mut self) -> Result<bool, CholeskyError> {
+        let Some(mut under_way) = self.under_way.take() else { return Ok(true) };
+        if let Some(&side) = under_way.sides.get(under_way.side)
+            && self.solve(side, &mut under_way).inspect_err(|_| self.restart())?
+        {
             for (&vertex, &correction) in self.pattern.order().iter().zip(&self.system.correction) {
-                self.offset[vertex as usize] += correction * weight;
+                self.offset[vertex as usize] += correction * side.weight;
             }
+            (under_way.side, under_way.has_begun) = (under_way.side + 1, false);
         }
+        let is_done = under_way.side == under_way.sides.len();
+        self.under_way = Some(under_way);
+        Ok(is_done)
+    }
+
+    /// What the interpolation under way has taken so far; nothing where none is.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        self.under_way.as_ref().map_or_else(Effort::default, |under_way| under_way.effort)
+    }
+
+    /// Writes the pose that was begun, once [`Self::advance`] has said that all is done, into `out`.
+    pub fn finish(&mut self, out: &mut [Vec3]) -> Effort {
         self.components.centre(&mut self.offset);
         for ((out, &blend), &offset) in out.iter_mut().zip(&self.blend).zip(&self.offset) {
             *out = (blend + offset).truncate();
         }
-        Ok(effort)
+        self.under_way.take().map_or_else(Effort::default, |under_way| under_way.effort)
     }
 
     /// Slot of the Laplacian of a pose, which does not depend on where the pose is placed.
     fn laplacian(&mut self, pose: KeyedPose<'_>) -> usize {
-        self.laplacians.find(pose.frame).unwrap_or_else(|| {
-            let slot = self.laplacians.claim(pose.frame);
-            self.pattern.assemble(&self.triangles, pose.pose, self.laplacians.get_mut(slot));
+        let laplacians = &mut self.memory.laplacians;
+        laplacians.find(pose.frame).unwrap_or_else(|| {
+            let slot = laplacians.claim(pose.frame);
+            let kept = laplacians.get_mut(slot);
+            // One that somebody else remembers is left as it is; one that nobody does is written over.
+            if Arc::get_mut(kept).is_none() {
+                *kept = Arc::default();
+            }
+            self.pattern.assemble(&self.triangles, pose.pose, Arc::make_mut(kept));
             slot
         })
     }
 
     /// Slot of a new factor of a pose.
     fn factorise(&mut self, frame: u32, laplacian: usize, effort: &mut Effort) -> Result<usize, CholeskyError> {
-        let laplacian = self.laplacians.get(laplacian);
+        let laplacian: &Laplacian = self.memory.laplacians.get(laplacian);
         let factor = self.symbolic.factorise_regularised(laplacian, &mut self.workspace)?;
         effort.factorisations += 1;
-        let slot = self.factors.claim(frame);
-        *self.factors.get_mut(slot) = KeptFactor::new(frame, factor, laplacian.diagonal.clone());
+        let kept = KeptFactor::new(frame, factor, &laplacian.diagonal);
+        let slot = self.memory.factors.claim(frame);
+        *self.memory.factors.get_mut(slot) = kept;
         Ok(slot)
     }
 
@@ -226,8 +286,8 @@ impl PoissonInterpolator {
         let [source, destination] = &mut self.missing;
         source.fill(Vec4::ZERO);
         destination.fill(Vec4::ZERO);
-        let source_weights = &self.laplacians.get(laplacians[0]).half_cotangents;
-        let destination_weights = &self.laplacians.get(laplacians[1]).half_cotangents;
+        let source_weights = &self.memory.laplacians.get(laplacians[0]).half_cotangents;
+        let destination_weights = &self.memory.laplacians.get(laplacians[1]).half_cotangents;
         for (index, batch) in self.triangles.batches().iter().enumerate() {
             let wanted = self.gradients.edges(index, lambda);
             let has = batch.edges4(&self.guess);
@@ -237,51 +297,50 @@ impl PoissonInterpolator {
         }
     }
 
-    /// Solves one side; the solution is the guess plus `system.correction`.
-    fn solve(
-        &mut self,
-        side: usize,
-        frame: u32,
-        weight: f32,
-        laplacian: usize,
-        effort: &mut Effort,
-    ) -> Result<(), CholeskyError> {
-        let free_count = self.pattern.free_count();
-        self.system.reset(free_count);
-        for (residual, &vertex) in self.system.residual.iter_mut().zip(self.pattern.order()) {
-            *residual = self.missing[side][vertex as usize];
+    /// Solves one side with one factor: first one that is at hand, then the pose's own. Whether that was enough; the
+    /// solution is the guess plus `system.correction`.
+    fn solve(&mut self, side: Side, under_way: &mut UnderWay) -> Result<bool, CholeskyError> {
+        let Side { frame, weight, laplacian } = side;
+        let effort = &mut under_way.effort;
+        let mut at_hand = None;
+        if !under_way.has_begun {
+            under_way.has_begun = true;
+            self.system.reset(self.pattern.free_count());
+            for (residual, &vertex) in self.system.residual.iter_mut().zip(self.pattern.order()) {
+                *residual = self.missing[under_way.side][vertex as usize];
+            }
+            let factors = &mut self.memory.factors;
+            at_hand = factors.nearest(frame).filter(|&slot| !factors.get(slot).is_worn_out(frame));
         }
-        let mut slot = match self.factors.nearest(frame) {
-            Some(slot) if !self.factors.get(slot).is_worn_out(frame) => slot,
-            _ => self.factorise(frame, laplacian, effort)?,
+        let slot = match at_hand {
+            Some(slot) => slot,
+            None => self.factorise(frame, laplacian, effort)?,
         };
-        loop {
-            let kept = self.factors.get(slot);
-            let own = kept.frame == frame;
-            let outcome = self.system.run(
-                &self.pattern,
-                self.laplacians.get(laplacian),
-                &Preconditioner { symbolic: &self.symbolic, factor: &kept.factor, diagonal: &kept.diagonal },
-                Stop {
-                    expected: kept.expected_contraction(frame),
-                    // An error counts by the weight of its side in the blend.
-                    tolerance: 0.5 * TOLERANCE / weight,
-                    most_solves: if own { MOST_SOLVES } else { PATIENCE },
-                },
-            );
-            effort.solves[side] += outcome.solves;
-            effort.regularised += kept.factor.regularised;
-            effort.error += weight * outcome.error;
-            if !outcome.error.is_finite() {
-                return Err(CholeskyError::NotFinite);
-            }
-            self.factors.get_mut(slot).learn(frame, &outcome);
-            if outcome.done || own {
-                return Ok(());
-            }
-            effort.error -= weight * outcome.error;
-            slot = self.factorise(frame, laplacian, effort)?;
+        let kept = self.memory.factors.get(slot);
+        let own = kept.frame == frame;
+        let outcome = self.system.run(
+            &self.pattern,
+            self.memory.laplacians.get(laplacian),
+            &Preconditioner { symbolic: &self.symbolic, factor: &kept.factor, diagonal: &kept.diagonal },
+            Stop {
+                expected: kept.expected_contraction(frame),
+                // An error counts by the weight of its side in the blend.
+                tolerance: 0.5 * TOLERANCE / weight,
+                most_solves: if own { MOST_SOLVES } else { PATIENCE },
+            },
+        );
+        effort.solves[under_way.side] += outcome.solves;
+        effort.regularised += kept.factor.regularised;
+        effort.error += weight * outcome.error;
+        if !outcome.error.is_finite() {
+            return Err(CholeskyError::NotFinite);
         }
+        self.memory.factors.get_mut(slot).learn(frame, &outcome);
+        if outcome.done || own {
+            return Ok(true);
+        }
+        effort.error -= weight * outcome.error;
+        Ok(false)
     }
 }
 

@@ -9,6 +9,7 @@ impl Request {
     /// See [`RequestError`].
     pub fn check_numbers(&self) -> Result<(), RequestError> {
         check_version(self.version)?;
+        range("the seed", self.seed as f64, 0.0, limits::MAX_SEED as f64)?;
         match &self.target {
             Target::Queue(targets) => {
                 count("targets", targets.len(), limits::MAX_QUEUE)?;

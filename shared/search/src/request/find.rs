@@ -1,7 +1,6 @@
-//! Frames and behaviours of a capture that a request names.
+//! Frames of a capture that a request names.
 
 use super::{FrameRef, RequestError};
-use crate::ways::Ways;
 use actor::timeline::Timeline;
 
 impl FrameRef {
@@ -30,12 +29,4 @@ impl FrameRef {
             }
         }
     }
-}
-
-/// The number of a behaviour by name.
-pub(crate) fn behaviour(ways: &Ways, name: &str) -> Result<usize, RequestError> {
-    ways.behaviour(name).ok_or_else(|| RequestError::UnknownBehaviour {
-        name: name.into(),
-        known: ways.behaviours().map(str::to_owned).collect(),
-    })
 }

@@ -14,6 +14,8 @@ pub const MAX_KEYS: usize = 256;
 pub const MAX_QUEUE: usize = 256;
 /// Weights of behaviours.
 pub const MAX_WEIGHTS: usize = 256;
+/// The largest seed: 2^53 - 1, the largest whole number that every reader of JSON keeps as it is.
+pub const MAX_SEED: u64 = (1 << 53) - 1;
 /// Seconds of anything.
 pub const MAX_SECONDS: f64 = 3600.0;
 /// Metres from the origin, and of a path's length.

@@ -3,16 +3,18 @@
 mod check;
 mod error;
 mod find;
+mod grammar;
 mod json;
 pub mod limits;
+mod value;
 
 pub use error::RequestError;
-pub(super) use find::behaviour;
+pub use value::Json;
 
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::curve::Shape;
 
@@ -20,20 +22,18 @@ use super::curve::Shape;
 pub const VERSION: u32 = 1;
 
 /// What the actor shall do.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Request {
     /// Version of the format: 1.
     pub version: u32,
     /// Seed of what is random.
-    #[serde(default)]
     pub seed: u64,
     /// What to do.
     pub target: Target,
 }
 
 /// Something to do.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// Go to a recorded pose, by the cheapest walk.
@@ -53,7 +53,7 @@ pub enum Target {
 }
 
 /// A recorded frame: by its number over the whole capture, or within a sequence.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum FrameRef {
     /// Number over the whole capture.
@@ -63,73 +63,63 @@ pub enum FrameRef {
 }
 
 /// A frame of a sequence.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WithinSequence {
     /// Name of the sequence.
     pub sequence: String,
     /// Frame within it, from 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
     /// Seconds from its beginning.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
 }
 
 /// Go to a behaviour.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BehaviourRequest {
     /// A label of the capture, or the name of a sequence.
     pub name: String,
     /// Seconds for which to hold it, in a loop where it has one.
-    #[serde(default)]
     pub hold: f64,
 }
 
 /// Go to a place.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PlaceRequest {
     /// Metres along X.
     pub x: f32,
     /// Metres along Z.
     pub z: f32,
     /// Which way to face there, in radians about +Y from +Z; any way where not given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub heading: Option<f32>,
     /// Weight of the graph's cost against seconds.
-    #[serde(default = "default_realism")]
     pub realism: f64,
 }
 
 /// Follow a path.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PathRequest {
     /// Points in metres: all as [x, z] on the ground, or all as [x, y, z] in space.
     pub points: Vec<Vec<f32>>,
     /// How they are joined.
-    #[serde(default)]
     pub shape: Shape,
     /// Stretches that demand behaviours.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stretches: Vec<Stretch>,
     /// Whether the actor may begin with any pose, standing on the first point; else it begins where it is and first goes
     /// there in a straight line.
-    #[serde(default)]
     pub free_start: bool,
     /// Vertices whose mean follows the path, instead of the centre of mass.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub vertices: Vec<u32>,
     /// Weight of the graph's cost against metre-seconds of deviation.
-    #[serde(default = "path_realism")]
     pub realism: f64,
 }
 
 /// A stretch of a path.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stretch {
     /// Where it begins, counted in points of the path: 1.5 is half way between the second and the third.
     pub from: f64,
@@ -140,16 +130,14 @@ pub struct Stretch {
 }
 
 /// Take key poses.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct KeysRequest {
     /// The key poses, in any order.
     pub poses: Vec<Key>,
 }
 
 /// A pose at a time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
     /// The pose.
     pub pose: FrameRef,
@@ -158,13 +146,12 @@ pub struct Key {
 }
 
 /// Wander about.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WanderRequest {
     /// For how long, in seconds.
     pub seconds: f64,
     /// How much more (above 1) or less (below) often than others behaviours are to be seen.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub weights: BTreeMap<String, f64>,
 }
 
@@ -173,14 +160,6 @@ pub const DEFAULT_REALISM: f64 = 0.05;
 /// The default weight of the graph's cost against metre-seconds of deviation from a path: a good transition is worth being 6 cm
 /// off for a second.
 pub const PATH_REALISM: f64 = 0.02;
-
-fn default_realism() -> f64 {
-    DEFAULT_REALISM
-}
-
-fn path_realism() -> f64 {
-    PATH_REALISM
-}
 
 impl Default for PathRequest {
     fn default() -> Self {

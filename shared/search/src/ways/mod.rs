@@ -7,6 +7,8 @@ pub use survey::Survey;
 
 use glam::{Vec2, Vec3};
 
+use super::behaviours::{Behaviour, find_behaviour};
+use super::request::RequestError;
 use super::spot::Spot;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
@@ -86,13 +88,6 @@ pub struct Ways {
     first_sample: Vec<u32>,
 }
 
-/// A behaviour by name and the sequences that show it.
-#[derive(Clone, Debug, PartialEq)]
-struct Behaviour {
-    name: String,
-    shown_by: Vec<bool>,
-}
-
 impl Ways {
     /// The ways of the centre of mass.
     ///
@@ -132,15 +127,18 @@ impl Ways {
         &self.samples[self.first_sample[index] as usize..self.first_sample[index + 1] as usize]
     }
 
-    /// Names of the behaviours: the labels, then the sequences whose name is no label.
-    pub fn behaviours(&self) -> impl Iterator<Item = &str> {
-        self.behaviours.iter().map(|behaviour| behaviour.name.as_str())
+    /// The behaviours ([`behaviours`](crate::behaviours)).
+    #[must_use]
+    pub fn behaviours(&self) -> &[Behaviour] {
+        &self.behaviours
     }
 
-    /// The number of the behaviour with this name: a label, or a sequence's name.
-    #[must_use]
-    pub fn behaviour(&self, name: &str) -> Option<usize> {
-        self.behaviours.iter().position(|behaviour| behaviour.name == name)
+    /// The number of the behaviour with this name.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn behaviour(&self, name: &str) -> Result<usize, RequestError> {
+        find_behaviour(&self.behaviours, name)
     }
 
     /// Whether `frame` shows a behaviour.

@@ -2,8 +2,9 @@
 
 use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
 
-use super::{Behaviour, SAMPLE_STRIDE, Sample, Way, Ways};
-use crate::components::components;
+use super::{SAMPLE_STRIDE, Sample, Way, Ways};
+use crate::behaviours::behaviours;
+use crate::components::main_component;
 use crate::spot::{Spot, half_turn, turn_of};
 use actor::blend::Blend;
 use actor::graph::EssentialGraph;
@@ -37,7 +38,7 @@ impl Survey {
         if !fits || !points.iter().all(|point| point.is_finite()) {
             return Err(PoseError::OutOfRange(frames));
         }
-        let components = components(graph, timeline);
+        let components = main_component(graph, timeline);
         let ways = Ways {
             travelled: travelled(timeline, &points),
             fps: f64::from(timeline.fps()),
@@ -217,22 +218,4 @@ fn sampled(track: &[(Vec3, u32)]) -> Vec<Sample> {
         }
     }
     samples
-}
-
-fn behaviours(timeline: &Timeline) -> Vec<Behaviour> {
-    let sequences = timeline.sequences();
-    let labels = sequences.iter().flat_map(|sequence| &sequence.labels);
-    let names = labels.chain(sequences.iter().map(|sequence| &sequence.name));
-    let mut found: Vec<Behaviour> = Vec::new();
-    for name in names {
-        if found.iter().any(|behaviour| behaviour.name == *name) {
-            continue;
-        }
-        // A label wins over a sequence of the same name.
-        let by_label: Vec<bool> = sequences.iter().map(|sequence| sequence.labels.contains(name)).collect();
-        let by_name = || sequences.iter().map(|sequence| sequence.name == *name).collect();
-        let shown_by = if by_label.contains(&true) { by_label } else { by_name() };
-        found.push(Behaviour { name: name.clone(), shown_by });
-    }
-    found
 }

@@ -25,6 +25,8 @@ pub(super) struct Piece {
     pub triangles: Vec<[u32; 3]>,
     /// Texture coordinates of each triangle's corners, v downwards; empty where there are none.
     pub uvs: Vec<[[f32; 2]; 3]>,
+    /// Normals of the vertices; empty where there are none.
+    pub normals: Vec<[f32; 3]>,
     /// sRGB colours of the vertices; empty where there are none.
     pub colours: Vec<[u8; 4]>,
     /// Index into the file's loaded materials.
@@ -113,7 +115,10 @@ impl<'a> Reader<'a> {
         // The format's colours are in linear light.
         let srgb = |linear| byte(srgb_from_linear(linear));
         let colours = colours.into_iter().map(|[r, g, b, a]| [srgb(r), srgb(g), srgb(b), byte(a)]).collect();
-        Ok(Piece { shape, triangles, uvs, colours, material })
+        // Nothing that is drawn depends on normals, so damaged ones are none.
+        let normals = data.floats::<3>(&Semantic::Normals).ok().flatten().unwrap_or_default();
+        let normals = if normals.len() == shape.len() { normals } else { Vec::new() };
+        Ok(Piece { shape, triangles, uvs, normals, colours, material })
     }
 
     /// Counts what is drawn, and refuses too much of it.

@@ -101,6 +101,7 @@ struct Assembly<'a> {
     instances: Instances,
     mesh: FileMesh,
     has_uvs: bool,
+    has_normals: bool,
     has_colours: bool,
     /// Whether meshes that are shown in turn wear different things.
     pages_differ: bool,
@@ -109,8 +110,9 @@ struct Assembly<'a> {
 impl<'a> Assembly<'a> {
     fn new(document: &'a Document, materials: Materials) -> Self {
         let mesh = FileMesh::default();
-        let (has_uvs, has_colours, pages_differ) = (false, false, false);
-        Self { document, materials, instances: Instances::default(), mesh, has_uvs, has_colours, pages_differ }
+        let instances = Instances::default();
+        let (has_uvs, has_normals, has_colours, pages_differ) = (false, false, false, false);
+        Self { document, materials, instances, mesh, has_uvs, has_normals, has_colours, pages_differ }
     }
 
     /// Adds the primitives of `pages`, which all have the same triangles, once for each of `turns`; the first pages give
@@ -152,12 +154,15 @@ impl<'a> Assembly<'a> {
         let first = self.mesh.vertex_count as u32;
         self.mesh.vertex_count += vertex_count;
         self.has_uvs |= !piece.uvs.is_empty();
+        self.has_normals |= !piece.normals.is_empty();
         self.has_colours |= !piece.colours.is_empty();
         for (k, triangle) in piece.triangles.iter().enumerate() {
             self.mesh.faces.sizes.push(3);
             self.mesh.faces.vertices.extend(triangle.map(|v| first + v));
             self.mesh.material_of_face.push(piece.material);
             self.mesh.uvs.extend(piece.uvs.get(k).copied().unwrap_or_default());
+            let normal = |v: u32| piece.normals.get(v as usize).copied().unwrap_or_default();
+            self.mesh.normals.extend(triangle.map(normal));
         }
         let colours = (0..vertex_count).map(|v| piece.colours.get(v).copied().unwrap_or([255; 4]));
         self.mesh.colours.extend(colours);
@@ -180,6 +185,9 @@ impl<'a> Assembly<'a> {
         }
         if !self.has_uvs {
             mesh.uvs.clear();
+        }
+        if !self.has_normals {
+            mesh.normals.clear();
         }
         if !self.has_colours {
             mesh.colours.clear();

@@ -60,6 +60,7 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
 #[derive(Default)]
 struct Vertices {
     uvs: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
     /// Red, green, blue and opacity, 0 to 1 where the type of their numbers says so; else as written.
     colours: Vec<[f32; 4]>,
     /// Which components of colours are of 16 bits.
@@ -71,6 +72,10 @@ impl Vertices {
         if frame.uvs.is_empty() && !self.uvs.is_empty() {
             let corners = frame.faces.vertices.iter();
             frame.uvs = corners.map(|&v| self.uvs.get(v as usize).copied().unwrap_or_default()).collect();
+        }
+        if !self.normals.is_empty() {
+            let corners = frame.faces.vertices.iter();
+            frame.normals = corners.map(|&v| self.normals.get(v as usize).copied().unwrap_or_default()).collect();
         }
         // 16 bits that hold no more than 8 are a common mistake; read in full they would all be black.
         let wide = (0..4).filter(|&k| self.wide[k]);
@@ -105,6 +110,7 @@ enum Slot {
     /// Which component, and the number that means 1.
     Colour(usize, f32),
     Uv(usize),
+    Normal(usize),
     Nothing,
 }
 
@@ -129,6 +135,9 @@ fn slot(property: &Property) -> Slot {
         "alpha" | "a" | "diffuse_alpha" => colour(3),
         "s" | "u" | "texture_u" | "texture_s" => Slot::Uv(0),
         "t" | "v" | "texture_v" | "texture_t" => Slot::Uv(1),
+        "nx" => Slot::Normal(0),
+        "ny" => Slot::Normal(1),
+        "nz" => Slot::Normal(2),
         _ => Slot::Nothing,
     }
 }
@@ -152,6 +161,7 @@ fn read_vertices(
     frame.narrow |= !body.is_text() && placed.into_iter().any(|(property, _)| property.kind == Kind::F32);
     let coloured = slots.iter().any(|s| matches!(s, Slot::Colour(0..=2, _)));
     let textured = slots.iter().any(|s| matches!(s, Slot::Uv(_)));
+    let shaded = slots.iter().any(|s| matches!(s, Slot::Normal(_)));
     for (property, slot) in element.properties.iter().zip(&slots) {
         if let (Slot::Colour(k, _), Kind::U16 | Kind::I16) = (slot, property.kind) {
             vertices.wide[*k] = true;
@@ -159,6 +169,7 @@ fn read_vertices(
     }
     for vertex in 0..element.count {
         let (mut position, mut colour, mut uv) = ([0.0_f64; 3], [1.0_f32; 4], [0.0_f32; 2]);
+        let mut normal = [0.0_f32; 3];
         for (property, slot) in element.properties.iter().zip(&slots) {
             body.property(property, &mut |_, value| match *slot {
                 Slot::Position(k) => position[k] = value,
@@ -168,6 +179,7 @@ fn read_vertices(
                 }
                 Slot::Colour(k, full) => colour[k] = value as f32 / full,
                 Slot::Uv(k) => uv[k] = value as f32,
+                Slot::Normal(k) => normal[k] = value as f32,
                 Slot::Nothing => {}
             })?;
         }
@@ -177,6 +189,9 @@ fn read_vertices(
                 return Err(body.wrong(format!("the colour of vertex {vertex} is not finite")));
             }
             vertices.colours.push(colour);
+        }
+        if shaded {
+            vertices.normals.push(normal);
         }
         if textured {
             vertices.uvs.push(texture_coordinate(uv, || format!("vertex {vertex}"), path)?);

@@ -1,0 +1,172 @@
+//! Which frames lead to which: the directed graph of recorded steps and transitions, and its strongly connected components.
+
+use crate::timeline::Timeline;
+
+/// The recorded steps, then `transitions` (from, to), without what names frames that do not exist.
+#[must_use]
+pub fn with_recorded(timeline: &Timeline, transitions: impl IntoIterator<Item = (u32, u32)>) -> Vec<(u32, u32)> {
+    let frames = timeline.frame_count();
+    let recorded = (0..frames).filter_map(|frame| Some((frame, timeline.next(frame)?)));
+    recorded.chain(transitions).filter(|&(a, b)| a < frames && b < frames).collect()
+}
+
+/// The nodes that each node of a directed graph leads to.
+#[derive(Clone, Debug)]
+pub struct Adjacency {
+    first: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+impl Adjacency {
+    /// Of `edges` (from, to) between nodes below `count`; counted rather than sorted, since pages do it too.
+    #[must_use]
+    pub fn new(count: u32, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
+        let mut first = vec![0; count as usize + 1];
+        for (from, _) in edges.clone() {
+            first[from as usize + 1] += 1;
+        }
+        for node in 0..count as usize {
+            first[node + 1] += first[node];
+        }
+        let (mut next, mut ends) = (first.clone(), vec![0; first[count as usize] as usize]);
+        for (from, to) in edges {
+            ends[next[from as usize] as usize] = to;
+            next[from as usize] += 1;
+        }
+        Self { first, ends }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        &self.ends[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+    }
+
+    /// Marks in `seen` what can be reached from `start` and was not seen, and gives it: each node after what it leads to.
+    #[must_use]
+    pub fn visit(&self, start: u32, seen: &mut [bool]) -> Vec<u32> {
+        let mut finished = Vec::new();
+        if std::mem::replace(&mut seen[start as usize], true) {
+            return finished;
+        }
+        let mut way = vec![(start, 0)];
+        while let Some((node, next)) = way.last_mut() {
+            match self.of(*node).get(*next) {
+                Some(&end) => {
+                    *next += 1;
+                    if !std::mem::replace(&mut seen[end as usize], true) {
+                        way.push((end, 0));
+                    }
+                }
+                None => {
+                    finished.push(*node);
+                    way.pop();
+                }
+            }
+        }
+        finished
+    }
+}
+
+/// The strongly connected components of a graph over frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Components {
+    /// The component of each frame, numbered by first frame.
+    pub component_of_frame: Vec<u32>,
+    /// The component of the most frames; of several, the one of the first frame.
+    pub largest: u32,
+}
+
+impl Components {
+    /// The frames of the largest component, in order: from each, every other can be reached.
+    pub fn largest_frames(&self) -> impl Iterator<Item = u32> {
+        let frames = self.component_of_frame.iter().enumerate();
+        frames.filter(|&(_, &component)| component == self.largest).map(|(frame, _)| frame as u32)
+    }
+}
+
+/// The components of the graph of recorded steps and of `transitions` (from, to); those that name frames that do not exist
+/// are ignored.
+///
+/// Kosaraju and Sharir's algorithm: linear in frames and edges.
+#[must_use]
+pub fn strongly_connected(timeline: &Timeline, transitions: &[(u32, u32)]) -> Components {
+    let frames = timeline.frame_count();
+    let edges = with_recorded(timeline, transitions.iter().copied());
+    let forwards = Adjacency::new(frames, edges.iter().copied());
+    let backwards = Adjacency::new(frames, edges.iter().map(|&(from, to)| (to, from)));
+
+    let mut seen = vec![false; frames as usize];
+    let finished: Vec<u32> = (0..frames).flat_map(|frame| forwards.visit(frame, &mut seen)).collect();
+    seen.fill(false);
+    let mut component_of_frame = vec![u32::MAX; frames as usize];
+    for &frame in finished.iter().rev() {
+        let members = backwards.visit(frame, &mut seen);
+        let name = members.iter().copied().min().unwrap_or(frame);
+        members.iter().for_each(|&member| component_of_frame[member as usize] = name);
+    }
+    numbered(component_of_frame)
+}
+
+/// Numbers components, so far named by their first frames, and finds the largest.
+fn numbered(mut component_of_frame: Vec<u32>) -> Components {
+    let mut sizes: Vec<u32> = Vec::new();
+    for frame in 0..component_of_frame.len() {
+        let name = component_of_frame[frame] as usize;
+        if name == frame {
+            component_of_frame[frame] = sizes.len() as u32;
+            sizes.push(1);
+        } else {
+            // The first frame came before and has its number already.
+            component_of_frame[frame] = component_of_frame[name];
+            sizes[component_of_frame[frame] as usize] += 1;
+        }
+    }
+    let largest = (0..sizes.len()).rev().max_by_key(|&component| sizes[component]).unwrap_or(0) as u32;
+    Components { component_of_frame, largest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::Sequence;
+
+    #[test]
+    fn frames_are_together_where_they_reach_each_other() {
+        let sequence = |first_frame, frame_count, cyclic| Sequence {
+            name: format!("s{first_frame}"),
+            labels: vec![],
+            first_frame,
+            frame_count,
+            cyclic,
+        };
+        let timeline = Timeline::new(25.0, vec![sequence(0, 6, false), sequence(6, 4, true), sequence(10, 5, false)]);
+        let (timeline, frames) = (timeline.unwrap(), 15_usize);
+        for seed in 0..60_u32 {
+            let edges: Vec<_> = (0..8).map(|k| ((seed * 7 + k * 11) % 16, (seed * 5 + k * 13 + k * k) % 16)).collect();
+            // Warshall's closure is the oracle; frame 15 does not exist.
+            let mut reaches = vec![vec![false; frames]; frames];
+            (0..frames).for_each(|frame| reaches[frame][frame] = true);
+            for (a, b) in with_recorded(&timeline, edges.iter().copied()) {
+                reaches[a as usize][b as usize] = true;
+            }
+            for via in 0..frames {
+                for a in 0..frames {
+                    for b in 0..frames {
+                        reaches[a][b] |= reaches[a][via] && reaches[via][b];
+                    }
+                }
+            }
+            let found = strongly_connected(&timeline, &edges);
+            let of = &found.component_of_frame;
+            for a in 0..frames {
+                for b in 0..frames {
+                    assert_eq!(of[a] == of[b], reaches[a][b] && reaches[b][a], "{a} and {b} by {edges:?}");
+                }
+                assert!(of[a] <= of[..a].iter().max().map_or(0, |&most| most + 1), "numbered by first frame");
+            }
+            let size = |component: u32| of.iter().filter(|&&other| other == component).count();
+            let most = (0..frames).map(|frame| size(of[frame])).max().unwrap();
+            let first = (0..frames).find(|&frame| size(of[frame]) == most).unwrap();
+            assert_eq!(found.largest_frames().next(), Some(first as u32));
+        }
+    }
+}
