@@ -1,8 +1,6 @@
 //! Requests as the browser reads them: its own JSON parser is there anyway, and another one would weigh 30 KB. What a
 //! request may say is decided by the engine.
 
-use std::collections::BTreeMap;
-
 use js_sys::{Array, JSON, JsString, Object};
 use search::{Json, Request};
 use wasm_bindgen::{JsCast, JsValue};
@@ -29,10 +27,10 @@ fn read(value: &JsValue) -> Option<Json> {
     } else if let Some(list) = value.dyn_ref::<Array>() {
         Json::List(list.iter().map(|item| read(&item)).collect::<Option<_>>()?)
     } else if let Some(object) = value.dyn_ref::<Object>() {
-        let mut fields = BTreeMap::new();
+        let mut fields = Vec::new();
         for entry in Object::entries(object).iter() {
             let entry: Array = entry.unchecked_into();
-            fields.insert(whole_text(&entry.get(0).unchecked_into())?, read(&entry.get(1))?);
+            fields.push((whole_text(&entry.get(0).unchecked_into())?, read(&entry.get(1))?));
         }
         Json::Object(fields)
     } else {

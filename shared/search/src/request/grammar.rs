@@ -133,7 +133,7 @@ fn is_no(what: &str, kind: &str) -> RequestError {
 
 /// An object's fields.
 struct Fields<'a> {
-    fields: &'a BTreeMap<String, Json>,
+    fields: &'a [(String, Json)],
     what: &'static str,
 }
 
@@ -146,14 +146,16 @@ impl<'a> Fields<'a> {
     }
 
     fn only(self, known: &[&str]) -> Read<Self> {
-        match self.fields.keys().find(|name| !known.contains(&name.as_str())) {
+        let names = self.fields.iter().map(|(name, _)| name);
+        match names.filter(|name| !known.contains(&name.as_str())).min() {
             Some(name) => Err(wrong(&[self.what, " has a field that nobody knows: ", name])),
             None => Ok(self),
         }
     }
 
     fn maybe(&self, name: &str) -> Option<&'a Json> {
-        self.fields.get(name).filter(|value| **value != Json::Null)
+        let field = self.fields.iter().find(|(field, _)| field == name);
+        field.map(|(_, value)| value).filter(|value| **value != Json::Null)
     }
 
     fn need(&self, name: &str) -> Read<&'a Json> {

@@ -1,7 +1,5 @@
 //! A value of JSON, whoever has read it: this library, or the browser.
 
-use std::collections::BTreeMap;
-
 /// A value of JSON.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Json {
@@ -15,8 +13,9 @@ pub enum Json {
     Text(String),
     /// A list.
     List(Vec<Json>),
-    /// An object: the last of fields with the same name.
-    Object(BTreeMap<String, Json>),
+    /// An object's fields, no two with the same name: parsers keep the last one. A list, since a map's code weighs more than
+    /// the few fields of a request take to look through.
+    Object(Vec<(String, Json)>),
 }
 
 impl From<serde_json::Value> for Json {
