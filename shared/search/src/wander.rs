@@ -99,7 +99,7 @@ impl Wander {
                     }
                     None => {
                         left = left.saturating_sub(MAKING);
-                        let choices = choices(graph, timeline, ways, &sparse.chosen(), &self.weights);
+                        let choices = choices(graph, timeline, ways, &sparse.chosen(), &self.weights, &mut self.random);
                         choices.map_or(Stage::Stuck, |choices| Stage::Optimising(Box::new(choices)))
                     }
                 },
@@ -177,6 +177,7 @@ fn choices(
     ways: &Ways,
     chosen: &[u32],
     weights: &[(usize, f64)],
+    random: &mut u64,
 ) -> Option<Choices> {
     let ends = |&index: &u32| {
         let transition = &graph.transitions()[index as usize];
@@ -189,6 +190,6 @@ fn choices(
         return None;
     }
     let segments = Segments::new(graph, timeline, ways, chosen, &inside, weights)?;
-    let stroll = Stroll::new(&segments, timeline);
+    let stroll = Stroll::new(&segments, timeline, &mut || unit(random));
     Some(Choices { segments, frames, inside, stroll })
 }

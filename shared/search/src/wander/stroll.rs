@@ -16,6 +16,8 @@ use actor::walk::{Leg, Walk, steps_of};
 const STRETCH: f64 = 1.0;
 /// Seconds after which something may be shown again.
 const FORGETS: f64 = 10.0;
+/// Most that an edge has gathered when a walk begins.
+const FIRST_CREDIT: f64 = 1.0;
 /// Most that an edge gathers or owes.
 const MOST_CREDIT: f64 = 3.0;
 
@@ -35,11 +37,12 @@ pub(super) struct Stroll {
 }
 
 impl Stroll {
-    /// A walk that has shown nothing yet.
-    pub(super) fn new(segments: &Segments, timeline: &Timeline) -> Self {
+    /// A walk that has shown nothing yet. What edges have gathered already is drawn from `random`, numbers in [0, 1): else all
+    /// walks would visit the places of a small graph in the same order.
+    pub(super) fn new(segments: &Segments, timeline: &Timeline, random: &mut dyn FnMut() -> f64) -> Self {
         let steps = |seconds: f64| (seconds * f64::from(timeline.fps())).ceil() as u32;
         Self {
-            credits: vec![0.0; segments.transitions.len()],
+            credits: segments.transitions.iter().map(|_| FIRST_CREDIT * random()).collect(),
             shown: vec![None; timeline.frame_count() as usize],
             step: 0,
             stretch: 0,
