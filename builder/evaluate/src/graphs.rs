@@ -327,7 +327,7 @@ fn agreements(rows: &[Row]) -> Vec<Agreement> {
             why: if (11.0..=22.0).contains(&last) { String::new() } else { SPARSE_MOTION_GRAPH.into() },
         },
         Agreement {
-            papers: "The lead grows with alpha, from 1 to 2 % at 0.01".into(),
+            papers: "The lead grows with alpha, from 0.5 to 1.9 % at 0.01".into(),
             found: format!("{} %", savings.join(", ")),
             verdict: Verdict::of(cheaper, growing),
             why: String::new(),

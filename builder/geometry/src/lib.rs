@@ -4,7 +4,9 @@
 
 pub mod atlas;
 pub mod charts;
+pub mod closest;
 pub mod flatten;
+pub mod kd;
 pub mod mesh;
 pub mod polygonise;
 pub mod raster;

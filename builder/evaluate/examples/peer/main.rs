@@ -44,7 +44,7 @@ fn main() -> Result<()> {
         ["decode", bundle] => decode(bundle)?,
         ["pca", rows, count, out] => pca(rows, count.parse()?, out)?,
         ["flow", a, b, out] => flow(a, b, out)?,
-        _ => bail!("see the head of builder/examples/peer/main.rs"),
+        _ => bail!("see the head of builder/evaluate/examples/peer/main.rs"),
     };
     println!("{seconds}");
     Ok(())

@@ -211,7 +211,7 @@ fn agreement(found: &AgainstTruth) -> Option<Agreement> {
     let better = |a: f64, b: f64| a > b;
     Some(Agreement {
         papers:
-            "In transitions interpolated coefficients do not ghost, blended textures do (TVCG figure 22): against the \
+            "In transitions interpolated coefficients do not ghost, blended textures do (TVCG figure 21): against the \
                  truth, as the player shows both."
                 .into(),
         found: format!(

@@ -271,7 +271,7 @@ fn agreements(curves: &Curves) -> Vec<Agreement> {
     }
     if let Some(far) = curves.ghosting.last().filter(|far| far.pairs > 0) {
         found.push(Agreement {
-            papers: "Interpolated coefficients do not ghost, blended textures do (TVCG figure 22).".into(),
+            papers: "Interpolated coefficients do not ghost, blended textures do (TVCG figure 21).".into(),
             found: format!(
                 "{} frames apart: SSIM {:.4} against {:.4}, sharpness {:.3} against {:.3}.",
                 far.distance, far.ours.ssim, far.blend.ssim, far.sharpness[0], far.sharpness[1]
@@ -313,7 +313,7 @@ fn plots(curves: &Curves) -> Vec<Plot> {
             ],
         ),
         plot(
-            "Textures rebuilt (thesis figure 4.9)",
+            "Textures rebuilt (thesis figure 4.10)",
             "components",
             "MSE times 10,000",
             vec![
@@ -322,7 +322,7 @@ fn plots(curves: &Curves) -> Vec<Plot> {
             ],
         ),
         plot(
-            "Pictures of the actor (thesis figure 4.10)",
+            "Pictures of the actor (thesis figure 4.9)",
             "components",
             "SSIM",
             vec![
@@ -337,7 +337,7 @@ fn plots(curves: &Curves) -> Vec<Plot> {
             vec![line("ours", 0, learnt(|row| row.ours.ssim)), line("naive", 1, learnt(|row| row.naive.ssim))],
         ),
         plot(
-            "Interpolation (thesis figure 4.12)",
+            "Interpolation (TVCG figure 22)",
             "components",
             "SSIM to that with 50",
             vec![line(
@@ -347,7 +347,7 @@ fn plots(curves: &Curves) -> Vec<Plot> {
             )],
         ),
         plot(
-            "In the middle of two recorded frames (TVCG figure 22)",
+            "In the middle of two recorded frames (TVCG figure 21)",
             "frames apart",
             "SSIM",
             vec![line("ours", 0, apart(|row| row.ours.ssim)), line("cross-fade", 1, apart(|row| row.blend.ssim))],
