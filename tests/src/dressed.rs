@@ -10,7 +10,7 @@ use bundle::{
     AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, ModeDecoder, encode_with_looks,
 };
 use glam::Vec3;
-use texture::AppearanceModel;
+use texture::TextureModel;
 use texture::basis::Mode;
 use texture::dealign::Aligned;
 
@@ -51,7 +51,7 @@ fn fill(active: &mut [bool], size: usize, uvs: [[f32; 2]; 3]) {
 
 /// The models for a capture of `frame_count` frames.
 #[must_use]
-pub fn model(active: Vec<bool>, size: usize, frame_count: usize) -> AppearanceModel {
+pub fn model(active: Vec<bool>, size: usize, frame_count: usize) -> TextureModel {
     let texels: Vec<[f32; 2]> = (0..size * size)
         .filter(|&at| active[at])
         .map(|at| [(at % size) as f32 / size as f32, (at / size) as f32 / size as f32])
@@ -87,7 +87,7 @@ pub fn model(active: Vec<bool>, size: usize, frame_count: usize) -> AppearanceMo
         let base = if x == y { 0.62 } else { 0.38 };
         [base + 0.1 * texel[0], base, base - 0.1 * texel[1]]
     };
-    AppearanceModel {
+    TextureModel {
         width: size as u32,
         height: size as u32,
         mean_texture: texels.iter().flat_map(check).collect(),
@@ -123,7 +123,7 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
     let active = active_texels(&surface, size);
     let aligned = model(active, size, timeline.frame_count() as usize);
     // To compare with: the same colours, which nothing moves.
-    let naive = AppearanceModel {
+    let naive = TextureModel {
         mean_warp: vec![0.0; aligned.mean_warp.len()],
         warps: Vec::new(),
         warp_coefficients: Vec::new(),

@@ -12,7 +12,7 @@ use search::{main_component, plan_walk};
 use synthesis::Synthesiser;
 use web::player::Player;
 use web::player::loading::Loading;
-use web::player::produce::Frame;
+use web::player::produce::ShownFrame;
 
 /// Seconds of a tick: half a frame of the performer's.
 const TICK: f64 = 0.01;
@@ -20,7 +20,7 @@ const TICK: f64 = 0.01;
 /// What the page showed, and the routes it was given: after so many frames these legs.
 #[derive(Default)]
 struct Shown {
-    frames: Vec<Frame>,
+    frames: Vec<ShownFrame>,
     routes: Vec<(usize, Vec<Leg>)>,
     turned_inside: usize,
 }

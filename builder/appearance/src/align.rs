@@ -11,7 +11,7 @@ use super::gaps::Gaps;
 use super::prepare::prepare;
 use super::reference;
 use super::textures::{Texture, TextureSource};
-use super::warp::{Warper, Warping};
+use super::warp::{TextureWarper, WarpMethod};
 use job::Job;
 use job::work::{Key, WorkFolder};
 use learn::store::Store;
@@ -27,7 +27,7 @@ pub struct AlignOptions {
     /// How flows are found.
     pub flow: FlowOptions,
     /// How textures are moved.
-    pub warping: Warping,
+    pub warping: WarpMethod,
 }
 
 /// All frames' textures, aligned, and the warps from them back to the textures as captured.
@@ -36,7 +36,7 @@ pub struct Aligned {
     /// The atlas.
     pub charts: Charts,
     /// What moves textures over it.
-    pub warper: Warper,
+    pub warper: TextureWarper,
     /// The frame that the others are aligned to.
     pub reference: usize,
     /// Aligned textures, a row a frame: three values per active texel.
@@ -139,7 +139,7 @@ pub fn align(
     };
     let reference = chosen_reference(source, charts, &complete, kept.as_ref())?;
     let grid = FlowGrid::new(charts, options.flow);
-    let warper = Warper::new(charts);
+    let warper = TextureWarper::new(charts);
     let part = |name, number| kept.as_ref().map(|(work, key)| (work, key.part(name, number)));
     let opened = |name, columns, range| {
         let place = part(name, 0);
@@ -196,9 +196,9 @@ impl Moved {
         texture: &Texture,
         charts: &Charts,
         grid: &FlowGrid,
-        warper: &Warper,
+        warper: &TextureWarper,
         template: &Prepared,
-        how: Warping,
+        how: WarpMethod,
     ) -> Self {
         let values = prepare(texture, &charts.labels);
         let seen: Option<Vec<bool>> =
@@ -216,7 +216,7 @@ impl Moved {
         // The flow back starts from the inverse of the flow there, which is all but right.
         let inverse = warper.inverse(&forward);
         let mut brightness: Vec<f32> = texels.iter().map(|&texel| values[texel as usize]).collect();
-        brightness = warper.warp(&brightness, 1, &forward, Warping::Direct);
+        brightness = warper.warp(&brightness, 1, &forward, WarpMethod::Direct);
         let mut whole = vec![0.0; values.len()];
         texels.iter().zip(&brightness).for_each(|(&texel, &value)| whole[texel as usize] = value);
         let there = grid.prepare(&whole, None);
@@ -224,7 +224,7 @@ impl Moved {
         let incomplete = (!unseen.is_empty()).then(|| {
             let mut hidden = vec![0.0; texels.len()];
             unseen.iter().for_each(|&k| hidden[k as usize] = 1.0);
-            let moved = warper.warp(&hidden, 1, &forward, Warping::Direct);
+            let moved = warper.warp(&hidden, 1, &forward, WarpMethod::Direct);
             let unseen_aligned = (0..moved.len() as u32).filter(|&k| moved[k as usize] > 1e-3).collect();
             Incomplete { frame: 0, unseen, unseen_aligned }
         });

@@ -3,7 +3,7 @@
 use bundle::StoredAppearance;
 use job::Job;
 use rayon::prelude::*;
-use texture::AppearanceModel;
+use texture::TextureModel;
 use texture::quality::Similarity;
 
 use super::AppearanceError;
@@ -14,16 +14,16 @@ use super::fit::{self, Fitting, fit};
 use super::rebuilt::{combine, compared, means};
 use super::stored;
 use super::textures::TextureSource;
-use super::warp::{Warper, Warping};
-use learn::pca::{Components, components};
+use super::warp::{TextureWarper, WarpMethod};
+use learn::pca::{PrincipalComponents, components};
 
 /// Both linear models of an aligned capture, with coefficients of all its frames.
 #[derive(Clone, Debug)]
 pub struct Basis {
     /// Of aligned textures.
-    pub textures: Components,
+    pub textures: PrincipalComponents,
     /// Of backward warps.
-    pub warps: Components,
+    pub warps: PrincipalComponents,
     /// The warps as they will be stored, which the textures are fitted to.
     shown: StoredAppearance,
 }
@@ -65,7 +65,14 @@ impl Basis {
 
     /// The texture of a frame, rebuilt from the first modes: three values per active texel.
     #[must_use]
-    pub fn rebuild(&self, warper: &Warper, frame: usize, textures: usize, warps: usize, how: Warping) -> Vec<f32> {
+    pub fn rebuild(
+        &self,
+        warper: &TextureWarper,
+        frame: usize,
+        textures: usize,
+        warps: usize,
+        how: WarpMethod,
+    ) -> Vec<f32> {
         let texture = combine(&self.textures, frame, textures);
         let warp = match warps < self.warps.modes.len() {
             true => combine(&self.warps, frame, warps),
@@ -95,7 +102,7 @@ impl Basis {
         let similarity = Similarity::new(aligned.charts.width as u32, &aligned.charts.active());
         let of = |&frame: &usize| -> Result<_, AppearanceError> {
             let original = colours(&source.read(frame)?, &aligned.charts);
-            let rebuilt = self.rebuild(&aligned.warper, frame, textures, warps, Warping::Poisson);
+            let rebuilt = self.rebuild(&aligned.warper, frame, textures, warps, WarpMethod::Poisson);
             Ok(compared(&similarity, &original, rebuilt))
         };
         let found: Vec<Result<(f64, f64), AppearanceError>> = frames.par_iter().map(of).collect();
@@ -104,8 +111,8 @@ impl Basis {
 
     /// The model as it is stored: everything that rebuilds the frames that it was learnt from.
     #[must_use]
-    pub fn into_model(self, charts: &Charts) -> AppearanceModel {
-        AppearanceModel {
+    pub fn into_model(self, charts: &Charts) -> TextureModel {
+        TextureModel {
             width: charts.width as u32,
             height: charts.height as u32,
             active: charts.active(),

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use super::AppearanceError;
 use super::align::{AlignOptions, Aligned, align};
@@ -56,7 +56,7 @@ pub fn build(
     charts: &Charts,
     options: &AppearanceOptions,
     job: &Job,
-) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+) -> Result<(TextureModel, AppearanceSummary), AppearanceError> {
     let aligned = align(source, charts, &options.align, job)?;
     let key = aligned.kept.as_ref().map(|(work, key)| {
         let wanted = (options.components, options.ssim, options.any_components);
@@ -85,7 +85,7 @@ fn learnt(
     aligned: &Aligned,
     options: &AppearanceOptions,
     job: &Job,
-) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+) -> Result<(TextureModel, AppearanceSummary), AppearanceError> {
     let sample = sampled(&aligned.complete);
     let learner = Learner { source, charts, aligned, sample: &sample, job };
     if let Some(wanted) = options.ssim {

@@ -84,7 +84,7 @@ impl Charts {
         (0..self.labels.len() as u32).filter(|&texel| self.labels[texel as usize] != 0).collect()
     }
 
-    /// The mask of [`texture::AppearanceModel`].
+    /// The mask of [`texture::TextureModel`].
     #[must_use]
     pub fn active(&self) -> Vec<bool> {
         self.labels.iter().map(|&label| label != 0).collect()

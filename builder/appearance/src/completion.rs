@@ -2,7 +2,7 @@
 //! seen.
 
 use super::AppearanceError;
-use learn::pca::Components;
+use learn::pca::PrincipalComponents;
 use learn::store::Store;
 
 /// How much a coefficient is drawn to zero, against all texels seen: keeps a mode that lies in the gap from running away.
@@ -16,7 +16,7 @@ const RIDGE: f64 = 1e-3;
 /// # Errors
 /// A scratch file that cannot be read.
 pub fn complete(
-    components: &mut Components,
+    components: &mut PrincipalComponents,
     store: &Store,
     frame: usize,
     unseen: &[u32],

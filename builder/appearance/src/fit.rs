@@ -24,9 +24,9 @@ use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
 use super::completion;
 use super::rebuilt::combine;
 use super::textures::TextureSource;
-use super::warp::Warping;
+use super::warp::WarpMethod;
 use job::Job;
-use learn::pca::{Components, components};
+use learn::pca::{PrincipalComponents, components};
 use learn::store::Store;
 
 /// Times that what is missing is added. More come closer before storing (SSIM 0.9944 after four, 0.9933 after two, 0.9907 after
@@ -59,7 +59,7 @@ pub fn fit(
     warp: &(impl Fn(usize) -> Vec<f32> + Sync),
     fitting: &Fitting,
     job: &Job,
-) -> Result<Components, AppearanceError> {
+) -> Result<PrincipalComponents, AppearanceError> {
     let Fitting { training, textures: count, warps, steps } = *fitting;
     let mut textures = learn(aligned, &aligned.textures, training, count)?;
     if steps == 0 {
@@ -97,12 +97,12 @@ pub fn fit(
             };
             let mut model = combine(&textures, frame, textures.modes.len());
             let mut missing = colours(&source.read(frame)?, &aligned.charts);
-            let shown = aligned.warper.warp(&model, 3, &warp, Warping::Direct);
+            let shown = aligned.warper.warp(&model, 3, &warp, WarpMethod::Direct);
             missing.iter_mut().zip(&shown).for_each(|(missing, shown)| *missing -= shown);
             for &texel in aligned.unseen(frame) {
                 missing[3 * texel as usize..3 * texel as usize + 3].fill(0.0);
             }
-            let missing = aligned.warper.warp(&missing, 3, &way, Warping::Direct);
+            let missing = aligned.warper.warp(&missing, 3, &way, WarpMethod::Direct);
             model.iter_mut().zip(&missing).for_each(|(model, missing)| *model += STEP * missing);
             Ok(rows.write(frame, &model)?)
         };
@@ -113,7 +113,12 @@ pub fn fit(
     Ok(textures)
 }
 
-fn learn(aligned: &Aligned, rows: &Store, training: &[usize], count: usize) -> Result<Components, AppearanceError> {
+fn learn(
+    aligned: &Aligned,
+    rows: &Store,
+    training: &[usize],
+    count: usize,
+) -> Result<PrincipalComponents, AppearanceError> {
     let mut textures = components(rows, training, count)?;
     for Incomplete { frame, unseen_aligned, .. } in &aligned.incomplete {
         completion::complete(&mut textures, rows, *frame, unseen_aligned, 3)?;

@@ -1,7 +1,7 @@
 //! Appearance from the textures of a capture's frames: Eigen textures and Eigen warps.
 //!
 //! ```text
-//! textures -> charts, gaps -> reference -> flow, warp (align) -> store -> components -> fit, completion -> AppearanceModel
+//! textures -> charts, gaps -> reference -> flow, warp (align) -> store -> components -> fit, completion -> TextureModel
 //! ```
 //!
 //! This work is based on: A. Boukhayma, *Surface Motion Capture Animation*, thesis 2017, chapter 4. Textures are read a

@@ -2,7 +2,7 @@
 
 use bundle::AppearanceQuality;
 use job::Job;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use super::AppearanceError;
 use super::align::Aligned;
@@ -10,7 +10,7 @@ use super::basis::Basis;
 use super::charts::Charts;
 use super::stored::StoredQuality;
 use super::textures::TextureSource;
-use learn::pca::Components;
+use learn::pca::PrincipalComponents;
 
 /// More are never kept, whatever quality is asked for.
 pub const MOST_COMPONENTS: usize = 150;
@@ -59,12 +59,12 @@ pub(super) struct Learner<'a, S: ?Sized> {
 
 impl<S: TextureSource + ?Sized> Learner<'_, S> {
     /// A model of so many Eigen textures and Eigen warps, and what is known of it before it is stored.
-    pub fn learn(&self, split: (usize, usize)) -> Result<(AppearanceModel, AppearanceSummary), AppearanceError> {
+    pub fn learn(&self, split: (usize, usize)) -> Result<(TextureModel, AppearanceSummary), AppearanceError> {
         let Self { source, aligned, .. } = *self;
         let basis = Basis::new(source, aligned, &aligned.complete, split, self.job)?;
         let (textures, warps) = (basis.textures.modes.len(), basis.warps.modes.len());
         let (ssim, mean_square_error) = basis.quality(source, aligned, self.sample, textures, warps)?;
-        let share = |components: &Components| match components.total_variance {
+        let share = |components: &PrincipalComponents| match components.total_variance {
             0.0 => 1.0,
             total => components.variances.iter().sum::<f64>() / total,
         };

@@ -2,7 +2,7 @@
 //! with, in figures and on the page.
 
 use rayon::prelude::*;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use super::AppearanceError;
 use super::align::colours;
@@ -21,7 +21,7 @@ pub fn naive(
     source: &(impl TextureSource + ?Sized),
     charts: &Charts,
     count: usize,
-) -> Result<AppearanceModel, AppearanceError> {
+) -> Result<TextureModel, AppearanceError> {
     let gaps = Gaps::find(source, charts)?;
     let store = captured(source, charts)?;
     let mut found = components(&store, &gaps.complete(), count)?;
@@ -31,7 +31,7 @@ pub fn naive(
         let unseen: Vec<u32> = (0..texels.len() as u32).filter(|&k| hidden[texels[k as usize] as usize]).collect();
         complete(&mut found, &store, frame, &unseen, 3)?;
     }
-    Ok(AppearanceModel {
+    Ok(TextureModel {
         width: charts.width as u32,
         height: charts.height as u32,
         active: charts.active(),

@@ -6,7 +6,7 @@
 //! finest steps, more components are tried.
 
 use bundle::AppearanceQuality;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use super::AppearanceError;
 use super::coarsest::coarsest;
@@ -23,7 +23,7 @@ const TENTHS: [usize; 3] = [5, 4, 3];
 /// Eigen textures and Eigen warps.
 type Split = (usize, usize);
 /// A model, and what it comes to when stored.
-type Attempt = (AppearanceModel, AppearanceSummary);
+type Attempt = (TextureModel, AppearanceSummary);
 
 /// The model of so many components, or of more where they do not do and `any` number will, whose similarity after storing
 /// is at least `wanted` in the fewest bytes of all splits that were tried; the most similar one where none is.

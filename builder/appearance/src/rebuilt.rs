@@ -2,7 +2,7 @@
 
 use texture::quality::Similarity;
 
-use learn::pca::Components;
+use learn::pca::PrincipalComponents;
 
 /// Structural similarity and mean square error of what a screen would show of `rebuilt`.
 pub fn compared(similarity: &Similarity, original: &[f32], mut rebuilt: Vec<f32>) -> (f64, f64) {
@@ -24,7 +24,7 @@ pub fn means<E>(pairs: Vec<Result<(f64, f64), E>>) -> Result<(f64, f64), E> {
 
 /// The mean and the first `count` modes, each times the frame's coefficient.
 #[must_use]
-pub fn combine(components: &Components, frame: usize, count: usize) -> Vec<f32> {
+pub fn combine(components: &PrincipalComponents, frame: usize, count: usize) -> Vec<f32> {
     let all = components.modes.len();
     let mut sum = components.mean.clone();
     for (mode, &factor) in components.modes.iter().zip(&components.coefficients[frame * all..]).take(count.min(all)) {

@@ -11,7 +11,7 @@ use super::charts::Charts;
 use super::flow::{FlowGrid, FlowOptions};
 use super::prepare::prepare;
 use super::textures::{Texture, TextureSource};
-use super::warp::{Warper, Warping};
+use super::warp::{TextureWarper, WarpMethod};
 
 /// Longest side of the textures that are compared.
 const SIZE: usize = 256;
@@ -33,7 +33,7 @@ pub fn choose(
     let step = frames.len().div_ceil(MOST_FRAMES).max(1);
     let frames: Vec<usize> = frames.iter().copied().step_by(step).collect();
     let grid = FlowGrid::new(&small, FlowOptions::default());
-    let warper = Warper::new(&small);
+    let warper = TextureWarper::new(&small);
     let texels = small.texels();
     let read = |&frame: &usize| -> Result<_, AppearanceError> {
         let texture = shrunk(source.read(frame)?, charts, &small);
@@ -51,7 +51,7 @@ pub fn choose(
             .par_iter()
             .map(|(prepared, colours)| {
                 let flow = grid.flow(template, prepared);
-                warper.warp(colours, 3, &warper.compact(&flow), Warping::Direct)
+                warper.warp(colours, 3, &warper.compact(&flow), WarpMethod::Direct)
             })
             .collect();
         let error: f64 = aligned.iter().map(|texture| distance(texture, wanted)).sum();

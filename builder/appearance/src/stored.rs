@@ -4,7 +4,7 @@
 use bundle::{AppearanceInput, AppearanceQuality, StoredAppearance, store_appearance};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use texture::AppearanceModel;
+use texture::TextureModel;
 use texture::quality::{Similarity, psnr};
 
 use super::AppearanceError;
@@ -12,7 +12,7 @@ use super::align::colours;
 use super::charts::Charts;
 use super::rebuilt::compared;
 use super::textures::TextureSource;
-use learn::pca::Components;
+use learn::pca::PrincipalComponents;
 
 /// Multigrid cycles of the player.
 pub const CYCLES: usize = 1;
@@ -34,8 +34,12 @@ const ALL_BUT_FULL: f32 = 0.95;
 ///
 /// # Errors
 /// Warps that do not fit their frames.
-pub fn warps(warps: &Components, charts: &Charts, frame_count: usize) -> Result<StoredAppearance, AppearanceError> {
-    let model = AppearanceModel {
+pub fn warps(
+    warps: &PrincipalComponents,
+    charts: &Charts,
+    frame_count: usize,
+) -> Result<StoredAppearance, AppearanceError> {
+    let model = TextureModel {
         width: charts.width as u32,
         height: charts.height as u32,
         active: charts.active(),
@@ -43,7 +47,7 @@ pub fn warps(warps: &Components, charts: &Charts, frame_count: usize) -> Result<
         mean_warp: warps.mean.clone(),
         warps: warps.modes.clone(),
         warp_coefficients: warps.coefficients.clone(),
-        ..AppearanceModel::default()
+        ..TextureModel::default()
     };
     let quality = AppearanceQuality { warp_step: WARP_STEP, ..AppearanceQuality::default() };
     Ok(store_appearance(&AppearanceInput { model: &model, material: 0, quality }, frame_count as u32, 1)?)
@@ -73,7 +77,7 @@ pub struct StoredQuality {
 pub fn stored_quality(
     source: &(impl TextureSource + ?Sized),
     charts: &Charts,
-    model: &AppearanceModel,
+    model: &TextureModel,
     quality: AppearanceQuality,
     frames: &[usize],
 ) -> Result<StoredQuality, AppearanceError> {
@@ -90,7 +94,7 @@ pub fn stored_quality(
 pub fn choose(
     source: &(impl TextureSource + ?Sized),
     charts: &Charts,
-    model: &AppearanceModel,
+    model: &TextureModel,
     before: f64,
     frames: &[usize],
 ) -> Result<(AppearanceQuality, StoredQuality), AppearanceError> {

@@ -25,7 +25,7 @@ const INVERSE_STEPS: usize = 8;
 
 /// Moves textures over one atlas.
 #[derive(Clone, Debug)]
-pub struct Warper {
+pub struct TextureWarper {
     level: Level,
     places: Places,
     stretches: Stretches,
@@ -34,7 +34,7 @@ pub struct Warper {
 
 /// How a texture is moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Warping {
+pub enum WarpMethod {
     /// Each texel takes the colour where its warp points.
     Direct,
     /// Colours and gradients are moved, and the texture is solved for.
@@ -42,7 +42,7 @@ pub enum Warping {
     Poisson,
 }
 
-impl Warper {
+impl TextureWarper {
     /// Prepares for textures over `charts`.
     #[must_use]
     pub fn new(charts: &Charts) -> Self {
@@ -64,7 +64,7 @@ impl Warper {
     /// `values`, `channels` of them per active texel and at most four, moved: active texel x of the result shows what lies at
     /// `x + warp(x)`. `warp` has two values per active texel.
     #[must_use]
-    pub fn warp(&self, values: &[f32], channels: usize, warp: &[f32], how: Warping) -> Vec<f32> {
+    pub fn warp(&self, values: &[f32], channels: usize, warp: &[f32], how: WarpMethod) -> Vec<f32> {
         match channels {
             1 => self.moved::<1>(values, channels, warp, how),
             2 => self.moved::<2>(values, channels, warp, how),
@@ -73,14 +73,14 @@ impl Warper {
         }
     }
 
-    fn moved<const C: usize>(&self, values: &[f32], channels: usize, warp: &[f32], how: Warping) -> Vec<f32> {
+    fn moved<const C: usize>(&self, values: &[f32], channels: usize, warp: &[f32], how: WarpMethod) -> Vec<f32> {
         let plane = self.places.spread::<C>(&self.level, values, channels);
         let mut result = vec![0.0; values.len()];
         match how {
-            Warping::Direct => self.direct(&plane, warp, |number, _, value| {
+            WarpMethod::Direct => self.direct(&plane, warp, |number, _, value| {
                 result[number * channels..(number + 1) * channels].copy_from_slice(&value[..channels]);
             }),
-            Warping::Poisson => {
+            WarpMethod::Poisson => {
                 let mut colours = vec![[0.0; C]; plane.len()];
                 self.direct(&plane, warp, |_, place, value| colours[place] = value);
                 let divergence = self.divergence(&plane, &colours, warp);
@@ -237,14 +237,14 @@ mod tests {
     #[test]
     fn all_channels_move_as_each_alone() {
         let charts = charts();
-        let warper = Warper::new(&charts);
+        let warper = TextureWarper::new(&charts);
         let n = warper.texel_count();
         // Far enough to leave the chart, its territory and the plane.
         let mut warp: Vec<f32> = (0..2 * n).map(|k| 30.0 * (noise(k + 7) - 0.5).powi(3) * 8.0).collect();
         (warp[4], warp[11]) = (f32::NAN, f32::INFINITY);
         for channels in 1..=4 {
             let values: Vec<f32> = (0..channels * n).map(noise).collect();
-            let moved = warper.warp(&values, channels, &warp, Warping::Direct);
+            let moved = warper.warp(&values, channels, &warp, WarpMethod::Direct);
             for channel in 0..channels {
                 let of = |all: &[f32]| -> Vec<f32> { all.iter().skip(channel).step_by(channels).copied().collect() };
                 assert_eq!(of(&moved), plainly(&charts, &of(&values), &warp), "channel {channel} of {channels}");
@@ -254,10 +254,10 @@ mod tests {
 
     #[test]
     fn no_warp_changes_nothing() {
-        let warper = Warper::new(&charts());
+        let warper = TextureWarper::new(&charts());
         let values: Vec<f32> = (0..3 * warper.texel_count()).map(noise).collect();
         let still = vec![0.0; 2 * warper.texel_count()];
-        for how in [Warping::Direct, Warping::Poisson] {
+        for how in [WarpMethod::Direct, WarpMethod::Poisson] {
             let moved = warper.warp(&values, 3, &still, how);
             assert!(moved.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-6), "{how:?}");
         }
@@ -265,14 +265,14 @@ mod tests {
 
     /// The minimum by a dense solve of its normal equations in `f64`, everything written out.
     fn plain(charts: &Charts, values: &[f32], warp: &[f32]) -> Vec<f64> {
-        let warper = Warper::new(charts);
+        let warper = TextureWarper::new(charts);
         let texels = charts.texels();
         let n = texels.len();
         let index = |x: i64, y: i64| -> Option<usize> {
             let inside = x >= 0 && y >= 0 && x < charts.width as i64 && y < charts.height as i64;
             inside.then(|| texels.binary_search(&((y * charts.width as i64 + x) as u32)).ok()).flatten()
         };
-        let colours = warper.warp(values, 1, warp, Warping::Direct);
+        let colours = warper.warp(values, 1, warp, WarpMethod::Direct);
         let mut laplacian = vec![vec![0.0; n]; n];
         let mut divergence = vec![0.0; n];
         for i in 0..n {
@@ -290,7 +290,7 @@ mod tests {
                 let at = |dx: f32, dy: f32| {
                     let mut way = vec![0.0; 2 * n];
                     (way[2 * i], way[2 * i + 1]) = (mean[0] + dx, mean[1] + dy);
-                    f64::from(warper.warp(values, 1, &way, Warping::Direct)[i])
+                    f64::from(warper.warp(values, 1, &way, WarpMethod::Direct)[i])
                 };
                 let gradient = at(ex as f32, ey as f32) - at(0.0, 0.0);
                 divergence[i] += gradient;
@@ -331,13 +331,13 @@ mod tests {
     #[test]
     fn poisson_warping_is_the_minimum_of_its_energy() {
         let charts = charts();
-        let warper = Warper::new(&charts);
+        let warper = TextureWarper::new(&charts);
         let n = warper.texel_count();
         let values: Vec<f32> = (0..n).map(noise).collect();
         let warp: Vec<f32> = (0..2 * n).map(|k| 1.5 * (noise(k + 999) - 0.5)).collect();
-        let fast = warper.warp(&values, 1, &warp, Warping::Poisson);
+        let fast = warper.warp(&values, 1, &warp, WarpMethod::Poisson);
         let exact = plain(&charts, &values, &warp);
-        let direct = warper.warp(&values, 1, &warp, Warping::Direct);
+        let direct = warper.warp(&values, 1, &warp, WarpMethod::Direct);
         let off = |values: &[f32]| {
             values.iter().zip(&exact).map(|(a, b)| (f64::from(*a) - b).powi(2)).sum::<f64>().sqrt() / (n as f64).sqrt()
         };
@@ -348,13 +348,13 @@ mod tests {
     #[test]
     fn an_inverse_undoes_a_warp() {
         let size = 48;
-        let warper = Warper::new(&Charts::whole(size, size));
+        let warper = TextureWarper::new(&Charts::whole(size, size));
         let place = |k: usize| ((k % size) as f32, (k / size) as f32);
         let warp: Vec<f32> = (0..size * size)
             .flat_map(|k| [1.5 * (0.15 * place(k).0).sin(), 1.5 * (0.13 * place(k).1 + 1.0).cos()])
             .collect();
         let inverse = warper.inverse(&warp);
-        let there = warper.warp(&warp, 2, &inverse, Warping::Direct);
+        let there = warper.warp(&warp, 2, &inverse, WarpMethod::Direct);
         for k in (0..size * size).filter(|k| (4..size - 4).contains(&(k % size)) && (4..size - 4).contains(&(k / size)))
         {
             assert!((there[2 * k] + inverse[2 * k]).abs() < 1e-3);

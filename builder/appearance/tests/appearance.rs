@@ -20,7 +20,7 @@ use common::{FRAMES, aligned, capture, charts, texture};
 use job::Job;
 use learn::pca::components;
 use learn::store::Store;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 #[test]
 fn fitted_textures_show_the_recorded_ones_better() {
@@ -112,7 +112,7 @@ fn threads_do_not_change_a_bit() {
 }
 
 /// The appearance that reaches a similarity, with as many components as given or any number.
-fn reaching(ssim: f64, components: Option<usize>) -> (AppearanceModel, AppearanceSummary) {
+fn reaching(ssim: f64, components: Option<usize>) -> (TextureModel, AppearanceSummary) {
     let options = AppearanceOptions {
         ssim: Some(ssim),
         components: components.unwrap_or(12),

@@ -12,9 +12,9 @@ use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround};
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
 use actor::walk::Walk;
-use actor::warp::{Move, Warp};
 use bundle::{BundleInput, BundleReader, encode};
 use capture_io::import::{ImportOptions, Imported, import};
 use glam::Vec3;
@@ -88,7 +88,7 @@ fn write_bundle(path: &Path) -> Capture {
     let mut capture = capture();
     let mut transitions = Vec::new();
     for (from, to) in [(15, 8), (18, 48), (20, 50), (45, 12), (50, 42), (52, 18)] {
-        let warp = Warp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination, Move::Both]);
+        let warp = TemporalWarp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination, Move::Both]);
         let mut memory = PoseMemory::default();
         let weights = capture.topology.weights().to_vec();
         let mut ground = PosesOnGround::new(&mut capture.poses, &weights, &mut memory);

@@ -11,14 +11,14 @@ use bundle::BundleReader;
 use kernels::align::Placement;
 use performer::{PerformerOptions, write_performer};
 use search::{
-    Answer, DEFAULT_EFFORT, DEFAULT_REALISM, Direction, Goal, PlaceReport, PlaceRequest, Progress, Request, Scene,
-    Spot, Start, Target, Ways,
+    Answer, DEFAULT_EFFORT, DEFAULT_REALISM, Direction, Goal, GroundPose, PlaceReport, PlaceRequest, Progress, Request,
+    Scene, SearchGraph, Start, Target,
 };
 
 /// A capture packed and read back.
 struct Actor {
     reader: BundleReader,
-    ways: Ways,
+    search_graph: SearchGraph,
 }
 
 impl Actor {
@@ -31,15 +31,15 @@ impl Actor {
         let (timeline, graph) = (reader.timeline().unwrap().clone(), reader.graph().unwrap().clone());
         let weights = reader.topology().unwrap().weights().to_vec();
         let motion = Motion::measure(&timeline, &weights, &mut reader).unwrap();
-        let ways = Ways::new(&graph, &timeline, &motion).unwrap();
-        Self { reader, ways }
+        let search_graph = SearchGraph::new(&graph, &timeline, &motion).unwrap();
+        Self { reader, search_graph }
     }
 
     /// Goes from `frame` to the place so many metres away in a direction, facing a way.
     fn go(&self, frame: u32, (metres, direction): (f32, f32), heading: f32) -> (PlaceReport, Answer) {
         let (graph, timeline) = (self.reader.graph().unwrap(), self.reader.timeline().unwrap());
-        let scene = Scene { graph, timeline, ways: &self.ways };
-        let here = self.ways.point_at(frame, Spot::IDENTITY);
+        let scene = Scene { graph, timeline, search_graph: &self.search_graph };
+        let here = self.search_graph.point_at(frame, GroundPose::IDENTITY);
         let place = PlaceRequest {
             x: here.x + metres * direction.sin(),
             z: here.z + metres * direction.cos(),

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec3Swizzles};
 
-use super::stage::Recordings;
+use super::performance::Recordings;
 use super::statistics::percentile;
 use super::truth::Truth;
 

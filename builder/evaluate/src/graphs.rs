@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use super::plot::{Kind, Plot, Series};
+use super::plot::{Plot, Series, SeriesStyle};
 use super::statistics::{Moments, fit_line, percentile};
 use super::subject::Subject;
 use job::Job;
@@ -351,7 +351,7 @@ fn agreements(rows: &[Row]) -> Vec<Agreement> {
 
 fn plots(rows: &[Row]) -> Vec<Plot> {
     let series = |name: &str, colour, value: &dyn Fn(&Row) -> f64| {
-        Series::new(name, Kind::DottedLine, colour, rows.iter().map(|row| (row.alpha, value(row))).collect())
+        Series::new(name, SeriesStyle::DottedLine, colour, rows.iter().map(|row| (row.alpha, value(row))).collect())
     };
     let by_alpha = |caption: &str, y: &str, series: Vec<Series>| Plot {
         caption: caption.into(),
@@ -379,7 +379,7 @@ fn plots(rows: &[Row]) -> Vec<Plot> {
     for row in rows.iter().filter(|row| [0.05, 0.2].contains(&row.alpha)) {
         let line = |name: &str, colour, value: fn(&(f64, f64)) -> f64| {
             let points = row.plotted.iter().enumerate().map(|(pair, costs)| (pair as f64, value(costs))).collect();
-            Series::new(name, Kind::Line, colour, points)
+            Series::new(name, SeriesStyle::Line, colour, points)
         };
         plots.push(Plot {
             caption: format!("Costs of some pairs at alpha {} (thesis figures 3.8b, 3.8c).", row.alpha),

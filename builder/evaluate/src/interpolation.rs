@@ -11,10 +11,10 @@ use rayon::prelude::*;
 use super::EvaluateError;
 use super::arap::Arap;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use super::plot::{Kind, Plot, Series};
-use super::stage::{Recordings, Stage};
+use super::performance::{Performance, Recordings};
+use super::plot::{Plot, Series, SeriesStyle};
 use super::statistics::Moments;
-use super::subject::{Subject, told};
+use super::subject::{Subject, progress_of};
 use job::Job;
 use kernels::random::mix;
 
@@ -44,19 +44,19 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     let draw = |index: u64| ((mix(seed, 2 * index) % n) as u32, (mix(seed, 2 * index + 1) % n) as u32);
     let pairs: Vec<(u32, u32)> = (0..PAIRS as u64).map(draw).filter(|(i, j)| i != j).collect();
     let arap = Arap::new(topology, &order)?;
-    let (told, done) = (told(job, "in-betweens"), std::sync::atomic::AtomicUsize::new(0));
+    let (progress, done) = (progress_of(job, "in-betweens"), std::sync::atomic::AtomicUsize::new(0));
     let edges = edges(topology);
     let found: Vec<(f64, [Error; 3], usize)> = pairs
         .par_iter()
         .map(|&(i, j)| {
             let (source, destination) = aligned(subject, &recordings, i, j);
-            let mut stage = Stage::new(recordings, &order)?;
+            let mut stage = Performance::new(recordings, &order)?;
             let linear: Vec<Vec3> = source.iter().zip(&destination).map(|(a, b)| a.lerp(*b, LAMBDA)).collect();
             let poisson = stage.between((i, &source), (j, &destination), LAMBDA)?;
             let rigid = arap.in_between(&source, &destination, LAMBDA)?;
             let measure = |pose: &[Vec3]| error(topology, &edges, &source, &destination, pose);
             let errors = [measure(&linear), measure(&poisson), measure(&rigid.pose)];
-            told((1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) as f64 / PAIRS as f64)?;
+            progress((1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) as f64 / PAIRS as f64)?;
             let distance = f64::from(subject.measured.distances.get(i as usize, j as usize));
             Ok((distance, errors, rigid.iterations))
         })
@@ -174,7 +174,7 @@ fn write(found: &[(f64, [Error; 3], usize)]) -> SectionReport {
             .enumerate()
             .map(|(method, (name, colour))| {
                 let points = found.iter().map(|(distance, errors, _)| (*distance, 100.0 * value(&errors[method])));
-                Series::new(name, Kind::Dots, colour, points.collect())
+                Series::new(name, SeriesStyle::Dots, colour, points.collect())
             })
             .collect(),
         from_zero: true,

@@ -29,7 +29,7 @@ pub struct Series {
     /// Its name in the legend; none where empty.
     pub name: String,
     /// How it is drawn.
-    pub kind: Kind,
+    pub kind: SeriesStyle,
     /// Its colour, counted from 0.
     pub colour: usize,
     /// Its points (x, y).
@@ -38,7 +38,7 @@ pub struct Series {
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SeriesStyle {
     /// A line.
     Line,
     /// A broken line.
@@ -54,7 +54,7 @@ pub enum Kind {
 impl Series {
     /// A series.
     #[must_use]
-    pub fn new(name: &str, kind: Kind, colour: usize, points: Vec<(f64, f64)>) -> Self {
+    pub fn new(name: &str, kind: SeriesStyle, colour: usize, points: Vec<(f64, f64)>) -> Self {
         Self { name: name.to_owned(), kind, colour, points }
     }
 }
@@ -148,7 +148,7 @@ impl Plot {
             let mut line = String::new();
             for (column, series) in pair.iter().enumerate() {
                 let (x, y) = (LEFT + 225.0 * column as f64, 12.0 + 18.0 * row as f64);
-                let class = if series.kind == Kind::Dashes { "line dashes" } else { "line" };
+                let class = if series.kind == SeriesStyle::Dashes { "line dashes" } else { "line" };
                 let _ = write!(
                     line,
                     "<path class=\"{class} c{}\" d=\"M{x:.0} {:.0}h20\"/><text x=\"{:.0}\" y=\"{y:.0}\">{}</text>",
@@ -167,7 +167,7 @@ impl Plot {
         let points = || self.series.iter().flat_map(|series| series.points.iter().copied());
         let (mut x_low, mut x_high) = range(points().map(|p| p.0).chain(self.marks.iter().map(|mark| mark.0)));
         let (mut y_low, mut y_high) = range(points().map(|p| p.1));
-        let bars = self.series.iter().any(|series| series.kind == Kind::Bars);
+        let bars = self.series.iter().any(|series| series.kind == SeriesStyle::Bars);
         if self.from_zero || bars {
             (y_low, y_high) = (y_low.min(0.0), y_high.max(0.0));
         }
@@ -242,7 +242,7 @@ fn draw(svg: &mut String, series: &Series, x: Axis, y: Axis) {
         .filter(|point| point.0.is_finite() && point.1.is_finite())
         .map(|point| (x.place(point.0), y.place(point.1)))
         .collect();
-    if series.kind == Kind::Bars {
+    if series.kind == SeriesStyle::Bars {
         let steps = points.windows(2).map(|pair| (pair[1].0 - pair[0].0).abs());
         let step = steps.fold(f64::INFINITY, f64::min);
         let width = if step.is_finite() { (step * 0.9).max(1.0) } else { 12.0 };
@@ -256,12 +256,12 @@ fn draw(svg: &mut String, series: &Series, x: Axis, y: Axis) {
         svg.push('\n');
         return;
     }
-    if matches!(series.kind, Kind::Line | Kind::Dashes | Kind::DottedLine) {
+    if matches!(series.kind, SeriesStyle::Line | SeriesStyle::Dashes | SeriesStyle::DottedLine) {
         let path: Vec<String> = points.iter().map(|(px, py)| format!("{px:.1} {py:.1}")).collect();
-        let class = if series.kind == Kind::Dashes { "line dashes" } else { "line" };
+        let class = if series.kind == SeriesStyle::Dashes { "line dashes" } else { "line" };
         let _ = writeln!(svg, "<path class=\"{class} c{colour}\" d=\"M{}\"/>", path.join("L"));
     }
-    if matches!(series.kind, Kind::Dots | Kind::DottedLine) {
+    if matches!(series.kind, SeriesStyle::Dots | SeriesStyle::DottedLine) {
         let radius = if points.len() > 200 { 1.3 } else { 3.0 };
         for (px, py) in &points {
             let _ = write!(svg, "<circle class=\"dot f{colour}\" cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{radius}\"/>");
@@ -312,7 +312,9 @@ mod tests {
     #[test]
     fn places_are_within_the_drawing() {
         let points = vec![(0.0, -1.0), (1.0, f64::NAN), (2.0, 5.0)];
-        for kind in [Kind::Line, Kind::Dots, Kind::Bars, Kind::DottedLine, Kind::Dashes] {
+        for kind in
+            [SeriesStyle::Line, SeriesStyle::Dots, SeriesStyle::Bars, SeriesStyle::DottedLine, SeriesStyle::Dashes]
+        {
             let plot = Plot { series: vec![Series::new("a < b", kind, 0, points.clone())], ..Plot::default() };
             let svg = plot.svg();
             assert!(svg.contains("a &lt; b") && !svg.contains("NaN"));

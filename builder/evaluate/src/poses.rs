@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use super::plot::{Kind, Plot, Series, histogram};
+use super::plot::{Plot, Series, SeriesStyle, histogram};
 use super::statistics::{
     Classes, Correlogram, Mantel, distance_correlation, mantel, mantel_correlogram, pearson, upper_triangle,
 };
@@ -246,7 +246,7 @@ fn plots(
             caption: "Mantel test: correlations with the frames permuted, and as they are (thesis figure 2.5).".into(),
             x: "Pearson\u{2019}s correlation with the truth".into(),
             y: "share of permutations".into(),
-            series: vec![Series::new("", Kind::Bars, 5, histogram(&permuted, 30))],
+            series: vec![Series::new("", SeriesStyle::Bars, 5, histogram(&permuted, 30))],
             marks: vec![
                 (test.correlation[0], format!("ours {:.3}", test.correlation[0]), 0),
                 (test.correlation[3], format!("Euclidean {:.3}", test.correlation[3]), 1),
@@ -258,10 +258,10 @@ fn plots(
             x: "truth\u{2019}s distance, radians".into(),
             y: "correlation".into(),
             series: vec![
-                line("ours", Kind::DottedLine, 0, &mut ours.membership.iter().copied()),
-                line("Euclidean", Kind::DottedLine, 1, &mut euclidean.membership.iter().copied()),
-                line("", Kind::Dashes, 0, &mut ours.null.iter().map(|null| null[0])),
-                line("", Kind::Dashes, 0, &mut ours.null.iter().map(|null| null[1])),
+                line("ours", SeriesStyle::DottedLine, 0, &mut ours.membership.iter().copied()),
+                line("Euclidean", SeriesStyle::DottedLine, 1, &mut euclidean.membership.iter().copied()),
+                line("", SeriesStyle::Dashes, 0, &mut ours.null.iter().map(|null| null[0])),
+                line("", SeriesStyle::Dashes, 0, &mut ours.null.iter().map(|null| null[1])),
             ],
             ..Plot::default()
         },
@@ -275,7 +275,7 @@ fn plots(
             caption: format!("Every {step}th pair of frames: truth against {name}."),
             x: "truth\u{2019}s distance, radians".into(),
             y: format!("{name}, {unit}"),
-            series: vec![Series::new("", Kind::Dots, colour, points)],
+            series: vec![Series::new("", SeriesStyle::Dots, colour, points)],
             from_zero: true,
             ..Plot::default()
         });

@@ -10,8 +10,8 @@ use kernels::topology::Topology;
 
 use super::EvaluateError;
 use super::document::{Cell, SectionReport, Table};
-use super::plot::{Kind, Plot, Series};
-use super::stage::{Recordings, Stage};
+use super::performance::{Performance, Recordings};
+use super::plot::{Plot, Series, SeriesStyle};
 use super::statistics::fit_exponent;
 use super::subject::Subject;
 use job::Job;
@@ -150,7 +150,7 @@ fn distances_of_part(subject: &Subject, share: f64, times: &mut Vec<Time>) -> Re
 fn in_betweens(subject: &Subject) -> Result<f64, EvaluateError> {
     let order = elimination_order(&subject.capture.topology);
     let recordings = Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
-    let mut stage = Stage::new(recordings, &order)?;
+    let mut stage = Performance::new(recordings, &order)?;
     let (n, seed) = (subject.frame_count() as u64, subject.options.seed);
     let frame = |index: u64| (mix(seed, index) % n) as u32;
     let (made, time) = timed("in-betweens", 0, 0, || {
@@ -243,7 +243,7 @@ fn plot(times: &[Time]) -> Plot {
     let series = STAGES.into_iter().enumerate().map(|(colour, stage)| {
         let points = times.iter().filter(|time| time.stage == stage);
         let place = |time: &Time| ((time.frames as f64).log10(), time.cpu.unwrap_or(time.wall).max(1e-3).log10());
-        Series::new(stage, Kind::DottedLine, colour, points.map(place).collect())
+        Series::new(stage, SeriesStyle::DottedLine, colour, points.map(place).collect())
     });
     Plot {
         caption: "Processor time by number of frames, both in powers of ten.".into(),

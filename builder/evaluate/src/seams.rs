@@ -11,7 +11,7 @@ use job::Stopped;
 use rayon::prelude::*;
 
 use super::EvaluateError;
-use super::stage::{Recordings, Stage};
+use super::performance::{Performance, Recordings};
 use super::statistics::percentile;
 
 /// The changes at one frame.
@@ -126,25 +126,30 @@ pub fn measure(
     transitions: &[Transition],
     chosen: &[usize],
     ease: Ease,
-    told: &(dyn Fn(f64) -> Result<(), Stopped> + Sync),
+    progress: &(dyn Fn(f64) -> Result<(), Stopped> + Sync),
 ) -> Result<Vec<Seams>, EvaluateError> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     // Chunks in order, each with a stage of its own, whose factors of neighbouring frames are of use to each other.
     let chunks: Vec<Vec<Seams>> = chosen
         .par_chunks(16)
         .map(|chunk| {
-            let mut stage = Stage::new(recordings, order)?;
+            let mut stage = Performance::new(recordings, order)?;
             let seams = chunk.iter().map(|&index| seams_of(&mut stage, index, &transitions[index], ease));
             let seams = seams.collect::<Result<Vec<_>, EvaluateError>>();
             let before = done.fetch_add(chunk.len(), std::sync::atomic::Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / chosen.len() as f64)?;
+            progress((before + chunk.len()) as f64 / chosen.len() as f64)?;
             seams
         })
         .collect::<Result<_, EvaluateError>>()?;
     Ok(chunks.into_iter().flatten().collect())
 }
 
-fn seams_of(stage: &mut Stage, index: usize, transition: &Transition, ease: Ease) -> Result<Seams, EvaluateError> {
+fn seams_of(
+    stage: &mut Performance,
+    index: usize,
+    transition: &Transition,
+    ease: Ease,
+) -> Result<Seams, EvaluateError> {
     let recordings = stage.recordings;
     let blends = recordings.blends(transition)?;
     let mut seams = Seams { transition: index, start: None, end: None };

@@ -17,14 +17,14 @@ use thiserror::Error;
 use super::EvaluateError;
 use super::clay::{self, Camera};
 use super::document::{Cell, Document, Picture, SectionReport, Table};
-use super::plot::{Kind, Plot, Series, histogram};
+use super::performance::{Performance, Recordings};
+use super::plot::{Plot, Series, SeriesStyle, histogram};
 use super::seams::{self, Change, Ease, Own, SeamSummary, Seams};
-use super::stage::{Recordings, Stage};
 use super::statistics::{Moments, percentile};
-use super::subject::told;
+use super::subject::progress_of;
 use job::Job;
 use kernels::random::mix;
-use pipeline::essential::{Components, strongly_connected};
+use pipeline::essential::{StrongComponents, strongly_connected};
 
 /// Transitions whose seams are measured.
 const SEAM_TRANSITIONS: usize = 600;
@@ -223,7 +223,7 @@ fn quality(actor: &Actor, walks: &[Vec<Option<Walk>>]) -> SectionReport {
         caption: "Mean deformation of each transition.".into(),
         x: "radians a frame".into(),
         y: "share of transitions".into(),
-        series: vec![Series::new("", Kind::Bars, 0, histogram(&costs, 30))],
+        series: vec![Series::new("", SeriesStyle::Bars, 0, histogram(&costs, 30))],
         ..Plot::default()
     });
     section
@@ -236,7 +236,7 @@ fn synthetic_frames(actor: &Actor, walk: &Walk) -> usize {
     durations.sum()
 }
 
-fn islands(actor: &Actor, components: &Components) -> SectionReport {
+fn islands(actor: &Actor, components: &StrongComponents) -> SectionReport {
     let mut section = SectionReport::new(0, "Islands");
     let mut table = Table::new(
         "islands",
@@ -292,8 +292,8 @@ fn seam_section(actor: &Actor, job: &Job) -> Result<SectionReport, ReportError> 
     keyed.sort_unstable();
     let mut chosen: Vec<usize> = keyed.into_iter().take(SEAM_TRANSITIONS).map(|(_, index)| index).collect();
     chosen.sort_unstable();
-    let told = told(job, "seams");
-    let mut seams = seams::measure(recordings, &order, actor.graph.transitions(), &chosen, Ease::Smooth, &told)?;
+    let progress = progress_of(job, "seams");
+    let mut seams = seams::measure(recordings, &order, actor.graph.transitions(), &chosen, Ease::Smooth, &progress)?;
     let summary = SeamSummary::of(&seams, limit);
     section.text.push(format!(
         "{} seams of {} of {count} transitions, against the capture\u{2019}s own change from frame to frame: {} change \
@@ -313,7 +313,7 @@ fn seam_section(actor: &Actor, job: &Job) -> Result<SectionReport, ReportError> 
          changes most.",
         &["from", "to", "velocity at its start, mm a frame", "at its end", "mean deformation, rad"],
     );
-    let mut stage = Stage::new(recordings, &order)?;
+    let mut stage = Performance::new(recordings, &order)?;
     for seam in seams.iter().take(PICTURES) {
         let transition = &actor.graph.transitions()[seam.transition];
         let cell = |change: Option<Change>| change.map_or(Cell::Empty, |change| Cell::Number(change.velocity * 1e3, 1));
@@ -331,7 +331,7 @@ fn seam_section(actor: &Actor, job: &Job) -> Result<SectionReport, ReportError> 
 }
 
 /// The frame at the worse seam of a transition, coloured by change of velocity.
-fn picture(actor: &Actor, stage: &mut Stage, seam: &Seams) -> Result<Option<Picture>, ReportError> {
+fn picture(actor: &Actor, stage: &mut Performance, seam: &Seams) -> Result<Option<Picture>, ReportError> {
     let transition = &actor.graph.transitions()[seam.transition];
     let blends = actor.recordings().blends(transition).map_err(EvaluateError::from)?;
     let [first, second, .., before_last, last] = blends.as_slice() else { return Ok(None) };
@@ -366,7 +366,7 @@ fn picture(actor: &Actor, stage: &mut Stage, seam: &Seams) -> Result<Option<Pict
     Ok(Some(Picture { png: clay::png(&drawn)?, size: camera.size, caption }))
 }
 
-fn suggestions(actor: &Actor, components: &Components, walks: &[Vec<Option<Walk>>]) -> SectionReport {
+fn suggestions(actor: &Actor, components: &StrongComponents, walks: &[Vec<Option<Walk>>]) -> SectionReport {
     let mut section = SectionReport::new(0, "What to capture next");
     let mut costly = Vec::new();
     for (from, row) in actor.sequences().iter().zip(walks) {

@@ -138,6 +138,6 @@ impl Subject {
 }
 
 /// Says the share of a stage that is done.
-pub(super) fn told<'a>(job: &'a Job, what: &'static str) -> impl Fn(f64) -> Result<(), Stopped> + Sync + 'a {
+pub(super) fn progress_of<'a>(job: &'a Job, what: &'static str) -> impl Fn(f64) -> Result<(), Stopped> + Sync + 'a {
     move |share| job.share(what, share)
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::EvaluateError;
 use super::acceleration;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use super::plot::{Kind, Plot, Series};
+use super::plot::{Plot, Series, SeriesStyle};
 use super::statistics::Moments;
 use super::subject::Subject;
 use job::Job;
@@ -265,7 +265,7 @@ fn agreements(rows: &[(Scheme, Costs)], normalised: &dyn Fn(SchemeKind, u8) -> f
     let accelerations = [acceleration(standard), acceleration(warped), acceleration(SchemeKind::VaryingMean)];
     vec![
         Agreement {
-            papers: "Warping with varying lengths (slope 3) cuts the normalised cost by 19 to 26 %".into(),
+            papers: "WarpMethod with varying lengths (slope 3) cuts the normalised cost by 19 to 26 %".into(),
             found: format!(
                 "by {varying:.1} % against {STANDARD_SECONDS} s ({:.1} % against {} s, {:.1} % against {} s)",
                 least[0], FIXED_SECONDS[0], least[2], FIXED_SECONDS[2]
@@ -280,7 +280,7 @@ fn agreements(rows: &[(Scheme, Costs)], normalised: &dyn Fn(SchemeKind, u8) -> f
             },
         },
         Agreement {
-            papers: "Warping alone (slope 3) cuts it by 1 to 3 %".into(),
+            papers: "WarpMethod alone (slope 3) cuts it by 1 to 3 %".into(),
             found: format!("by {:.1} %", saved(warped, 3)),
             verdict: Verdict::of(saved(warped, 3) > 0.0, (0.5..=6.0).contains(&saved(warped, 3))),
             why: String::new(),
@@ -312,7 +312,7 @@ fn plots(rows: &[(Scheme, Costs)], fps: f64) -> Vec<Plot> {
     };
     let series = |costs: &Costs, value: &dyn Fn(&(f64, f64)) -> f64, name: &str, colour| {
         let points = costs.plotted.iter().enumerate().map(|(pair, costs)| (pair as f64, value(costs))).collect();
-        Series::new(name, Kind::Line, colour, points)
+        Series::new(name, SeriesStyle::Line, colour, points)
     };
     let plot = |caption: &str, y: &str, value: &dyn Fn(&(f64, f64)) -> f64| Plot {
         caption: caption.into(),

@@ -4,12 +4,12 @@
 use actor::motion::Motion;
 use search::{
     Answer, DEFAULT_EFFORT, Direction, FrameRef, Goal, Key, KeysRequest, PathReport, PathRequest, Progress as Found,
-    Request, Scene, Shape, Start, Target, Ways,
+    Request, Scene, SearchGraph, Shape, Start, Target,
 };
 
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use super::plot::{Kind, Plot, Series};
+use super::plot::{Plot, Series, SeriesStyle};
 use super::subject::Subject;
 use job::Job;
 use pipeline::transitions::LengthChoice;
@@ -26,8 +26,8 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     let timeline = subject.timeline();
     let mut poses = subject.capture.poses.clone();
     let motion = Motion::measure(timeline, subject.capture.topology.weights(), &mut poses)?;
-    let ways = Ways::new(&graph, timeline, &motion)?;
-    let scene = Scene { graph: &graph, timeline, ways: &ways };
+    let search_graph = SearchGraph::new(&graph, timeline, &motion)?;
+    let scene = Scene { graph: &graph, timeline, search_graph: &search_graph };
     let mut section = SectionReport::default();
     section.text.push(format!(
         "The tool's search at its usual effort: {DEFAULT_EFFORT} states a target. Distances are those of the centre of mass as \
@@ -121,7 +121,10 @@ fn path_plot(name: &str, found: &PathReport) -> Plot {
         caption: format!("The path ({name}, as a spline) and the centre of mass along it, from above."),
         x: "x, m".into(),
         y: "z, m".into(),
-        series: vec![Series::new("path", Kind::Dashes, 5, asked), Series::new("walk", Kind::Line, 0, walked)],
+        series: vec![
+            Series::new("path", SeriesStyle::Dashes, 5, asked),
+            Series::new("walk", SeriesStyle::Line, 0, walked),
+        ],
         equal: true,
         ..Plot::default()
     }
@@ -158,14 +161,14 @@ fn keys(scene: &Scene, section: &mut SectionReport, job: &Job) {
     let most = rows.iter().filter_map(|row| Some(row.reached?.abs_diff(row.wanted))).max().unwrap_or(0);
     let reached = rows.iter().filter(|row| row.reached.is_some()).count();
     // The papers' frames are 20 ms each.
-    let limit = PAPERS_FRAMES * scene.ways.fps / PAPERS_FPS;
+    let limit = PAPERS_FRAMES * scene.search_graph.fps / PAPERS_FPS;
     section.agreements.push(Agreement {
         papers: "Ten key poses are reached with a mean error of 5 frames at 50 frames a second (thesis figure 3.18).".into(),
         found: format!(
             "{reached} of {} are reached, with a mean error of {mean_error:.2} frames and {most} at most, at {} frames a second; \
              the walk has {} transitions and J {:.1}.",
             rows.len(),
-            scene.ways.fps,
+            scene.search_graph.fps,
             answer.walk.transition_count(),
             answer.walk.cost
         ),

@@ -125,8 +125,7 @@ mod tests {
         };
         for count in [0, 1, 7, 9, 100, 3000] {
             // Coarse places, so that many points coincide.
-            let points: Vec<[f32; 4]> =
-                (0..count).map(|_| std::array::from_fn(|_| random(6.0).round())).collect();
+            let points: Vec<[f32; 4]> = (0..count).map(|_| std::array::from_fn(|_| random(6.0).round())).collect();
             let tree = KdTree::new(&points);
             for _ in 0..200 {
                 let place: [f32; 4] = std::array::from_fn(|_| random(9.0));

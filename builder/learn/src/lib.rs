@@ -8,5 +8,5 @@ pub mod pca;
 pub mod store;
 pub mod symmetric;
 
-pub use self::pca::{Components, components};
+pub use self::pca::{PrincipalComponents, components};
 pub use self::store::{ScratchError, Store};

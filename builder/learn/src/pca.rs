@@ -20,7 +20,7 @@ const RANK: f64 = 1e-9;
 
 /// Mean, modes and coefficients of some rows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Components {
+pub struct PrincipalComponents {
     /// Mean of the training rows.
     pub mean: Vec<f32>,
     /// Modes of unit length by decreasing variance; the largest entry of each is positive.
@@ -37,7 +37,7 @@ pub struct Components {
 ///
 /// # Errors
 /// A scratch file that cannot be read.
-pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Components, ScratchError> {
+pub fn components(store: &Store, training: &[usize], count: usize) -> Result<PrincipalComponents, ScratchError> {
     let instructions = Instructions::best();
     let n = training.len();
     let gram = gram(store, training, instructions)?;
@@ -58,7 +58,7 @@ pub fn components(store: &Store, training: &[usize], count: usize) -> Result<Com
         }
     }
     let variances = values.iter().take(kept).map(|v| v / n as f64).collect();
-    Ok(Components { mean, modes, variances, total_variance: total / n.max(1) as f64, coefficients })
+    Ok(PrincipalComponents { mean, modes, variances, total_variance: total / n.max(1) as f64, coefficients })
 }
 
 /// Products of all pairs of centred training rows.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::figure::{Figure, bytes};
 use super::paint;
-use super::perform::{Frame, Take};
+use super::perform::{PerformedFrame, Take};
 use geometry::atlas::SurfacePoint;
 use geometry::mesh::vertex_normals;
 use kernels::random::{mix, noise1, noise4, signed, vector_noise};
@@ -212,7 +212,7 @@ pub(super) fn shown(figure: &Figure, point: SurfacePoint, rest: Vec3, (gain, add
 #[must_use]
 pub fn frame_texture(
     figure: &Figure,
-    frame: &Frame,
+    frame: &PerformedFrame,
     drift: Option<&Drift>,
     light: Option<&Light>,
     hole: Option<&Hole>,

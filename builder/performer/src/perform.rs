@@ -30,7 +30,7 @@ pub struct Take {
 
 /// One performed frame.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct PerformedFrame {
     /// Vertex positions in metres.
     pub positions: Vec<Vec3>,
     /// Joint transforms.
@@ -68,7 +68,7 @@ pub fn takes(frames: usize, fps: f32, seed: u64) -> Vec<Take> {
 
 /// Performs `take` at `fps` frames a second.
 #[must_use]
-pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<Frame> {
+pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<PerformedFrame> {
     let motion = motion::make(take.behaviour, take.seed);
     let dt = 1.0 / fps;
     // A sequence longer or shorter than usual gains or loses as much at its beginning as at its end.
@@ -87,7 +87,7 @@ pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<Frame> {
         if index >= 0 {
             let mut positions = figure.skinned(&Skin::new(figure.body.bind_inverse(), &joints));
             figure.skirt.apply(&skirt, &mut positions);
-            frames.push(Frame { positions, joints, state, planted });
+            frames.push(PerformedFrame { positions, joints, state, planted });
         }
     }
     frames

@@ -17,7 +17,7 @@ const FPS: f32 = 50.0;
 static FIGURE: LazyLock<Figure> = LazyLock::new(|| Figure::new(2500, 512));
 
 /// Every behaviour at its usual length.
-static PERFORMED: LazyLock<Vec<(perform::Take, Vec<perform::Frame>)>> = LazyLock::new(|| {
+static PERFORMED: LazyLock<Vec<(perform::Take, Vec<perform::PerformedFrame>)>> = LazyLock::new(|| {
     let takes = perform::takes(1250, FPS, 5);
     takes.into_par_iter().map(|take| (take.clone(), perform::perform(&FIGURE, &take, FPS))).collect()
 });

@@ -11,7 +11,7 @@ use super::artefacts::{self, Drift, Hole, Light};
 use super::between::Asked;
 use super::figure::Figure;
 use super::motion::BEHAVIOURS;
-use super::perform::{Frame, Take};
+use super::perform::{PerformedFrame, Take};
 use super::skeleton::{JOINT_COUNT, JOINT_NAMES, PARENTS};
 use super::{PerformerError, PerformerOptions};
 use geometry::mesh::vertex_normals;
@@ -124,7 +124,12 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the frames of a take with their artefacts and truth; `wrote` is called after each frame.
-    pub(super) fn take(&self, take: &Take, frames: &[Frame], wrote: &(dyn Fn() + Sync)) -> Result<(), PerformerError> {
+    pub(super) fn take(
+        &self,
+        take: &Take,
+        frames: &[PerformedFrame],
+        wrote: &(dyn Fn() + Sync),
+    ) -> Result<(), PerformerError> {
         self.folder(&take.name)?;
         self.folder(&format!("truth/{}", take.name))?;
         let truths: Vec<Result<Written, PerformerError>> = frames
@@ -154,7 +159,7 @@ impl<'a> Writer<'a> {
         self.json(&format!("truth/{}/motion.json", take.name), &truth)
     }
 
-    fn frame(&self, take: &Take, index: usize, frame: &Frame) -> Result<Written, PerformerError> {
+    fn frame(&self, take: &Take, index: usize, frame: &PerformedFrame) -> Result<Written, PerformerError> {
         let (on, fps) = (self.options.artefacts, self.options.fps);
         let drift: Option<Drift> =
             on.drift.then(|| artefacts::drift(self.figure, &self.around, &self.normals, take, index, fps));
@@ -242,7 +247,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-fn frame_truth(frame: &Frame, light: Option<Light>, hole: Option<Hole>) -> FrameTruth {
+fn frame_truth(frame: &PerformedFrame, light: Option<Light>, hole: Option<Hole>) -> FrameTruth {
     let rotations = (0..JOINT_COUNT)
         .map(|index| {
             let own = frame.joints[index].rotation;

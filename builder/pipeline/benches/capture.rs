@@ -21,7 +21,7 @@ fn main() {
     println!("{frames} frames, {} vertices, {triangles} triangles", topology.vertex_count());
     println!("{} threads, poses in memory: {}", rayon::current_num_threads(), peak_memory());
 
-    let stage = Stage::start("pose distances");
+    let stage = StageTime::start("pose distances");
     let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
     let seconds = stage.end();
     let pairs = (frames * (frames - 1) / 2 * triangles) as f64;
@@ -31,13 +31,13 @@ fn main() {
 
     for choice in [LengthChoice::Mean, LengthChoice::Total] {
         let options = TransitionOptions { choice, ..Default::default() };
-        let stage = Stage::start(&format!("transitions, {choice:?}"));
+        let stage = StageTime::start(&format!("transitions, {choice:?}"));
         let transitions = optimal_transitions(&distances, &timeline, &options, &Job::silent()).unwrap();
         stage.end();
-        let stage = Stage::start("essential graph");
+        let stage = StageTime::start("essential graph");
         let essential = essential_edges(&transitions, &timeline, 0.01).unwrap();
         stage.end();
-        let stage = Stage::start(&format!("{} warps", essential.edges.len()));
+        let stage = StageTime::start(&format!("{} warps", essential.edges.len()));
         let finder = WarpFinder::new(&distances, &timeline, &options).unwrap();
         for &(from, to) in &essential.edges {
             let cost = transitions.get(from as usize, to as usize).unwrap();
@@ -51,9 +51,9 @@ fn main() {
 }
 
 /// A stage under way: its name, when it began, and the processor time until then.
-struct Stage(String, Instant, f64);
+struct StageTime(String, Instant, f64);
 
-impl Stage {
+impl StageTime {
     fn start(name: &str) -> Self {
         Self(name.to_owned(), Instant::now(), processor_seconds())
     }

@@ -9,7 +9,9 @@ use thiserror::Error;
 use crate::contacts;
 use crate::distance::Measured;
 use crate::essential::sparse::{Candidates, candidate_transitions, essential_of};
-use crate::essential::{BuildError, Components, EssentialError, Findings, build_graph, reach, strongly_connected};
+use crate::essential::{
+    BuildError, EssentialError, GraphInput, StrongComponents, build_graph, reach, strongly_connected,
+};
 use crate::transitions::{TransitionError, TransitionOptions};
 
 /// How the graph of a capture is made.
@@ -58,7 +60,7 @@ pub struct Graphed {
     /// Frames that nothing leads on from.
     pub dead_ends: Vec<u32>,
     /// Its strongly connected components.
-    pub components: Components,
+    pub components: StrongComponents,
 }
 
 /// The essential graph of `capture`, whose poses were measured.
@@ -102,7 +104,7 @@ pub fn graph_of(
 ) -> Result<Graphed, GraphError> {
     let timeline = &capture.timeline;
     let findings =
-        Findings { distances: &measured.distances, headings: &measured.headings, options: &options.transition };
+        GraphInput { distances: &measured.distances, headings: &measured.headings, options: &options.transition };
     let graph = build_graph(capture, &findings, kept, options.alpha, contacts)?;
     let edges: Vec<(u32, u32)> =
         graph.transitions().iter().map(|transition| (transition.from, transition.to)).collect();

@@ -135,7 +135,9 @@ impl System {
         let mut blocks: Vec<Block> = vec![[[0.0; SIZE]; SIZE]; self.first[self.nodes]];
         let mut right = vec![[0.0; SIZE]; self.nodes];
         let mut energy = 0.0;
-        for (vertex, pull) in pulls.iter().enumerate().filter(|(_, pull)| pull.energy > 0.0 || pull.matrix != DMat3::ZERO) {
+        for (vertex, pull) in
+            pulls.iter().enumerate().filter(|(_, pull)| pull.energy > 0.0 || pull.matrix != DMat3::ZERO)
+        {
             energy += pull.energy;
             let carried = graph.carriers[vertex].map(|(node, share)| {
                 let g = rest[graph.nodes[node as usize] as usize];
@@ -182,7 +184,9 @@ impl System {
                 let whole = DMat3::from_diagonal(DVec3::splat(weight));
                 add_right(&mut right[k], 1.0, d, off * weight);
                 add_right(&mut right[l], -1.0, DVec3::ZERO, off * weight);
-                for (a, p, b, q, sign) in [(k, d, k, d, 1.0), (l, DVec3::ZERO, l, DVec3::ZERO, 1.0), (k, d, l, DVec3::ZERO, -1.0)] {
+                for (a, p, b, q, sign) in
+                    [(k, d, k, d, 1.0), (l, DVec3::ZERO, l, DVec3::ZERO, 1.0), (k, d, l, DVec3::ZERO, -1.0)]
+                {
                     let ((low, p_low), (high, p_high)) = if a <= b { ((a, p), (b, q)) } else { ((b, q), (a, p)) };
                     if let Some(block) = self.block(low, high) {
                         add_block(&mut blocks[block], sign, p_high, &whole, p_low);
@@ -274,7 +278,13 @@ mod tests {
     }
 
     /// The step of a plain dense solution: derivatives by differences, normal equations by Gauss.
-    fn plain(graph: &Graph, rest: &[Vec3], rows: &[(usize, f32, Vec3, f32)], stiffness: f64, motions: &[Motion]) -> Vec<f64> {
+    fn plain(
+        graph: &Graph,
+        rest: &[Vec3],
+        rows: &[(usize, f32, Vec3, f32)],
+        stiffness: f64,
+        motions: &[Motion],
+    ) -> Vec<f64> {
         let nodes = graph.nodes.len();
         let residuals = |motions: &[Motion]| -> Vec<f64> {
             let moved = |vertex: usize| {

@@ -36,8 +36,7 @@ impl Graph {
         let neighbours = mesh.neighbours();
         let nodes = spread(mesh, &neighbours, distance, seed);
         let reach = REACH * distance;
-        let near: Vec<Vec<(u32, f32)>> =
-            nodes.par_iter().map(|&node| within(mesh, &neighbours, node, reach)).collect();
+        let near: Vec<Vec<(u32, f32)>> = nodes.par_iter().map(|&node| within(mesh, &neighbours, node, reach)).collect();
         let mut candidates: Vec<Vec<(u32, f32)>> = vec![Vec::new(); mesh.positions.len()];
         for (node, reached) in near.iter().enumerate() {
             for &(vertex, at) in reached {

@@ -105,9 +105,12 @@ impl Surface {
     /// The mean of its points.
     #[must_use]
     pub fn centroid(&self) -> Vec3 {
-        let sum = self.mesh.positions.iter().zip(&self.areas).fold(glam::DVec3::ZERO, |sum, (p, &area)| {
-            sum + p.as_dvec3() * f64::from(area)
-        });
+        let sum = self
+            .mesh
+            .positions
+            .iter()
+            .zip(&self.areas)
+            .fold(glam::DVec3::ZERO, |sum, (p, &area)| sum + p.as_dvec3() * f64::from(area));
         (sum / f64::from(self.area()).max(1e-12)).as_vec3()
     }
 

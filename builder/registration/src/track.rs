@@ -82,11 +82,8 @@ pub fn track(template: &Template, start: &[Vec3], target: &Target, options: &Tra
     let mut pose = start.to_vec();
     let mut moving = template.surface.posed(pose.clone());
     for (index, level) in template.levels.iter().enumerate() {
-        let mut motions = if index == 0 {
-            vec![Motion::NONE; level.graph.nodes.len()]
-        } else {
-            level.graph.fit(start, &pose)
-        };
+        let mut motions =
+            if index == 0 { vec![Motion::NONE; level.graph.nodes.len()] } else { level.graph.fit(start, &pose) };
         let tracker = Tracker { template, level, start, target, index, colour: options.colour };
         for stage in 0..STAGES {
             tracker.stage(stage, &mut motions, &mut moving);

@@ -16,7 +16,7 @@ use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
 use pipeline::graph::{Graphed, essential_graph};
 use serde::Serialize;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use crate::options::FIRST_FRAME;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
@@ -141,7 +141,7 @@ fn eigen_appearance(
     options: &AppearanceOptions,
     warnings: &mut Vec<Warning>,
     job: &Job,
-) -> Result<(Vec<AppearanceModel>, AppearanceSummary), PackError> {
+) -> Result<(Vec<TextureModel>, AppearanceSummary), PackError> {
     let (width, height) = textures.size();
     let (charts, _) = Charts::new(&capture.surface, width, height)?;
     let (model, summary) = appearance::build(textures, &charts, options, job)?;
@@ -185,7 +185,7 @@ pub fn pack_capture(capture: &Capture, options: &PackOptions, job: &Job) -> Resu
 /// Options that do not fit the capture, or stages that contradict each other.
 pub fn pack_with_looks(
     capture: &Capture,
-    models: &[AppearanceModel],
+    models: &[TextureModel],
     quality: AppearanceQuality,
     options: &PackOptions,
     job: &Job,
@@ -197,7 +197,7 @@ pub fn pack_with_looks(
 fn pack_with_files(
     capture: &Capture,
     files: &Files,
-    looks: (&[AppearanceModel], AppearanceQuality),
+    looks: (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
     job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
@@ -253,7 +253,7 @@ fn encode(
     capture: &Capture,
     files: &Files,
     graph: &EssentialGraph,
-    (models, quality): (&[AppearanceModel], AppearanceQuality),
+    (models, quality): (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
 ) -> Result<(Vec<u8>, EncodeReport), PackError> {
     let order = elimination_order(&capture.topology);

@@ -7,9 +7,9 @@ use super::ground::{Ground, recorded_step};
 use crate::contacts::Contacts;
 use crate::graph::{EssentialGraph, Transition};
 use crate::pose_source::PoseError;
+use crate::temporal_warp::TemporalWarp;
 use crate::timeline::Timeline;
 use crate::walk::Leg;
-use crate::warp::Warp;
 use kernels::align::{Placement, rotate};
 use kernels::scalar::half_turn;
 
@@ -44,7 +44,7 @@ impl Blend {
         timeline: &Timeline,
         ground: &mut impl Ground,
         (from, to): (u32, u32),
-        warp: &Warp,
+        warp: &TemporalWarp,
         placement: Placement,
     ) -> Result<Self, PoseError> {
         let (_, lj) = warp.lengths();
@@ -65,7 +65,7 @@ impl Blend {
         &self,
         timeline: &Timeline,
         ground: &mut impl Ground,
-        warp: &Warp,
+        warp: &TemporalWarp,
         contacts: &Contacts,
     ) -> Result<Option<Self>, PoseError> {
         let Some(step) = warp.moves().get(self.node) else { return Ok(None) };
@@ -144,7 +144,7 @@ pub fn transition_placement(
     timeline: &Timeline,
     ground: &mut impl Ground,
     ends: (u32, u32),
-    warp: &Warp,
+    warp: &TemporalWarp,
     contacts: &Contacts,
 ) -> Result<Placement, PoseError> {
     let mut blend = Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)?;

@@ -68,14 +68,14 @@ impl Adjacency {
 
 /// The strongly connected components of a graph over frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Components {
+pub struct StrongComponents {
     /// The component of each frame, numbered by first frame.
     pub component_of_frame: Vec<u32>,
     /// The component of the most frames; of several, the one of the first frame.
     pub largest: u32,
 }
 
-impl Components {
+impl StrongComponents {
     /// The frames of the largest component, in order: from each, every other can be reached.
     pub fn largest_frames(&self) -> impl Iterator<Item = u32> {
         let frames = self.component_of_frame.iter().enumerate();
@@ -88,7 +88,7 @@ impl Components {
 ///
 /// Kosaraju and Sharir's algorithm: linear in frames and edges.
 #[must_use]
-pub fn strongly_connected(timeline: &Timeline, transitions: &[(u32, u32)]) -> Components {
+pub fn strongly_connected(timeline: &Timeline, transitions: &[(u32, u32)]) -> StrongComponents {
     let frames = timeline.frame_count();
     let edges = with_recorded(timeline, transitions.iter().copied());
     let forwards = Adjacency::new(frames, edges.iter().copied());
@@ -107,7 +107,7 @@ pub fn strongly_connected(timeline: &Timeline, transitions: &[(u32, u32)]) -> Co
 }
 
 /// Numbers components, so far named by their first frames, and finds the largest.
-fn numbered(mut component_of_frame: Vec<u32>) -> Components {
+fn numbered(mut component_of_frame: Vec<u32>) -> StrongComponents {
     let mut sizes: Vec<u32> = Vec::new();
     for frame in 0..component_of_frame.len() {
         let name = component_of_frame[frame] as usize;
@@ -121,7 +121,7 @@ fn numbered(mut component_of_frame: Vec<u32>) -> Components {
         }
     }
     let largest = (0..sizes.len()).rev().max_by_key(|&component| sizes[component]).unwrap_or(0) as u32;
-    Components { component_of_frame, largest }
+    StrongComponents { component_of_frame, largest }
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@
 use thiserror::Error;
 
 use crate::contacts::Contacts;
+use crate::temporal_warp::TemporalWarp;
 use crate::timeline::Timeline;
-use crate::warp::Warp;
 use kernels::align::Placement;
 
 /// Resolution of alpha: it is rounded to a multiple of this, so that sums of costs are exact in `f64` and comparisons
@@ -33,7 +33,7 @@ pub struct Transition {
     /// Surface deformation cost D(i, j): the sum of pose distances along the warp, in radians.
     pub deformation: f32,
     /// How the segments [i, i + li - 1] and [j - lj + 1, j] are matched; its duration is L(i, j).
-    pub warp: Warp,
+    pub warp: TemporalWarp,
     /// Placement of the destination's recorded frames once the source's stand as they were recorded (`Blend` of thesis
     /// algorithm 2, TVCG algorithm 1, followed to its end): `source_from_destination`.
     pub placement: Placement,

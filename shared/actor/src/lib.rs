@@ -21,6 +21,6 @@ pub mod ground;
 pub mod motion;
 pub mod pose_source;
 pub mod surface;
+pub mod temporal_warp;
 pub mod timeline;
 pub mod walk;
-pub mod warp;

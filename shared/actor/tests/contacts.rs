@@ -5,8 +5,8 @@
 use actor::blend::Blend;
 use actor::contacts::{Contact, Contacts, MOST_PARTS};
 use actor::motion::Motion;
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
-use actor::warp::{Move, Warp};
 use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 use proptest::prelude::*;
@@ -46,7 +46,7 @@ fn scene(sway: [f32; 2], stands: [Vec2; 2], planted: &[f32]) -> (Motion, Contact
 /// Where part `part` of the blended surface is at each node.
 fn track(motion: &Motion, contacts: &Contacts, part: usize) -> Vec<Vec2> {
     let (timeline, warp) =
-        (timeline(), Warp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination, Move::Both]));
+        (timeline(), TemporalWarp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination, Move::Both]));
     let start = Placement { heading: 0.7, translation: Vec2::new(3.0, -2.0) };
     let mut ground = motion;
     let mut blend = Some(Blend::begin(&timeline, &mut ground, (2, FRAMES + 8), &warp, start).unwrap());
@@ -94,7 +94,7 @@ fn what_does_not_stand_changes_nothing() {
     let stands = [Vec2::ZERO, Vec2::new(0.3, -0.2)];
     let (motion, absent) = scene([0.2, -0.1], stands, &[0.0]);
     let free = |contacts: &Contacts| {
-        let (timeline, warp) = (timeline(), Warp::new(vec![Move::Both; 4]));
+        let (timeline, warp) = (timeline(), TemporalWarp::new(vec![Move::Both; 4]));
         let mut ground = &motion;
         let mut blend = Blend::begin(&timeline, &mut ground, (2, FRAMES + 8), &warp, Placement::IDENTITY).unwrap();
         while let Some(next) = blend.next(&timeline, &mut ground, &warp, contacts).unwrap() {

@@ -8,7 +8,7 @@ use super::error::EncodeError;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
 use super::geometry::quantise::Grid;
 use super::header::Header;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use super::limits::{
     MAX_BYTES, MAX_CORNERS, MAX_IMAGES, MAX_MATERIALS, MAX_SECTION_BYTES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };
@@ -175,10 +175,10 @@ fn add_files(drafts: &mut Vec<Draft>, files: &Files, capture: &Capture) -> Resul
         let wrong = |reason: &str| EncodeError::Inconsistent(format!("the faces of the files {reason}"));
         faces.check(&capture.surface, file_vertices).map_err(wrong)?;
         let raw = files::encode_faces(faces, &capture.surface, file_vertices, capture.topology.vertex_count());
-        drafts.push(Draft { kind: Kind::FileFaces, ordinal: 0, raw });
+        drafts.push(Draft { kind: SectionKind::FileFaces, ordinal: 0, raw });
     }
     if !files.place.is_plain() {
-        drafts.push(Draft { kind: Kind::FilePlace, ordinal: 0, raw: files::encode_place(&files.place) });
+        drafts.push(Draft { kind: SectionKind::FilePlace, ordinal: 0, raw: files::encode_place(&files.place) });
     }
     Ok(())
 }
@@ -191,7 +191,8 @@ fn add_appearance(
     capture: &Capture,
 ) -> Result<AppearanceReport, EncodeError> {
     let coded = appearance::encode(input, capture.timeline.frame_count(), capture.surface.materials.len())?;
-    let soon = drafts.iter().position(|draft| draft.kind == Kind::Geometry).filter(|_| textures == Textures::Aligned);
+    let soon =
+        drafts.iter().position(|draft| draft.kind == SectionKind::Geometry).filter(|_| textures == Textures::Aligned);
     let first = soon.map_or(drafts.len(), |first| first + 1);
     drafts.insert(first, Draft { kind: textures.kind(), ordinal: 0, raw: coded.head });
     for (ordinal, raw) in (0..).zip(coded.modes) {
@@ -206,26 +207,28 @@ fn add_appearance(
 fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Draft>, EncodeError> {
     let capture = input.capture;
     let unwritable = |error: postcard::Error| EncodeError::Inconsistent(error.to_string());
-    let one = |kind: Kind, raw: Vec<u8>| Draft { kind, ordinal: 0, raw };
+    let one = |kind: SectionKind, raw: Vec<u8>| Draft { kind, ordinal: 0, raw };
     let first = meta
         .chunks
         .iter()
         .position(|chunk| (chunk.first_frame..chunk.first_frame + chunk.frame_count).contains(&input.first_frame))
         .unwrap_or(0);
-    let mut chunks: Vec<Draft> =
-        (0..).zip(geometry.chunk_bytes).map(|(ordinal, raw)| Draft { kind: Kind::Geometry, ordinal, raw }).collect();
+    let mut chunks: Vec<Draft> = (0..)
+        .zip(geometry.chunk_bytes)
+        .map(|(ordinal, raw)| Draft { kind: SectionKind::Geometry, ordinal, raw })
+        .collect();
     chunks.rotate_left(first);
     let mut chunks = chunks.into_iter();
 
     let mut drafts = vec![
-        one(Kind::Meta, meta.encode().map_err(unwritable)?),
-        one(Kind::Surface, surface::encode(&capture.surface, &capture.topology).map_err(unwritable)?),
-        one(Kind::Model, geometry.model),
+        one(SectionKind::Meta, meta.encode().map_err(unwritable)?),
+        one(SectionKind::Surface, surface::encode(&capture.surface, &capture.topology).map_err(unwritable)?),
+        one(SectionKind::Model, geometry.model),
     ];
     drafts.extend(chunks.next());
     let images = capture.surface.images.iter();
     drafts.extend((0..).zip(images).map(|(ordinal, image)| Draft {
-        kind: Kind::Image,
+        kind: SectionKind::Image,
         ordinal,
         raw: image.bytes.clone(),
     }));
@@ -235,17 +238,17 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     if input.graph.contacts().parts() > 0 {
         let contacts = contacts::encode(input.graph.contacts(), capture.timeline.frame_count());
         let contacts = contacts.ok_or_else(|| EncodeError::Inconsistent("a contact is too far out".into()))?;
-        drafts.push(one(Kind::Contacts, contacts));
+        drafts.push(one(SectionKind::Contacts, contacts));
     }
-    drafts.push(one(Kind::Graph, graph));
+    drafts.push(one(SectionKind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {
-        drafts.push(one(Kind::Motion, motion));
+        drafts.push(one(SectionKind::Motion, motion));
     }
     if let Some(order) = input.poisson_order {
-        drafts.push(one(Kind::Order, integers::encode(order)));
+        drafts.push(one(SectionKind::Order, integers::encode(order)));
     }
     if !capture.vertex_of_file_vertex.is_empty() {
-        drafts.push(one(Kind::FileVertices, integers::encode(&capture.vertex_of_file_vertex)));
+        drafts.push(one(SectionKind::FileVertices, integers::encode(&capture.vertex_of_file_vertex)));
     }
     Ok(drafts)
 }
@@ -283,12 +286,13 @@ fn sequences(capture: &Capture) -> Vec<SequenceMeta> {
 
 fn report(header: &Header, frame_count: usize, rms_error: f64, max_error: f64) -> EncodeReport {
     let mut sections = vec![SectionSize { name: "header", stored: header.byte_length() as u64 }];
-    for kind in Kind::ALL {
+    for kind in SectionKind::ALL {
         let stored = header.sections.iter().filter(|s| s.kind == Some(kind)).map(|s| s.stored).sum();
         sections.push(SectionSize { name: kind.name(), stored });
     }
-    let first = header.sections.iter().find(|section| section.kind == Some(Kind::Geometry));
-    let geometry: u64 = sections.iter().filter(|size| size.name == Kind::Geometry.name()).map(|size| size.stored).sum();
+    let first = header.sections.iter().find(|section| section.kind == Some(SectionKind::Geometry));
+    let geometry: u64 =
+        sections.iter().filter(|size| size.name == SectionKind::Geometry.name()).map(|size| size.stored).sum();
     EncodeReport {
         bytes: header.total,
         sections,

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::kind::{Kind, VERSION_MAJOR};
+use super::kind::{SectionKind, VERSION_MAJOR};
 
 /// Why bytes are not a bundle that this library can read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -29,7 +29,7 @@ pub enum BundleError {
     )]
     Damaged {
         /// The section; `None` is the header.
-        kind: Option<Kind>,
+        kind: Option<SectionKind>,
         /// Which section of its kind.
         ordinal: u32,
         /// Checksum that the file declares.
@@ -49,7 +49,7 @@ pub enum BundleError {
     #[error("the bundle contradicts itself: {} {reason}", section_name(*kind, *ordinal))]
     Inconsistent {
         /// The section; `None` is the header.
-        kind: Option<Kind>,
+        kind: Option<SectionKind>,
         /// Which section of its kind.
         ordinal: u32,
         /// What is wrong.
@@ -64,12 +64,12 @@ impl BundleError {
     }
 
     /// Something in the only section of `kind` that makes no sense.
-    pub(super) fn section(kind: Kind, reason: impl Into<String>) -> Self {
+    pub(super) fn section(kind: SectionKind, reason: impl Into<String>) -> Self {
         Self::Inconsistent { kind: Some(kind), ordinal: 0, reason: reason.into() }
     }
 }
 
-fn section_name(kind: Option<Kind>, ordinal: u32) -> String {
+fn section_name(kind: Option<SectionKind>, ordinal: u32) -> String {
     match kind {
         None => "the header".into(),
         Some(kind) if kind.is_repeated() => format!("section {} {ordinal}", kind.name()),

@@ -5,10 +5,10 @@ use glam::Vec2;
 use super::entropy::binary::{Bit, Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::error::BundleError;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use actor::graph::{EssentialGraph, Transition};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::Timeline;
-use actor::warp::{Move, Warp};
 use kernels::align::Placement;
 
 /// Headings are multiples of this many radians.
@@ -76,7 +76,7 @@ pub(super) fn encode(graph: &EssentialGraph) -> Result<Vec<u8>, usize> {
 
 /// Reads a graph of `count` transitions over `timeline`.
 pub(super) fn decode(bytes: &[u8], count: u32, timeline: &Timeline) -> Result<EssentialGraph, BundleError> {
-    let wrong = |reason: String| BundleError::section(Kind::Graph, reason);
+    let wrong = |reason: String| BundleError::section(SectionKind::Graph, reason);
     let Some((alpha, coded)) = bytes.split_first_chunk::<8>() else { return Err(wrong("is too short".into())) };
     if count as usize > coded.len().saturating_mul(MOST_DECISIONS_PER_BYTE) {
         return Err(wrong("cannot hold as many transitions as the meta section declares".into()));
@@ -100,7 +100,13 @@ pub(super) fn decode(bytes: &[u8], count: u32, timeline: &Timeline) -> Result<Es
         if decoder.exhausted() {
             return Err(wrong("ends too early".into()));
         }
-        transitions.push(Transition { from, to, deformation, warp: Warp::new(warp), placement: restored(placement) });
+        transitions.push(Transition {
+            from,
+            to,
+            deformation,
+            warp: TemporalWarp::new(warp),
+            placement: restored(placement),
+        });
         before = Before { from, to, high, moves, placement };
     }
     if !decoder.at_end() {

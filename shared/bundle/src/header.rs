@@ -2,7 +2,7 @@
 
 use super::checksum::checksum;
 use super::error::BundleError;
-use super::kind::{Kind, MAGIC, VERSION_MAJOR};
+use super::kind::{MAGIC, SectionKind, VERSION_MAJOR};
 use super::limits::{MAX_BYTES, MAX_SECTION_BYTES, MAX_SECTIONS};
 
 /// Bytes before the section table.
@@ -34,7 +34,7 @@ impl Codec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SectionEntry {
     /// What it holds; `None` for a kind that this version does not know and that may be skipped.
-    pub kind: Option<Kind>,
+    pub kind: Option<SectionKind>,
     /// The number of its kind.
     pub number: u16,
     /// How it is stored.
@@ -153,7 +153,7 @@ fn check_checksum(fixed: &[u8], table: &[u8]) -> Result<(), BundleError> {
 
 fn entry(bytes: &[u8]) -> Result<SectionEntry, BundleError> {
     let (number, flags) = (u16_at(bytes, 0), bytes[2]);
-    let kind = Kind::from_number(number);
+    let kind = SectionKind::from_number(number);
     if flags & !MAY_BE_SKIPPED != 0 || bytes[36..40].iter().any(|&byte| byte != 0) {
         return Err(BundleError::header("has reserved bytes that are not zero in its table"));
     }

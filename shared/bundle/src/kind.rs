@@ -9,7 +9,7 @@ pub const VERSION_MINOR: u16 = 4;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum SectionKind {
     /// Names, counts, sequences, where frames lie.
     Meta,
     /// Triangles, corners, texture coordinates, materials, alignment weights.
@@ -32,7 +32,7 @@ pub enum Kind {
     EarlierMode,
     /// As `EarlierAppearance`, of textures that were not aligned. Since 1.2; not written since.
     EarlierNaive,
-    /// As `EarlierMode`, of [`Kind::EarlierNaive`]. Since 1.2; not written since.
+    /// As `EarlierMode`, of [`SectionKind::EarlierNaive`]. Since 1.2; not written since.
     EarlierNaiveMode,
     /// What all frames' textures share, and each frame's coefficients. Since 1.3.
     Appearance,
@@ -40,7 +40,7 @@ pub enum Kind {
     AppearanceMode,
     /// As `Appearance`, of textures that were not aligned, to compare with. Since 1.3.
     Naive,
-    /// As `AppearanceMode`, of [`Kind::Naive`]. Since 1.3.
+    /// As `AppearanceMode`, of [`SectionKind::Naive`]. Since 1.3.
     NaiveMode,
     /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
@@ -52,7 +52,7 @@ pub enum Kind {
     FilePlace,
 }
 
-impl Kind {
+impl SectionKind {
     /// All kinds of this version.
     pub const ALL: [Self; 20] = [
         Self::Meta,

@@ -2,15 +2,16 @@
 
 use super::error::BundleError;
 use super::header::Header;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use super::meta::Meta;
 
 /// Checks the kinds of sections, their numbers and their order.
 pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
     // Linear in the number of sections: a forged header may have many.
-    let mut seen = Kind::ALL.map(|kind| (kind, vec![false; count(header, kind)]));
+    let mut seen = SectionKind::ALL.map(|kind| (kind, vec![false; count(header, kind)]));
     for (kind, which) in &seen {
-        let needed = matches!(*kind, Kind::Meta | Kind::Surface | Kind::Model | Kind::Graph);
+        let needed =
+            matches!(*kind, SectionKind::Meta | SectionKind::Surface | SectionKind::Model | SectionKind::Graph);
         if which.is_empty() && needed || which.len() > 1 && !kind.is_repeated() {
             let reason = format!("has {} sections {}", which.len(), kind.name());
             return Err(BundleError::header(reason));
@@ -18,7 +19,7 @@ pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
     }
     for section in &header.sections {
         let Some(kind) = section.kind else { continue };
-        let has = |kind: &Kind| seen.iter().any(|(seen, which)| seen == kind && which.contains(&true));
+        let has = |kind: &SectionKind| seen.iter().any(|(seen, which)| seen == kind && which.contains(&true));
         if !needs(kind).iter().all(has) {
             return Err(BundleError::header("has a section before another one that it needs"));
         }
@@ -33,31 +34,43 @@ pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
 
 /// Checks that there are as many chunks and images as `meta` declares.
 pub(super) fn check_counts(header: &Header, meta: &Meta) -> Result<(), BundleError> {
-    for (kind, declared) in [(Kind::Geometry, meta.chunks.len()), (Kind::Image, meta.image_count as usize)] {
+    for (kind, declared) in
+        [(SectionKind::Geometry, meta.chunks.len()), (SectionKind::Image, meta.image_count as usize)]
+    {
         if count(header, kind) != declared {
             let reason = format!("declares another number of {} sections than there are", kind.name());
-            return Err(BundleError::section(Kind::Meta, reason));
+            return Err(BundleError::section(SectionKind::Meta, reason));
         }
     }
     Ok(())
 }
 
 /// Sections of `kind`.
-pub(super) fn count(header: &Header, kind: Kind) -> usize {
+pub(super) fn count(header: &Header, kind: SectionKind) -> usize {
     header.sections.iter().filter(|section| section.kind == Some(kind)).count()
 }
 
 /// What must have arrived before a section of `kind` can be read.
-fn needs(kind: Kind) -> &'static [Kind] {
+fn needs(kind: SectionKind) -> &'static [SectionKind] {
     match kind {
-        Kind::Meta => &[],
-        Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts | Kind::FilePlace => &[Kind::Meta],
-        Kind::Model | Kind::Image | Kind::Order | Kind::FileVertices | Kind::FileFaces => &[Kind::Meta, Kind::Surface],
-        Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => &[Kind::Meta, Kind::Surface],
-        Kind::Geometry => &[Kind::Meta, Kind::Surface, Kind::Model],
-        Kind::EarlierMode => &[Kind::EarlierAppearance],
-        Kind::EarlierNaiveMode => &[Kind::EarlierNaive],
-        Kind::AppearanceMode => &[Kind::Appearance],
-        Kind::NaiveMode => &[Kind::Naive],
+        SectionKind::Meta => &[],
+        SectionKind::Surface
+        | SectionKind::Graph
+        | SectionKind::Motion
+        | SectionKind::Contacts
+        | SectionKind::FilePlace => &[SectionKind::Meta],
+        SectionKind::Model
+        | SectionKind::Image
+        | SectionKind::Order
+        | SectionKind::FileVertices
+        | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
+        SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {
+            &[SectionKind::Meta, SectionKind::Surface]
+        }
+        SectionKind::Geometry => &[SectionKind::Meta, SectionKind::Surface, SectionKind::Model],
+        SectionKind::EarlierMode => &[SectionKind::EarlierAppearance],
+        SectionKind::EarlierNaiveMode => &[SectionKind::EarlierNaive],
+        SectionKind::AppearanceMode => &[SectionKind::Appearance],
+        SectionKind::NaiveMode => &[SectionKind::Naive],
     }
 }

@@ -36,7 +36,7 @@ pub use encode::{
 };
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, SectionEntry};
-pub use kind::{Kind, MAGIC, VERSION_MAJOR, VERSION_MINOR};
+pub use kind::{MAGIC, SectionKind, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use sections::SectionInfo;

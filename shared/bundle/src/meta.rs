@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::BundleError;
 use super::geometry::schedule;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use super::limits::{
     MAX_CHUNK_FRAMES, MAX_COORDINATE, MAX_CORNERS, MAX_IMAGES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };
@@ -83,7 +83,7 @@ impl Meta {
 
     /// Reads the section and the timeline that it describes.
     pub(super) fn decode(bytes: &[u8]) -> Result<(Self, Timeline), BundleError> {
-        let wrong = |reason: &str| BundleError::section(Kind::Meta, reason);
+        let wrong = |reason: &str| BundleError::section(SectionKind::Meta, reason);
         let (meta, rest) = postcard::take_from_bytes::<Self>(bytes).map_err(|_| wrong("cannot be read"))?;
         if !rest.is_empty() {
             return Err(wrong("has bytes left over"));
@@ -108,7 +108,7 @@ impl Meta {
             first_frame = first_frame.saturating_add(stored.frame_count);
         }
         Timeline::new(self.fps, sequences)
-            .map_err(|error| BundleError::section(Kind::Meta, format!("is no timeline: {error}")))
+            .map_err(|error| BundleError::section(SectionKind::Meta, format!("is no timeline: {error}")))
     }
 
     fn check_counts(&self) -> Result<(), BundleError> {
@@ -123,7 +123,7 @@ impl Meta {
             && self.step > 0.0
             && (self.step * MAX_COORDINATE as f32).is_finite()
             && schedule::GROUPS.contains(&self.group);
-        if holds { Ok(()) } else { Err(BundleError::section(Kind::Meta, "has a number out of range")) }
+        if holds { Ok(()) } else { Err(BundleError::section(SectionKind::Meta, "has a number out of range")) }
     }
 
     /// Chunks must cover the frames one after another and stay inside sequences.
@@ -136,14 +136,14 @@ impl Meta {
                 && timeline.sequence_index(last).is_some()
                 && timeline.sequence_index(chunk.first_frame) == timeline.sequence_index(last);
             if !holds {
-                return Err(BundleError::section(Kind::Meta, "divides the frames wrongly"));
+                return Err(BundleError::section(SectionKind::Meta, "divides the frames wrongly"));
             }
             next = last + 1;
         }
         if next == timeline.frame_count() && self.first_frame < next {
             Ok(())
         } else {
-            Err(BundleError::section(Kind::Meta, "leaves frames out"))
+            Err(BundleError::section(SectionKind::Meta, "leaves frames out"))
         }
     }
 }

@@ -7,7 +7,7 @@ use super::error::BundleError;
 use super::geometry::decode::{ChunkBytes, FrameDecoder};
 use super::geometry::model::Model;
 use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, SectionEntry};
-use super::kind::Kind;
+use super::kind::SectionKind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
@@ -53,12 +53,12 @@ pub struct BundleReader {
     file_place: FilePlace,
     motion: Option<Motion>,
     contacts: Contacts,
-    looks: [Looks; 2],
+    looks: [ArrivedTextures; 2],
 }
 
 /// Models of textures that have arrived.
 #[derive(Debug, Default)]
-struct Looks {
+struct ArrivedTextures {
     appearance: Option<Appearance>,
     modes: Vec<Option<Vec<u8>>>,
 }
@@ -213,7 +213,7 @@ impl BundleReader {
             }
         };
         let faces = files::decode_faces(bytes, surface, file_vertices, vertex_count);
-        faces.map(Some).map_err(|reason| BundleError::section(Kind::FileFaces, reason))
+        faces.map(Some).map_err(|reason| BundleError::section(SectionKind::FileFaces, reason))
     }
 
     /// The place, the unit and the axes of the input files; those of the capture where the bundle does not say.
@@ -337,29 +337,29 @@ impl BundleReader {
         }
     }
 
-    fn accept(&mut self, kind: Kind, entry: &SectionEntry, raw: Vec<u8>) -> Result<(), BundleError> {
+    fn accept(&mut self, kind: SectionKind, entry: &SectionEntry, raw: Vec<u8>) -> Result<(), BundleError> {
         let wrong = |reason: &str| BundleError::Inconsistent {
             kind: Some(kind),
             ordinal: entry.ordinal,
             reason: reason.into(),
         };
-        if kind == Kind::Meta {
+        if kind == SectionKind::Meta {
             return self.accept_meta(&raw);
         }
         // The order of sections was checked with the header: what a section needs is there.
         let (Some(meta), Some(timeline)) = (&self.meta, &self.timeline) else { return Err(wrong("came too early")) };
-        if kind == Kind::Surface {
+        if kind == SectionKind::Surface {
             let (topology, surface) = surface::decode(&raw, meta)?;
             self.image_arrived = vec![false; surface.images.len()];
             (self.topology, self.surface) = (Some(topology), Some(surface));
             return Ok(());
         }
-        if kind == Kind::Graph {
+        if kind == SectionKind::Graph {
             let graph = graph::decode(&raw, meta.transition_count, timeline)?;
             self.graph = Some(graph.with_contacts(std::mem::take(&mut self.contacts)));
             return Ok(());
         }
-        if kind == Kind::Contacts {
+        if kind == SectionKind::Contacts {
             let contacts = contacts::decode(&raw, timeline).map_err(wrong)?;
             match self.graph.take() {
                 Some(graph) => self.graph = Some(graph.with_contacts(contacts)),
@@ -367,45 +367,48 @@ impl BundleReader {
             }
             return Ok(());
         }
-        if kind == Kind::FilePlace {
+        if kind == SectionKind::FilePlace {
             self.file_place = files::decode_place(&raw).map_err(wrong)?;
             return Ok(());
         }
-        if kind == Kind::Motion {
+        if kind == SectionKind::Motion {
             self.motion = Some(motion::decode(&raw, timeline).map_err(wrong)?);
             return Ok(());
         }
         let Some(topology) = &self.topology else { return Err(wrong("came too early")) };
         let (ordinal, looks) = (entry.ordinal as usize, Textures::of(kind));
         match kind {
-            Kind::Model => {
+            SectionKind::Model => {
                 let model = Model::decode(&raw, topology, meta.group > 1).map_err(wrong)?;
                 self.decoder = Some(FrameDecoder::new(meta.group, meta.step));
                 self.model = Some(model);
             }
-            Kind::Geometry => {
+            SectionKind::Geometry => {
                 let frame_count = meta.chunks.get(ordinal).map_or(0, |chunk| chunk.frame_count);
                 let chunk = ChunkBytes::new(raw, frame_count).map_err(wrong)?;
                 *self.chunks.get_mut(ordinal).ok_or_else(|| wrong("is not declared"))? = Some(chunk);
                 self.accept_first_pose(ordinal).map_err(|_| wrong("does not hold its frames"))?;
             }
-            Kind::Image => {
+            SectionKind::Image => {
                 let image = self.surface.as_mut().and_then(|surface| surface.images.get_mut(ordinal));
                 image.ok_or_else(|| wrong("is not declared"))?.bytes = raw;
                 self.image_arrived[ordinal] = true;
             }
-            Kind::Order => {
+            SectionKind::Order => {
                 let order = integers::decode(&raw, meta.vertex_count, meta.vertex_count).map_err(wrong)?;
                 if !is_permutation(&order, topology.vertex_count()) {
                     return Err(wrong("does not name every vertex once"));
                 }
                 self.order = Some(order);
             }
-            Kind::FileVertices => {
+            SectionKind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
             }
-            Kind::FileFaces => self.file_faces = Some(raw),
-            Kind::EarlierAppearance | Kind::EarlierNaive | Kind::Appearance | Kind::Naive => {
+            SectionKind::FileFaces => self.file_faces = Some(raw),
+            SectionKind::EarlierAppearance
+            | SectionKind::EarlierNaive
+            | SectionKind::Appearance
+            | SectionKind::Naive => {
                 let (coding, modes) = appearance::Coding::of(kind);
                 let materials = self.surface.as_ref().map_or(0, |surface| surface.materials.len());
                 let appearance =
@@ -414,13 +417,21 @@ impl BundleReader {
                 if count != appearance.section_count() as usize {
                     return Err(wrong("declares another number of modes than there are"));
                 }
-                self.looks[looks as usize] = Looks { appearance: Some(appearance), modes: vec![None; count] };
+                self.looks[looks as usize] = ArrivedTextures { appearance: Some(appearance), modes: vec![None; count] };
             }
-            Kind::EarlierMode | Kind::EarlierNaiveMode | Kind::AppearanceMode | Kind::NaiveMode => {
+            SectionKind::EarlierMode
+            | SectionKind::EarlierNaiveMode
+            | SectionKind::AppearanceMode
+            | SectionKind::NaiveMode => {
                 let mode = self.looks[looks as usize].modes.get_mut(ordinal);
                 *mode.ok_or_else(|| wrong("is not declared"))? = Some(raw);
             }
-            Kind::Meta | Kind::Surface | Kind::Graph | Kind::Motion | Kind::Contacts | Kind::FilePlace => {}
+            SectionKind::Meta
+            | SectionKind::Surface
+            | SectionKind::Graph
+            | SectionKind::Motion
+            | SectionKind::Contacts
+            | SectionKind::FilePlace => {}
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use super::checksum::checksum;
 use super::error::BundleError;
 use super::header::{Codec, Header, SectionEntry};
-use super::kind::{Kind, VERSION_MAJOR};
+use super::kind::{SectionKind, VERSION_MAJOR};
 
 /// A line of the list of sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ pub struct SectionInfo {
 
 impl From<&SectionEntry> for SectionInfo {
     fn from(entry: &SectionEntry) -> Self {
-        let name = entry.kind.map_or("unknown", Kind::name);
+        let name = entry.kind.map_or("unknown", SectionKind::name);
         Self {
             name,
             number: entry.number,
@@ -41,7 +41,7 @@ impl From<&SectionEntry> for SectionInfo {
 
 /// A section that is to be written.
 pub(super) struct Draft {
-    pub kind: Kind,
+    pub kind: SectionKind,
     pub ordinal: u32,
     pub raw: Vec<u8>,
 }
@@ -80,8 +80,8 @@ pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
 }
 
 /// Only names and numbers profit from deflate: everything else is entropy coded already.
-fn compress(kind: Kind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
-    if kind != Kind::Meta {
+fn compress(kind: SectionKind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
+    if kind != SectionKind::Meta {
         return (Codec::Stored, raw);
     }
     let deflated = compress_to_vec(&raw, 9);

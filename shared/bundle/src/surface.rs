@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::entropy::binary::{Bit, Decoder, Encoder, MOST_DECISIONS_PER_BYTE};
 use super::entropy::numbers::Number;
 use super::error::BundleError;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use super::limits::{MAX_IMAGES, MAX_MATERIALS};
 use super::meta::Meta;
 use super::triangles;
@@ -65,7 +65,7 @@ pub(super) fn encode(surface: &Surface, topology: &Topology) -> Result<Vec<u8>, 
 
 /// Reads the section; the surface's images have no bytes yet.
 pub(super) fn decode(bytes: &[u8], meta: &Meta) -> Result<(Topology, Surface), BundleError> {
-    let wrong = |reason: String| BundleError::section(Kind::Surface, reason);
+    let wrong = |reason: String| BundleError::section(SectionKind::Surface, reason);
     let (head, coded) = postcard::take_from_bytes::<Head>(bytes).map_err(|_| wrong("cannot be read".into()))?;
     check_head(&head, meta).map_err(|reason| wrong(reason.into()))?;
     let most = coded.len().saturating_mul(MOST_DECISIONS_PER_BYTE);

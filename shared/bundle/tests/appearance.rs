@@ -11,13 +11,13 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bundle::{
-    AppearanceInput, AppearanceQuality, AppearanceReport, BundleError, BundleInput, BundleReader, EncodeError, Kind,
-    ModeDecoder, Textures, encode_with_appearance, encode_with_looks, store_appearance, validate,
+    AppearanceInput, AppearanceQuality, AppearanceReport, BundleError, BundleInput, BundleReader, EncodeError,
+    ModeDecoder, SectionKind, Textures, encode_with_appearance, encode_with_looks, store_appearance, validate,
 };
 use captures::{cloth, graph};
 use forge::{Section, assembled, raw_sections};
 use proptest::prelude::*;
-use texture::AppearanceModel;
+use texture::TextureModel;
 use texture::basis::Mode;
 
 /// Remembers the largest single block that was asked for.
@@ -47,7 +47,7 @@ const LARGEST_BLOCK: usize = 32 << 20;
 
 const FRAMES: [u32; 2] = [5, 3];
 
-fn write(model: &AppearanceModel, quality: AppearanceQuality) -> Result<(Vec<u8>, AppearanceReport), EncodeError> {
+fn write(model: &TextureModel, quality: AppearanceQuality) -> Result<(Vec<u8>, AppearanceReport), EncodeError> {
     let capture = cloth(4, 3, &FRAMES);
     let graph = graph(&capture.timeline);
     let generator = "reprise test".into();
@@ -64,7 +64,7 @@ fn write(model: &AppearanceModel, quality: AppearanceQuality) -> Result<(Vec<u8>
     Ok((bytes, report.appearance.unwrap()))
 }
 
-fn small() -> AppearanceModel {
+fn small() -> TextureModel {
     looks::model([50, 37], [3, 2], 8)
 }
 
@@ -87,7 +87,7 @@ fn modes(reader: &BundleReader, most: usize) -> Result<[Vec<Mode>; 2], &'static 
 }
 
 /// Root mean square difference between the stored and the plain textures and warps over all frames.
-fn errors(model: &AppearanceModel, bytes: &[u8]) -> [f64; 2] {
+fn errors(model: &TextureModel, bytes: &[u8]) -> [f64; 2] {
     let reader = BundleReader::from_bytes(bytes).unwrap();
     let appearance = reader.appearance().unwrap();
     let modes = modes(&reader, usize::MAX).unwrap();
@@ -180,7 +180,7 @@ fn readers_that_do_not_know_appearance_skip_it() {
 
 #[test]
 fn models_that_do_not_fit_are_refused() {
-    let refused = |change: &dyn Fn(&mut AppearanceModel)| {
+    let refused = |change: &dyn Fn(&mut TextureModel)| {
         let mut model = small();
         change(&mut model);
         write(&model, AppearanceQuality::default()).unwrap_err()
@@ -269,7 +269,7 @@ fn cut_sections_with_fitting_checksums_are_noticed() {
 #[test]
 fn modes_must_all_be_there_after_what_they_need() {
     assert!(use_all(&assembled(sections())).is_ok());
-    let head = sections().iter().position(|section| section.number == Kind::Appearance.number()).unwrap();
+    let head = sections().iter().position(|section| section.number == SectionKind::Appearance.number()).unwrap();
     let mut without_head = sections().clone();
     without_head.remove(head);
     assert!(use_all(&assembled(&without_head)).is_err());
@@ -340,14 +340,14 @@ fn naive_models_come_back_beside_the_others() {
     }
     // A mode too few, a mode before what it needs, a damaged mode.
     let sections = raw_sections(&bytes);
-    let index = |kind: Kind| sections.iter().position(|section| section.number == kind.number()).unwrap();
+    let index = |kind: SectionKind| sections.iter().position(|section| section.number == kind.number()).unwrap();
     let fewer: Vec<Section> = sections[..sections.len() - 1].to_vec();
     assert!(matches!(BundleReader::from_bytes(&assembled(&fewer)), Err(BundleError::Inconsistent { .. })));
     let mut early = sections.clone();
-    early.swap(index(Kind::Naive), index(Kind::NaiveMode));
+    early.swap(index(SectionKind::Naive), index(SectionKind::NaiveMode));
     assert!(BundleReader::from_bytes(&assembled(&early)).is_err());
     let mut cut = sections.clone();
-    let damaged = &mut cut[index(Kind::NaiveMode)].raw;
+    let damaged = &mut cut[index(SectionKind::NaiveMode)].raw;
     damaged.truncate(damaged.len() / 2);
     let findings = validate(&assembled(&cut));
     assert!(findings.iter().any(|f| f.code == "damaged-mode" && f.message.contains("naive-mode 0")), "{findings:?}");

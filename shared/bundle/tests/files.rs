@@ -7,7 +7,7 @@ mod forge;
 
 use actor::capture::Capture;
 use actor::files::{FaceRun, FileFaces, FilePlace, Files};
-use bundle::{BundleInput, BundleReader, EncodeError, Kind, encode, encode_with_files, validate};
+use bundle::{BundleInput, BundleReader, EncodeError, SectionKind, encode, encode_with_files, validate};
 use captures::{cloth, graph};
 use forge::{assembled, raw_sections};
 use glam::DVec3;
@@ -92,7 +92,7 @@ proptest! {
     fn damaged_faces_are_refused_or_faces(seed: u64, at: prop::sample::Index, value: u8) {
         let (capture, files) = any_files(seed, true);
         let mut sections = raw_sections(&written(&capture, &files).unwrap());
-        for kind in [Kind::FileFaces, Kind::FilePlace] {
+        for kind in [SectionKind::FileFaces, SectionKind::FilePlace] {
             let section = sections.iter_mut().find(|section| section.number == kind.number()).unwrap();
             let at = at.index(section.raw.len());
             section.raw[at] = value;
@@ -110,7 +110,7 @@ proptest! {
 fn cut_off_sections_are_refused() {
     let (capture, files) = any_files(7, true);
     let sections = raw_sections(&written(&capture, &files).unwrap());
-    let refused = |kind: Kind, length: usize| -> bool {
+    let refused = |kind: SectionKind, length: usize| -> bool {
         let mut sections = sections.clone();
         sections.iter_mut().for_each(|section| section.may_be_skipped = section.number >= 32);
         let section = sections.iter_mut().find(|section| section.number == kind.number()).unwrap();
@@ -124,10 +124,14 @@ fn cut_off_sections_are_refused() {
             Err(error) => error.to_string().contains("contradicts itself"),
         }
     };
-    assert!(refused(Kind::FilePlace, 32) && refused(Kind::FilePlace, 34) && !refused(Kind::FilePlace, 33));
-    let whole = sections.iter().find(|section| section.number == Kind::FileFaces.number()).unwrap().raw.len();
-    assert!((0..whole).all(|length| refused(Kind::FileFaces, length)));
-    assert!(refused(Kind::FileFaces, whole + 1) && !refused(Kind::FileFaces, whole));
+    assert!(
+        refused(SectionKind::FilePlace, 32)
+            && refused(SectionKind::FilePlace, 34)
+            && !refused(SectionKind::FilePlace, 33)
+    );
+    let whole = sections.iter().find(|section| section.number == SectionKind::FileFaces.number()).unwrap().raw.len();
+    assert!((0..whole).all(|length| refused(SectionKind::FileFaces, length)));
+    assert!(refused(SectionKind::FileFaces, whole + 1) && !refused(SectionKind::FileFaces, whole));
 }
 
 #[test]

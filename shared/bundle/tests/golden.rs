@@ -17,7 +17,7 @@ use bundle::{AppearanceInput, AppearanceQuality, BundleInput, BundleReader, Mode
 use captures::{contacts, graph, timeline};
 use glam::{DVec3, Vec3};
 use kernels::topology::Topology;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 const GOLDEN: &[u8] = include_bytes!("golden/v1.1.reprise");
 /// What earlier versions wrote.
@@ -55,7 +55,7 @@ fn pyramid() -> Capture {
 }
 
 /// Two charts side by side, and modes of whole numbers.
-fn looks() -> AppearanceModel {
+fn looks() -> TextureModel {
     let active: Vec<bool> = (0..40 * 18).map(|at| at % 40 != 19).collect();
     let count = active.iter().filter(|&&active| active).count();
     let values = |channels: usize, factor: usize| -> Vec<f32> {
@@ -65,7 +65,7 @@ fn looks() -> AppearanceModel {
         (0..count).map(|mode| values(channels, 3 + 2 * mode).iter().map(|value| value - 0.5).collect()).collect()
     };
     let coefficients = |count: usize| (0..14 * count).map(|at| ((at * 5) % 8) as f32 / 64.0 - 0.0625).collect();
-    AppearanceModel {
+    TextureModel {
         width: 40,
         height: 18,
         active,

@@ -9,7 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use actor::pose_source::PoseSource;
-use bundle::{BundleError, BundleInput, BundleReader, Kind, Severity, VERSION_MAJOR, encode, validate};
+use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode, validate};
 use captures::{cloth, graph};
 use forge::{Section, assembled, meta_of, raw_sections};
 use glam::Vec3;
@@ -144,8 +144,8 @@ fn sections_must_be_there_once_and_in_order() {
     let sections = raw_sections(&small_bundle());
     assert!(use_all(&assembled(&sections)).is_ok());
     for place in 0..sections.len() {
-        let optional = [Kind::Order, Kind::FileVertices, Kind::Motion, Kind::Contacts]
-            .map(Kind::number)
+        let optional = [SectionKind::Order, SectionKind::FileVertices, SectionKind::Motion, SectionKind::Contacts]
+            .map(SectionKind::number)
             .contains(&sections[place].number);
         let mut without = sections.clone();
         without.remove(place);

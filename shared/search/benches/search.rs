@@ -19,18 +19,18 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use glam::Vec3;
 use search::{
     Anytime, Curve, Direction, FrameRef, Goal, Key, KeysRequest, Measure, PATH_REALISM, PathTask, Progress, Request,
-    Scene, Shape, Target, Ways, depth_first, to_targets,
+    Scene, SearchGraph, Shape, Target, depth_first, to_targets,
 };
 
 fn small(criterion: &mut Criterion) {
     let made = ground::random_scene::make(5, &[300, 300, 300], 20_000);
     let curve = Curve::new(&[Vec3::ZERO, Vec3::Z * 4.0, Vec3::new(3.0, 0.0, 5.0)], Shape::Spline, true, None);
-    let start = PathTask::start_on(&made.ways, &curve, 0).unwrap();
-    let task = PathTask::new(&made.ways, curve, vec![], vec![start], PATH_REALISM);
+    let start = PathTask::start_on(&made.search_graph, &curve, 0).unwrap();
+    let task = PathTask::new(&made.search_graph, curve, vec![], vec![start], PATH_REALISM);
     criterion.bench_function("path: 1000 expanded states", |bench| {
         bench.iter(|| {
-            let mut search = Anytime::new(&task, &made.ways);
-            search.advance(&task, &made.ways, 1000);
+            let mut search = Anytime::new(&task, &made.search_graph);
+            search.advance(&task, &made.search_graph, 1000);
             black_box(search.expanded())
         });
     });
@@ -46,11 +46,11 @@ fn against_the_oracle() {
     for seed in 0..24 {
         let made = ground::small_scene(seed);
         let curve = Curve::new(&[Vec3::ZERO, Vec3::new(0.2, 0.0, 0.7)], Shape::Polyline, true, None);
-        let start = PathTask::start_on(&made.ways, &curve, 0).unwrap();
-        let task = PathTask::new(&made.ways, curve, vec![], vec![start], PATH_REALISM);
-        let oracle = depth_first(&task, &made.ways, 20_000_000);
-        let mut search = Anytime::new(&task, &made.ways);
-        search.advance(&task, &made.ways, 20_000);
+        let start = PathTask::start_on(&made.search_graph, &curve, 0).unwrap();
+        let task = PathTask::new(&made.search_graph, curve, vec![], vec![start], PATH_REALISM);
+        let oracle = depth_first(&task, &made.search_graph, 20_000_000);
+        let mut search = Anytime::new(&task, &made.search_graph);
+        search.advance(&task, &made.search_graph, 20_000);
         if let (true, Some(best), Some(found)) = (oracle.complete, oracle.found, search.best()) {
             worst = worst.max(found.cost / best.cost);
             (solved, expanded) = (solved + 1, expanded + search.expanded());
@@ -90,31 +90,35 @@ fn on_a_bundle(_: &mut Criterion) {
     let (timeline, graph) = (reader.timeline().unwrap().clone(), reader.graph().unwrap().clone());
     let motion: Motion = reader.motion().unwrap().clone();
     let began = Instant::now();
-    let ways = Ways::new(&graph, &timeline, &motion).unwrap();
-    println!("ways of {} transitions: {:.0} ms", graph.transitions().len(), began.elapsed().as_secs_f64() * 1e3);
+    let search_graph = SearchGraph::new(&graph, &timeline, &motion).unwrap();
+    println!(
+        "search_graph of {} transitions: {:.0} ms",
+        graph.transitions().len(),
+        began.elapsed().as_secs_f64() * 1e3
+    );
     for (name, points, shape) in standard_paths() {
-        follow(&ways, name, &points, shape);
+        follow(&search_graph, name, &points, shape);
     }
-    key_poses(&graph, &timeline, &ways);
+    key_poses(&graph, &timeline, &search_graph);
 }
 
-fn follow(ways: &Ways, name: &str, points: &[Vec3], shape: Shape) {
+fn follow(search_graph: &SearchGraph, name: &str, points: &[Vec3], shape: Shape) {
     let curve = Curve::new(points, shape, true, None);
-    let starts = (0..ways.frame_count()).step_by(8).filter(|&frame| ways.live[frame as usize]);
-    let starts = starts.filter_map(|frame| PathTask::start_on(ways, &curve, frame)).collect();
-    let task = PathTask::new(ways, curve, vec![], starts, PATH_REALISM);
+    let starts = (0..search_graph.frame_count()).step_by(8).filter(|&frame| search_graph.live[frame as usize]);
+    let starts = starts.filter_map(|frame| PathTask::start_on(search_graph, &curve, frame)).collect();
+    let task = PathTask::new(search_graph, curve, vec![], starts, PATH_REALISM);
     let began = Instant::now();
-    let mut search = Anytime::new(&task, ways);
+    let mut search = Anytime::new(&task, search_graph);
     let (mut slowest, mut first) = (0.0_f64, None);
     for most in [0.1, 0.5, 2.0, 10.0] {
         while began.elapsed().as_secs_f64() < most && search.progress() == Progress::Running {
             let slice = Instant::now();
-            search.advance(&task, ways, 50);
+            search.advance(&task, search_graph, 50);
             slowest = slowest.max(slice.elapsed().as_secs_f64());
             let whole = search.best().is_some_and(|best| best.end.travelled >= task.curve.length());
             first = first.or_else(|| whole.then(|| (began.elapsed().as_secs_f64(), search.expanded())));
         }
-        let report = task.judge(ways, search.best().unwrap());
+        let report = task.judge(search_graph, search.best().unwrap());
         println!(
             "{name}, {:.1} m, after {most} s ({} states): J_c {:.3}, off {:.1} cm mean, {:.1} cm max; aside {:.1} and {:.1} cm",
             report.length,
@@ -130,20 +134,20 @@ fn follow(ways: &Ways, name: &str, points: &[Vec3], shape: Shape) {
 }
 
 /// The papers' table: ten key poses of all over the capture, at times that differ from the recorded ones.
-fn key_poses(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways) {
+fn key_poses(graph: &EssentialGraph, timeline: &Timeline, search_graph: &SearchGraph) {
     let n = f64::from(timeline.frame_count());
     let shares = [0.12, 0.25, 0.012, 0.064, 0.15, 0.66, 0.29, 0.47, 0.95, 0.79];
     let times = [0.0, 250.0, 460.0, 510.0, 610.0, 890.0, 970.0, 1420.0, 1520.0, 1800.0].map(|frame| frame / 50.0);
     let key = |(share, time): (f64, f64)| {
         let mut frame = (share * n) as u32;
-        while !ways.main[frame as usize] {
+        while !search_graph.main[frame as usize] {
             frame += 1;
         }
         Key { pose: FrameRef::Number(frame), time }
     };
     let poses = shares.into_iter().zip(times).map(key).collect();
     let request = Request::new(Target::Keys(KeysRequest { poses }));
-    let scene = Scene { graph, timeline, ways };
+    let scene = Scene { graph, timeline, search_graph };
     let began = Instant::now();
     let mut direction = Direction::new(&scene, None, &request, u32::MAX).unwrap();
     while direction.advance(&scene, 500).unwrap() == Progress::Running {}

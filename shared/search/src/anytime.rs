@@ -10,8 +10,8 @@
 
 use super::meter;
 use super::queue::Queue;
+use super::search_graph::SearchGraph;
 use super::task::{Found, Outlook, State, Task};
-use super::ways::Ways;
 
 /// States expanded in a layer of the first pass.
 const FIRST_WIDTH: usize = 96;
@@ -71,9 +71,9 @@ struct Open {
     /// What it is alike with; 0 where it is not compared.
     cell: u64,
     state: State,
-    /// Index in the trail of the state before, and the way from it; for a start, [`NONE`] and its number.
+    /// Index in the trail of the state before, and the edge from it; for a start, [`NONE`] and its number.
     before: u32,
-    way: u32,
+    edge: u32,
 }
 
 /// What comes next in a layer.
@@ -90,7 +90,7 @@ enum Next {
 #[derive(Clone, Copy, Debug)]
 struct Trail {
     before: u32,
-    way: u32,
+    edge: u32,
 }
 
 const NONE: u32 = u32::MAX;
@@ -98,7 +98,7 @@ const NONE: u32 = u32::MAX;
 impl Anytime {
     /// A search that has not begun.
     #[must_use]
-    pub fn new(task: &impl Task, ways: &Ways) -> Self {
+    pub fn new(task: &impl Task, search_graph: &SearchGraph) -> Self {
         let mut search = Self {
             pass: 0,
             layers: Vec::new(),
@@ -110,25 +110,25 @@ impl Anytime {
             cells: vec![(0, 0.0); CELLS],
             outlook: Outlook::default(),
             trail: Vec::new(),
-            starts: task.starts(ways),
+            starts: task.starts(search_graph),
             left_out: false,
             best: None,
             progress: Progress::Running,
             expanded: 0,
             serial: 0,
         };
-        search.begin_pass(task, ways);
+        search.begin_pass(task, search_graph);
         search
     }
 
     /// Expands up to `budget` states, or passes over many more: 1 to 2 microseconds each in early passes, up to 20 in the
-    /// last. `task` and `ways` are those that it was made with.
-    pub fn advance(&mut self, task: &impl Task, ways: &Ways, budget: u32) -> Progress {
+    /// last. `task` and `search_graph` are those that it was made with.
+    pub fn advance(&mut self, task: &impl Task, search_graph: &SearchGraph, budget: u32) -> Progress {
         let mut left = budget.saturating_mul(PASSED_OVER);
         while self.progress == Progress::Running && left > 0 {
-            let cost = match self.next_open(task, ways) {
+            let cost = match self.next_open(task, search_graph) {
                 Next::Open(open) => {
-                    self.expand(task, ways, &open);
+                    self.expand(task, search_graph, &open);
                     PASSED_OVER
                 }
                 Next::PassedOver => 1,
@@ -139,7 +139,7 @@ impl Anytime {
                     1
                 }
                 Next::LayerDone => {
-                    self.end_pass(task, ways);
+                    self.end_pass(task, search_graph);
                     PASSED_OVER
                 }
             };
@@ -175,7 +175,7 @@ impl Anytime {
         self.pass / 2
     }
 
-    fn begin_pass(&mut self, task: &impl Task, ways: &Ways) {
+    fn begin_pass(&mut self, task: &impl Task, search_graph: &SearchGraph) {
         self.layers.clear();
         self.open.clear();
         self.free.clear();
@@ -183,10 +183,10 @@ impl Anytime {
         (self.layer, self.serial, self.left_out) = (0, 0, false);
         self.begin_layer();
         self.trail.clear();
-        self.outlook = Outlook::new(task, ways, self.best.as_ref(), self.pass);
+        self.outlook = Outlook::new(task, search_graph, self.best.as_ref(), self.pass);
         for index in 0..self.starts.len() {
             let start = self.starts[index];
-            self.reach(task, ways, start, NONE, index as u32);
+            self.reach(task, search_graph, start, NONE, index as u32);
         }
     }
 
@@ -195,14 +195,14 @@ impl Anytime {
         self.expanded_by_crowd.fill(0);
     }
 
-    fn end_pass(&mut self, task: &impl Task, ways: &Ways) {
+    fn end_pass(&mut self, task: &impl Task, search_graph: &SearchGraph) {
         if !self.left_out {
             self.progress = Progress::Proven;
         } else if self.width() >= LAST_WIDTH {
             self.progress = Progress::Ended;
         } else {
             self.pass += 1;
-            self.begin_pass(task, ways);
+            self.begin_pass(task, search_graph);
             return;
         }
         self.layers = Vec::new();
@@ -211,7 +211,7 @@ impl Anytime {
     }
 
     /// Takes the next state of this layer.
-    fn next_open(&mut self, task: &impl Task, ways: &Ways) -> Next {
+    fn next_open(&mut self, task: &impl Task, search_graph: &SearchGraph) -> Next {
         // All starts get their chance.
         let width = self.width() + if self.layer == 0 { self.starts.len() } else { 0 };
         let Some((_, number)) = self.layers.get_mut(self.layer).and_then(Queue::pop) else { return Next::LayerDone };
@@ -224,7 +224,7 @@ impl Anytime {
             self.left_out = true;
             return Next::LayerDone;
         }
-        if open.before == NONE || self.admit(task, ways, &open, width) {
+        if open.before == NONE || self.admit(task, search_graph, &open, width) {
             self.expanded_in_layer += 1;
             return Next::Open(open);
         }
@@ -233,11 +233,11 @@ impl Anytime {
     }
 
     /// Whether a state has its place among those of its layer.
-    fn admit(&mut self, task: &impl Task, ways: &Ways, open: &Open, width: usize) -> bool {
+    fn admit(&mut self, task: &impl Task, search_graph: &SearchGraph, open: &Open, width: usize) -> bool {
         if self.pass >= COARSE_PASSES {
             return true;
         }
-        let (crowd, parts) = task.crowd(ways, &open.state);
+        let (crowd, parts) = task.crowd(search_graph, &open.state);
         if crowd >= self.expanded_by_crowd.len() {
             self.expanded_by_crowd.resize(crowd + 1, 0);
         }
@@ -250,48 +250,48 @@ impl Anytime {
         true
     }
 
-    fn expand(&mut self, task: &impl Task, ways: &Ways, open: &Open) {
+    fn expand(&mut self, task: &impl Task, search_graph: &SearchGraph, open: &Open) {
         self.expanded += 1;
         let here = self.trail.len() as u32;
-        self.trail.push(Trail { before: open.before, way: open.way });
+        self.trail.push(Trail { before: open.before, edge: open.edge });
         let level = self.level();
-        meter::count(ways.from(open.state.frame).len());
+        meter::count(search_graph.from(open.state.frame).len());
         let stride = 8_u32 >> level.min(3);
         let recorded_only = !open.state.frame.is_multiple_of(stride);
-        for way in ways.from(open.state.frame) {
-            let taken = ways.way(way);
+        for edge in search_graph.from(open.state.frame) {
+            let taken = search_graph.edge(edge);
             if taken.transition.is_some() && (recorded_only || taken.rank > level) {
                 self.left_out = true;
                 continue;
             }
-            if let Some(next) = task.follow(ways, &open.state, way) {
-                self.reach(task, ways, next, here, way);
+            if let Some(next) = task.follow(search_graph, &open.state, edge) {
+                self.reach(task, search_graph, next, here, edge);
             }
         }
     }
 
-    fn reach(&mut self, task: &impl Task, ways: &Ways, state: State, before: u32, way: u32) {
-        let remaining = task.remaining(ways, &state);
+    fn reach(&mut self, task: &impl Task, search_graph: &SearchGraph, state: State, before: u32, edge: u32) {
+        let remaining = task.remaining(search_graph, &state);
         let bound = state.cost + remaining;
         if self.is_hopeless(bound) {
             return;
         }
-        if let Some(ending) = task.ending(ways, &state) {
+        if let Some(ending) = task.ending(search_graph, &state) {
             let cost = state.cost + ending;
             if !self.is_hopeless(cost) {
-                self.best = Some(self.trace(cost, state, before, way));
+                self.best = Some(self.trace(cost, state, before, edge));
             }
         }
-        if task.halts(ways, &state) {
+        if task.halts(search_graph, &state) {
             return;
         }
-        let order = state.cost + remaining.max(task.guess(ways, &state, &self.outlook));
+        let order = state.cost + remaining.max(task.guess(search_graph, &state, &self.outlook));
         let layer = task.layer(&state).max(self.layer);
         let mut cell = 0;
         // A state that goes on from one of this layer by a recorded step is not compared with it.
-        let is_fresh = layer > self.layer || before == NONE || ways.way(way).transition.is_some();
+        let is_fresh = layer > self.layer || before == NONE || search_graph.edge(edge).transition.is_some();
         if is_fresh && self.pass < COARSE_PASSES {
-            cell = task.cell(ways, &state, self.level()) ^ (layer as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            cell = task.cell(search_graph, &state, self.level()) ^ (layer as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let known = &mut self.cells[cell as usize % CELLS];
             if known.0 == cell && known.1 <= order {
                 self.left_out = true;
@@ -299,7 +299,7 @@ impl Anytime {
             }
             *known = (cell, order);
         }
-        self.push(layer, Open { bound, order, cell, state, before, way });
+        self.push(layer, Open { bound, order, cell, state, before, edge });
     }
 
     /// A layer with many times more states than will be expanded loses its worst, to bound memory.
@@ -331,13 +331,13 @@ impl Anytime {
         self.best.as_ref().is_some_and(|best| bound >= best.cost)
     }
 
-    fn trace(&self, cost: f64, end: State, before: u32, way: u32) -> Found {
-        let (mut ways, mut before, mut way) = (Vec::new(), before, way);
+    fn trace(&self, cost: f64, end: State, before: u32, edge: u32) -> Found {
+        let (mut edges, mut before, mut edge) = (Vec::new(), before, edge);
         while before != NONE {
-            ways.push(way);
-            Trail { before, way } = self.trail[before as usize];
+            edges.push(edge);
+            Trail { before, edge } = self.trail[before as usize];
         }
-        ways.reverse();
-        Found { cost, start: self.starts[way as usize], ways, end }
+        edges.reverse();
+        Found { cost, start: self.starts[edge as usize], edges, end }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::meter;
 use super::queue::Queue;
+use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk_to;
-use super::ways::Ways;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::{Leg, Walk, steps_of};
@@ -25,29 +25,30 @@ pub fn walk_to_any(graph: &EssentialGraph, timeline: &Timeline, from: u32, targe
     cheapest_walk_to(graph, timeline, from, &|frame| is_target[frame as usize])
 }
 
-/// The cheapest walk to frames that show a behaviour, by its number in [`Ways`], and that it can be seen from: half a second
+/// The cheapest walk to frames that show a behaviour, by its number in [`SearchGraph`], and that it can be seen from: half a second
 /// of it follows, or as much as there is.
 #[must_use]
 pub fn walk_to_behaviour(
     graph: &EssentialGraph,
     timeline: &Timeline,
-    ways: &Ways,
+    search_graph: &SearchGraph,
     from: u32,
     behaviour: usize,
 ) -> Option<Walk> {
     let follows = |frame: u32, steps: i64| {
         let later = timeline.offset(frame, steps);
-        later.is_some_and(|later| ways.shows(behaviour, later) && ways.live[later as usize])
+        later.is_some_and(|later| search_graph.shows(behaviour, later) && search_graph.live[later as usize])
     };
     for seconds in [0.5, 0.2, 0.0] {
-        let steps = (seconds * ways.fps) as i64;
-        let shows = |frame: &u32| ways.shows(behaviour, *frame) && follows(*frame, steps);
-        let targets: Vec<u32> = (0..ways.frame_count()).filter(shows).collect();
+        let steps = (seconds * search_graph.fps) as i64;
+        let shows = |frame: &u32| search_graph.shows(behaviour, *frame) && follows(*frame, steps);
+        let targets: Vec<u32> = (0..search_graph.frame_count()).filter(shows).collect();
         if let Some(walk) = walk_to_any(graph, timeline, from, &targets) {
             return Some(walk);
         }
     }
-    let targets: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.shows(behaviour, frame)).collect();
+    let targets: Vec<u32> =
+        (0..search_graph.frame_count()).filter(|&frame| search_graph.shows(behaviour, frame)).collect();
     walk_to_any(graph, timeline, from, &targets)
 }
 
@@ -106,8 +107,13 @@ impl Hold {
 /// The loop within a behaviour with the least cost a step, of at least 0.8 s where there is one, all at once
 /// ([`LoopSearch`]). `None` where the behaviour has no loop of its own.
 #[must_use]
-pub fn holding_loop(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, behaviour: usize) -> Option<Hold> {
-    let mut search = LoopSearch::new(ways, behaviour);
+pub fn holding_loop(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    search_graph: &SearchGraph,
+    behaviour: usize,
+) -> Option<Hold> {
+    let mut search = LoopSearch::new(search_graph, behaviour);
     while !search.advance(graph, timeline) {}
     search.best
 }
@@ -127,12 +133,13 @@ pub struct LoopSearch {
 }
 
 impl LoopSearch {
-    /// The search among the frames of a behaviour, by its number in [`Ways`].
+    /// The search among the frames of a behaviour, by its number in [`SearchGraph`].
     #[must_use]
-    pub fn new(ways: &Ways, behaviour: usize) -> Self {
-        let inside: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.shows(behaviour, frame)).collect();
+    pub fn new(search_graph: &SearchGraph, behaviour: usize) -> Self {
+        let inside: Vec<u32> =
+            (0..search_graph.frame_count()).filter(|&frame| search_graph.shows(behaviour, frame)).collect();
         let stride = inside.len().div_ceil(MOST_SOURCES).max(1);
-        Self { inside, next: 0, stride, best: None, price: (true, f64::INFINITY), fps: ways.fps }
+        Self { inside, next: 0, stride, best: None, price: (true, f64::INFINITY), fps: search_graph.fps }
     }
 
     /// Looks for no more.

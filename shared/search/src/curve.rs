@@ -134,7 +134,7 @@ impl Curve {
     #[must_use]
     pub fn first_heading(&self) -> f32 {
         let step = (self.at(0.1) - self.at(0.0)).xz();
-        if step.length() > 1e-6 { super::spot::angle(step.x, step.y) } else { 0.0 }
+        if step.length() > 1e-6 { super::ground_pose::angle(step.x, step.y) } else { 0.0 }
     }
 
     /// Its points about `spacing` metres apart, for drawing.

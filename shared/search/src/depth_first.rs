@@ -1,8 +1,8 @@
 //! The papers' search, exhaustive: depth-first branch-and-bound (thesis section 3.5; Kovar and others 2002). The oracle
 //! that the tool's search is measured against; its time grows exponentially.
 
+use super::search_graph::SearchGraph;
 use super::task::{Found, State, Task};
-use super::ways::Ways;
 
 /// What an exhaustive search has found.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,9 +17,10 @@ pub struct Exhausted {
 
 /// Searches all walks, up to `most` expanded states.
 #[must_use]
-pub fn depth_first(task: &impl Task, ways: &Ways, most: u64) -> Exhausted {
-    let mut search = Search { task, ways, most, result: Exhausted { found: None, complete: true, expanded: 0 } };
-    for start in task.starts(ways) {
+pub fn depth_first(task: &impl Task, search_graph: &SearchGraph, most: u64) -> Exhausted {
+    let mut search =
+        Search { task, search_graph, most, result: Exhausted { found: None, complete: true, expanded: 0 } };
+    for start in task.starts(search_graph) {
         search.consider(&start, &start, &[]);
         search.expand(start);
     }
@@ -28,7 +29,7 @@ pub fn depth_first(task: &impl Task, ways: &Ways, most: u64) -> Exhausted {
 
 struct Search<'a, T> {
     task: &'a T,
-    ways: &'a Ways,
+    search_graph: &'a SearchGraph,
     most: u64,
     result: Exhausted,
 }
@@ -42,7 +43,7 @@ impl<T: Task> Search<'_, T> {
         let mut taken: Vec<u32> = Vec::new();
         let mut stack = vec![self.successors(&start)];
         while let Some(siblings) = stack.last_mut() {
-            let Some((bound, way, state)) = siblings.pop() else {
+            let Some((bound, edge, state)) = siblings.pop() else {
                 stack.pop();
                 taken.pop();
                 continue;
@@ -54,9 +55,9 @@ impl<T: Task> Search<'_, T> {
                 self.result.complete = false;
                 return;
             }
-            taken.push(way);
+            taken.push(edge);
             self.consider(&start, &state, &taken);
-            if self.task.halts(self.ways, &state) {
+            if self.task.halts(self.search_graph, &state) {
                 taken.pop();
             } else {
                 stack.push(self.successors(&state));
@@ -66,11 +67,11 @@ impl<T: Task> Search<'_, T> {
 
     fn successors(&mut self, state: &State) -> Siblings {
         self.result.expanded += 1;
-        let follow = |way: u32| {
-            let next = self.task.follow(self.ways, state, way)?;
-            Some((next.cost + self.task.remaining(self.ways, &next), way, next))
+        let follow = |edge: u32| {
+            let next = self.task.follow(self.search_graph, state, edge)?;
+            Some((next.cost + self.task.remaining(self.search_graph, &next), edge, next))
         };
-        let mut siblings: Siblings = self.ways.from(state.frame).filter_map(follow).collect();
+        let mut siblings: Siblings = self.search_graph.from(state.frame).filter_map(follow).collect();
         siblings.sort_by(|a, b| b.0.total_cmp(&a.0));
         siblings
     }
@@ -80,10 +81,10 @@ impl<T: Task> Search<'_, T> {
     }
 
     fn consider(&mut self, start: &State, end: &State, taken: &[u32]) {
-        let Some(ending) = self.task.ending(self.ways, end) else { return };
+        let Some(ending) = self.task.ending(self.search_graph, end) else { return };
         let cost = end.cost + ending;
         if !self.is_hopeless(cost) {
-            self.result.found = Some(Found { cost, start: *start, ways: taken.to_vec(), end: *end });
+            self.result.found = Some(Found { cost, start: *start, edges: taken.to_vec(), end: *end });
         }
     }
 }

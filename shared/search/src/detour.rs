@@ -9,10 +9,10 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3Swizzles};
 
+use super::ground_pose::{GroundPose, angle, turn_of};
 use super::meter;
 use super::queue::Queue;
-use super::spot::{Spot, angle, turn_of};
-use super::ways::Ways;
+use super::search_graph::SearchGraph;
 use kernels::sort;
 
 /// Cells along each side of the grid, metres of one, and bins of headings.
@@ -50,15 +50,15 @@ struct Stretch {
 
 impl Detour {
     /// Nothing is known yet. `wanted` is the way to face, a unit vector along (X, Z).
-    pub fn new(ways: &Ways, place: Vec2, wanted: Vec2, a_step: f64) -> Self {
+    pub fn new(search_graph: &SearchGraph, place: Vec2, wanted: Vec2, a_step: f64) -> Self {
         let cells = (SIDE * SIDE * BINS) as usize;
-        let steps = ((SECONDS * ways.fps) as u32).max(1);
+        let steps = ((SECONDS * search_graph.fps) as u32).max(1);
         let mut detour = Self {
             place,
             wanted,
             least: vec![f32::INFINITY; cells],
             queue: Queue::default(),
-            stretches: stretches(ways, steps),
+            stretches: stretches(search_graph, steps),
             cost: a_step * f64::from(steps),
         };
         detour.reach(Vec2::ZERO, 0.0, 0.0);
@@ -88,7 +88,7 @@ impl Detour {
         for index in 0..self.stretches.len() {
             let stretch = self.stretches[index];
             let before = heading * (TAU / BINS as f32) - stretch.turn;
-            let facing = Spot { turn: turn_of(before), shift: Vec2::ZERO };
+            let facing = GroundPose { turn: turn_of(before), shift: Vec2::ZERO };
             self.reach(place - facing.rotate(stretch.shift), before, cost + self.cost);
         }
     }
@@ -106,7 +106,7 @@ impl Detour {
     /// the grid.
     pub fn from(&self, point: Vec2, face: Vec2, a_metre: f64) -> f64 {
         // As the goal sees it, which faces +Z.
-        let goal = Spot { turn: Vec2::new(self.wanted.y, -self.wanted.x), shift: Vec2::ZERO };
+        let goal = GroundPose { turn: Vec2::new(self.wanted.y, -self.wanted.x), shift: Vec2::ZERO };
         let (place, face) = (goal.rotate(point - self.place), goal.rotate(face));
         let (cell, outside) = cell_of(place, angle(face.x, face.y));
         f64::from(self.least[cell].min(1e3)) + f64::from(outside) * a_metre
@@ -123,16 +123,21 @@ fn cell_of(place: Vec2, heading: f32) -> (usize, f32) {
 }
 
 /// Stretches of all recordings that are not alike.
-fn stretches(ways: &Ways, steps: u32) -> Vec<Stretch> {
+fn stretches(search_graph: &SearchGraph, steps: u32) -> Vec<Stretch> {
     let mut keys = Vec::new();
     let bin = |value: f32, size: f32| ((value / size).round() as i32 + (1 << 16)) as u32;
-    for frame in (0..ways.frame_count()).step_by((ways.fps / STRETCHES) as usize + 1) {
-        let Some((point, _)) = ways.ahead(frame, Spot::IDENTITY, steps).filter(|_| ways.live[frame as usize]) else {
+    for frame in (0..search_graph.frame_count()).step_by((search_graph.fps / STRETCHES) as usize + 1) {
+        let Some((point, _)) =
+            search_graph.ahead(frame, GroundPose::IDENTITY, steps).filter(|_| search_graph.live[frame as usize])
+        else {
             continue;
         };
-        let (face, then) = (ways.face_at(frame, Spot::IDENTITY), ways.face_at(frame + steps, Spot::IDENTITY));
-        let body = Spot { turn: Vec2::new(face.y, -face.x), shift: Vec2::ZERO };
-        let shift = body.rotate(point.xz() - ways.points[frame as usize].xz());
+        let (face, then) = (
+            search_graph.face_at(frame, GroundPose::IDENTITY),
+            search_graph.face_at(frame + steps, GroundPose::IDENTITY),
+        );
+        let body = GroundPose { turn: Vec2::new(face.y, -face.x), shift: Vec2::ZERO };
+        let shift = body.rotate(point.xz() - search_graph.points[frame as usize].xz());
         let turn = body.rotate(then);
         keys.push(sort::key([
             bin(angle(turn.x, turn.y), SAME_RADIANS),

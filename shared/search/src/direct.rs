@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use super::answer::Answer;
 use super::anytime::Progress;
+use super::ground_pose::GroundPose;
 use super::request::{Request, RequestError, Target, VERSION};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
-use super::spot::Spot;
 use super::work::Work;
 use actor::walk::Walk;
 use kernels::align::Placement;
@@ -60,7 +60,7 @@ impl Direction {
             is_free,
             done: Done {
                 frame: start.frame,
-                spot: Spot::from(&start.placement),
+                ground_pose: GroundPose::from(&start.placement),
                 walk: Walk::default(),
                 parts: Vec::new(),
             },
@@ -129,9 +129,9 @@ impl Direction {
             start_frame: start.frame,
             start_placement: placement(start.placement),
             steps,
-            seconds: f64::from(steps) / scene.ways.fps,
+            seconds: f64::from(steps) / scene.search_graph.fps,
             end_frame: done.frame,
-            end_placement: placement(done.spot.into()),
+            end_placement: placement(done.ground_pose.into()),
             walk: done.walk,
             parts: done.parts,
             progress: self.progress(),
@@ -164,15 +164,20 @@ impl Direction {
 fn check(scene: &Scene, target: &Target) -> Result<(), RequestError> {
     match target {
         Target::Pose(frame) => frame.find(scene.timeline).map(|_| ()),
-        Target::Behaviour(request) => scene.ways.behaviour(&request.name).map(|_| ()),
+        Target::Behaviour(request) => scene.search_graph.behaviour(&request.name).map(|_| ()),
         Target::Path(request) => {
-            if request.vertices != scene.ways.group {
+            if request.vertices != scene.search_graph.group {
                 return Err(RequestError::OtherGroup);
             }
-            request.stretches.iter().try_for_each(|stretch| scene.ways.behaviour(&stretch.behaviour).map(|_| ()))
+            request
+                .stretches
+                .iter()
+                .try_for_each(|stretch| scene.search_graph.behaviour(&stretch.behaviour).map(|_| ()))
         }
         Target::Keys(request) => request.poses.iter().try_for_each(|key| key.pose.find(scene.timeline).map(|_| ())),
-        Target::Wander(request) => request.weights.keys().try_for_each(|name| scene.ways.behaviour(name).map(|_| ())),
+        Target::Wander(request) => {
+            request.weights.keys().try_for_each(|name| scene.search_graph.behaviour(name).map(|_| ()))
+        }
         Target::Place(_) => Ok(()),
         Target::Queue(_) => Err(RequestError::Nested),
     }
@@ -186,5 +191,5 @@ fn usual_start(scene: &Scene, first: Option<&Target>) -> Result<u32, RequestErro
     {
         return key.pose.find(scene.timeline);
     }
-    Ok(scene.ways.main.iter().position(|&main| main).unwrap_or(0) as u32)
+    Ok(scene.search_graph.main.iter().position(|&main| main).unwrap_or(0) as u32)
 }

@@ -39,7 +39,7 @@ impl KeyPlan {
         let mut keys = Vec::new();
         for (index, key) in request.poses.iter().enumerate() {
             let frame = key.pose.find(scene.timeline)?;
-            keys.push(kernels::sort::key([(key.time * scene.ways.fps).round() as u32, index as u32, frame, 0]));
+            keys.push(kernels::sort::key([(key.time * scene.search_graph.fps).round() as u32, index as u32, frame, 0]));
         }
         kernels::sort::sort(&mut keys);
         let longest = KeyLeg::longest(scene.timeline.frame_count());
@@ -47,7 +47,7 @@ impl KeyPlan {
         let mut before = 0;
         for [step, _, frame, _] in keys.into_iter().map(kernels::sort::numbers) {
             // A long leg is cut: the actor comes by its goal on the way.
-            while step - before > longest && scene.ways.main[frame as usize] {
+            while step - before > longest && scene.search_graph.main[frame as usize] {
                 before += longest;
                 to_do.push_back(Stop { frame, instead_of: None, step: before, has_row: false });
             }
@@ -77,7 +77,7 @@ impl KeyPlan {
                 Some(self.taken)
             }
             LegEnd::NoWay => {
-                let other = scene.ways.substitute(stop.frame).filter(|_| stop.instead_of.is_none());
+                let other = scene.search_graph.substitute(stop.frame).filter(|_| stop.instead_of.is_none());
                 if let (Some(other), Some(front)) = (other, self.to_do.front_mut()) {
                     (front.frame, front.instead_of) = (other, Some(stop.frame));
                     return false;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! graph, timeline -> cheapest_walk            (a pose)
-//! graph, timeline, Motion -> Ways -> Search   (paths, key poses, places, behaviours, wandering, queues of them)
+//! graph, timeline, Motion -> SearchGraph -> Search   (paths, key poses, places, behaviours, wandering, queues of them)
 //! ```
 //!
 //! [`Direction`] is the whole of it behind one call: a [`Request`], checked, is worked on in slices and can be asked for its
@@ -22,6 +22,7 @@ mod curve;
 mod depth_first;
 mod detour;
 mod direct;
+mod ground_pose;
 mod key_plan;
 mod keys;
 mod meter;
@@ -33,11 +34,10 @@ mod queue;
 mod random;
 mod request;
 mod scene;
+mod search_graph;
 mod shortest;
-mod spot;
 mod task;
 mod wander;
-mod ways;
 mod work;
 
 pub use answer::{Answer, Goal, KeyRow, Part};
@@ -48,6 +48,7 @@ pub use components::{MainComponent, main_component, main_component_of, reached, 
 pub use curve::{Curve, Shape};
 pub use depth_first::{Exhausted, depth_first};
 pub use direct::{DEFAULT_EFFORT, Direction};
+pub use ground_pose::GroundPose;
 pub use keys::{KeyLeg, LegEnd};
 pub use meter::edges_looked_at;
 pub use path::{Demand, PathReport, PathTask};
@@ -59,8 +60,7 @@ pub use request::{
     Request, RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
 pub use scene::{Scene, Start};
+pub use search_graph::{Edge, SAMPLE_STRIDE, Sample, SearchGraph, SearchGraphBuilder};
 pub use shortest::{Measure, cheapest_walk, to_targets, walk_down};
-pub use spot::Spot;
 pub use task::{Found, LEAST_STEP_COST, Outlook, State, Task};
 pub use wander::Wander;
-pub use ways::{SAMPLE_STRIDE, Sample, Survey, Way, Ways};

@@ -2,9 +2,9 @@
 //! stretches that may demand a behaviour (thesis section 3.5.1; TVCG section 4.3.1).
 
 use super::curve::Curve;
-use super::spot::{Spot, half_turn};
+use super::ground_pose::{GroundPose, half_turn};
+use super::search_graph::{SAMPLE_STRIDE, SearchGraph};
 use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
-use super::ways::{SAMPLE_STRIDE, Ways};
 
 /// Metre-seconds that each metre costs by which a walk ends before the path does.
 const LEFT_OVER: f64 = 20.0;
@@ -38,7 +38,7 @@ pub struct Demand {
     pub from: f64,
     /// Where it ends.
     pub to: f64,
-    /// The behaviour, by its number in [`Ways`].
+    /// The behaviour, by its number in [`SearchGraph`].
     pub behaviour: usize,
 }
 
@@ -67,13 +67,19 @@ pub struct PathTask {
 impl PathTask {
     /// Following `curve` from one of `starts`.
     #[must_use]
-    pub fn new(ways: &Ways, curve: Curve, demands: Vec<Demand>, starts: Vec<State>, realism: f64) -> Self {
+    pub fn new(
+        search_graph: &SearchGraph,
+        curve: Curve,
+        demands: Vec<Demand>,
+        starts: Vec<State>,
+        realism: f64,
+    ) -> Self {
         let seconds = PATIENCE + curve.length() / SLOWEST;
         Self {
             layer_length: LAYER.max(curve.length() / MOST_LAYERS),
-            most_steps: (seconds * ways.fps).min(1e6) as u32,
-            seconds_per_step: 1.0 / ways.fps,
-            step_cost: (realism * ways.alpha).max(LEAST_STEP_COST),
+            most_steps: (seconds * search_graph.fps).min(1e6) as u32,
+            seconds_per_step: 1.0 / search_graph.fps,
+            step_cost: (realism * search_graph.alpha).max(LEAST_STEP_COST),
             curve,
             demands,
             starts,
@@ -83,40 +89,49 @@ impl PathTask {
 
     /// Places where `frame` may begin the path: at its first point, facing along it.
     #[must_use]
-    pub fn start_on(ways: &Ways, curve: &Curve, frame: u32) -> Option<State> {
+    pub fn start_on(search_graph: &SearchGraph, curve: &Curve, frame: u32) -> Option<State> {
         use glam::Vec3Swizzles;
-        let facing = ways.facings.get(frame as usize)?;
+        let facing = search_graph.facings.get(frame as usize)?;
         let heading = half_turn(curve.first_heading() - facing);
-        Some(State::start(frame, Spot::turning(heading, ways.points[frame as usize].xz(), curve.at(0.0).xz())))
+        Some(State::start(
+            frame,
+            GroundPose::turning(heading, search_graph.points[frame as usize].xz(), curve.at(0.0).xz()),
+        ))
     }
 
     /// What `travelled` metres of path demand of a frame: whether it shows another behaviour.
-    fn is_wrong(&self, ways: &Ways, travelled: f64, frame: u32) -> bool {
+    fn is_wrong(&self, search_graph: &SearchGraph, travelled: f64, frame: u32) -> bool {
         let demand = self.demands.iter().rev().find(|demand| (demand.from..demand.to).contains(&travelled));
-        demand.is_some_and(|demand| !ways.shows(demand.behaviour, frame))
+        demand.is_some_and(|demand| !search_graph.shows(demand.behaviour, frame))
     }
 
-    /// Follows the samples of a way: for each the arc length, the point in the world, the steps and the frame it looks
+    /// Follows the samples of an edge: for each the arc length, the point in the world, the steps and the frame it looks
     /// like.
-    fn along(&self, ways: &Ways, from: &State, way: u32, mut visit: impl FnMut(f64, glam::Vec3, u32, u32)) -> f64 {
+    fn along(
+        &self,
+        search_graph: &SearchGraph,
+        from: &State,
+        edge: u32,
+        mut visit: impl FnMut(f64, glam::Vec3, u32, u32),
+    ) -> f64 {
         let mut travelled = from.travelled;
-        for sample in ways.samples(way) {
+        for sample in search_graph.samples(edge) {
             travelled += f64::from(if self.curve.is_flat() { sample.on_ground } else { sample.in_space });
-            visit(travelled, from.spot.apply(sample.point), sample.steps, sample.looks_like);
+            visit(travelled, from.ground_pose.apply(sample.point), sample.steps, sample.looks_like);
         }
         travelled
     }
 
     /// How well a walk that was found follows the path.
     #[must_use]
-    pub fn judge(&self, ways: &Ways, found: &Found) -> PathReport {
+    pub fn judge(&self, search_graph: &SearchGraph, found: &Found) -> PathReport {
         let curve = self.curve.polyline(0.05).iter().map(|point| point.to_array()).collect();
         let mut report =
             PathReport { length: self.curve.length(), curve, flat: self.curve.is_flat(), ..PathReport::default() };
         let (mut steps, mut demanded, mut kept) = (0_u32, 0_u32, 0_u32);
-        let states = found.states(self, ways);
-        for (state, &way) in states.iter().zip(&found.ways) {
-            report.travelled = self.along(ways, state, way, |travelled, point, weight, frame| {
+        let states = found.states(self, search_graph);
+        for (state, &edge) in states.iter().zip(&found.edges) {
+            report.travelled = self.along(search_graph, state, edge, |travelled, point, weight, frame| {
                 let (off, aside) = (self.curve.distance(point, travelled), self.curve.nearest(point, travelled));
                 report.mean += off * f64::from(weight);
                 report.max = report.max.max(off);
@@ -126,7 +141,7 @@ impl PathTask {
                 steps += weight;
                 if self.demands.iter().any(|demand| (demand.from..demand.to).contains(&travelled)) {
                     demanded += weight;
-                    kept += if self.is_wrong(ways, travelled, frame) { 0 } else { weight };
+                    kept += if self.is_wrong(search_graph, travelled, frame) { 0 } else { weight };
                 }
             });
         }
@@ -163,37 +178,37 @@ pub struct PathReport {
 }
 
 impl Task for PathTask {
-    fn starts(&self, _: &Ways) -> Vec<State> {
+    fn starts(&self, _: &SearchGraph) -> Vec<State> {
         self.starts.clone()
     }
 
-    fn follow(&self, ways: &Ways, from: &State, index: u32) -> Option<State> {
-        let way = ways.way(index);
+    fn follow(&self, search_graph: &SearchGraph, from: &State, index: u32) -> Option<State> {
+        let edge = search_graph.edge(index);
         let mut error = 0.0;
-        let travelled = self.along(ways, from, index, |travelled, point, steps, frame| {
-            let wrong = if self.is_wrong(ways, travelled, frame) { WRONG_BEHAVIOUR } else { 0.0 };
+        let travelled = self.along(search_graph, from, index, |travelled, point, steps, frame| {
+            let wrong = if self.is_wrong(search_graph, travelled, frame) { WRONG_BEHAVIOUR } else { 0.0 };
             error += f64::from(steps) * (self.curve.distance(point, travelled) + wrong);
         });
-        let graph = (self.realism * way.cost).max(self.step_cost * f64::from(way.steps));
+        let graph = (self.realism * edge.cost).max(self.step_cost * f64::from(edge.steps));
         Some(State {
-            frame: way.to,
-            spot: from.spot.after(&way.spot),
+            frame: edge.to,
+            ground_pose: from.ground_pose.after(&edge.ground_pose),
             travelled,
-            steps: from.steps + way.steps,
+            steps: from.steps + edge.steps,
             cost: from.cost + error * self.seconds_per_step + graph,
         })
     }
 
     /// The rest of the path takes time even at the best speed v, and a distance d to the path shrinks by 2 v a step at
     /// most: actor and point both move. Or the walk ends early, for a price.
-    fn remaining(&self, ways: &Ways, state: &State) -> f64 {
+    fn remaining(&self, search_graph: &SearchGraph, state: &State) -> f64 {
         let left = self.curve.length() - state.travelled;
-        let speed = ways.best_speed;
+        let speed = search_graph.best_speed;
         if left <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
         let steps = left / speed;
-        let off = self.curve.distance(ways.point_at(state.frame, state.spot), state.travelled);
+        let off = self.curve.distance(search_graph.point_at(state.frame, state.ground_pose), state.travelled);
         // Samples are taken at the ends of up to SAMPLE_STRIDE steps: sums from below by the integral from there on.
         let area = |step: f64| step * (off - speed * step);
         let (from, to) = (f64::from(SAMPLE_STRIDE), steps.min(off / (2.0 * speed)));
@@ -207,17 +222,19 @@ impl Task for PathTask {
 
     /// The recording is followed for as long as that pays, then a transition is taken, and the rest costs what it did on the
     /// best walk so far. What cannot turn is found out early, and what follows the path for long is preferred.
-    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+    fn guess(&self, search_graph: &SearchGraph, state: &State, outlook: &Outlook) -> f64 {
         let pass = outlook.pass as usize % TRUST.len();
         let rest = |travelled: f64, off: f64| {
             let left = (self.curve.length() - travelled).max(0.0);
             let rest = outlook.after(travelled / self.layer_length).unwrap_or(left * A_METRE);
             self.realism * A_TRANSITION + OFF[pass] * off + TRUST[pass] * rest
         };
-        let stride = ((ways.fps / GLANCES) as u32).max(1);
+        let stride = ((search_graph.fps / GLANCES) as u32).max(1);
         let (mut error, mut least) = (0.0, f64::INFINITY);
         for glance in 1..=MOST_GLANCES {
-            let Some((point, [on_ground, in_space])) = ways.ahead(state.frame, state.spot, glance * stride) else {
+            let Some((point, [on_ground, in_space])) =
+                search_graph.ahead(state.frame, state.ground_pose, glance * stride)
+            else {
                 break;
             };
             let travelled = state.travelled + f64::from(if self.curve.is_flat() { on_ground } else { in_space });
@@ -235,15 +252,18 @@ impl Task for PathTask {
         if least.is_finite() {
             return least;
         }
-        rest(state.travelled, self.curve.distance(ways.point_at(state.frame, state.spot), state.travelled))
+        rest(
+            state.travelled,
+            self.curve.distance(search_graph.point_at(state.frame, state.ground_pose), state.travelled),
+        )
     }
 
-    fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
-        let off = self.curve.distance(ways.point_at(state.frame, state.spot), self.curve.length());
+    fn ending(&self, search_graph: &SearchGraph, state: &State) -> Option<f64> {
+        let off = self.curve.distance(search_graph.point_at(state.frame, state.ground_pose), self.curve.length());
         Some((self.curve.length() - state.travelled).max(0.0) * LEFT_OVER + off * AT_THE_END)
     }
 
-    fn halts(&self, _: &Ways, state: &State) -> bool {
+    fn halts(&self, _: &SearchGraph, state: &State) -> bool {
         state.travelled >= self.curve.length() || state.steps >= self.most_steps
     }
 
@@ -251,7 +271,7 @@ impl Task for PathTask {
         (state.travelled / self.layer_length) as usize
     }
 
-    fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {
+    fn cell(&self, _: &SearchGraph, state: &State, fineness: u32) -> u64 {
         let finer = (1 << fineness.min(8)) as f32;
         cell_of(state, (8 >> fineness.min(3), 0.2 / finer, 0.2 / finer))
     }

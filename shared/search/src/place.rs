@@ -3,9 +3,9 @@
 use glam::{Vec2, Vec2Swizzles, Vec3Swizzles};
 
 use super::detour::Detour;
-use super::spot::{angle, turn_of};
+use super::ground_pose::{angle, turn_of};
+use super::search_graph::SearchGraph;
 use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
-use super::ways::Ways;
 
 /// Seconds that a metre off the place is worth.
 const METRE_OFF: f64 = 40.0;
@@ -69,21 +69,21 @@ pub struct PlaceReport {
 impl PlaceTask {
     /// Going from `start` to `place`.
     #[must_use]
-    pub fn new(ways: &Ways, start: State, place: Vec2, heading: Option<f32>, realism: f64) -> Self {
+    pub fn new(search_graph: &SearchGraph, start: State, place: Vec2, heading: Option<f32>, realism: f64) -> Self {
         let wanted = heading.map(|heading| turn_of(heading).yx());
-        let a_step = 1.0 / ways.fps + (realism * ways.alpha).max(LEAST_STEP_COST);
-        let distance = f64::from(ways.point_at(start.frame, start.spot).xz().distance(place));
+        let a_step = 1.0 / search_graph.fps + (realism * search_graph.alpha).max(LEAST_STEP_COST);
+        let distance = f64::from(search_graph.point_at(start.frame, start.ground_pose).xz().distance(place));
         Self {
             place,
             heading,
             wanted,
-            detour: wanted.map(|wanted| Detour::new(ways, place, wanted, a_step)),
+            detour: wanted.map(|wanted| Detour::new(search_graph, place, wanted, a_step)),
             start,
             realism,
-            seconds_per_step: 1.0 / ways.fps,
+            seconds_per_step: 1.0 / search_graph.fps,
             step_cost: a_step,
-            most_steps: ((PATIENCE + distance / SLOWEST) * ways.fps).min(1e6) as u32,
-            steps_in_layer: ((ways.fps / LAYERS) as u32).max(1),
+            most_steps: ((PATIENCE + distance / SLOWEST) * search_graph.fps).min(1e6) as u32,
+            steps_in_layer: ((search_graph.fps / LAYERS) as u32).max(1),
         }
     }
 
@@ -94,10 +94,10 @@ impl PlaceTask {
     }
 
     /// Metres off the place and radians off the heading.
-    fn missing(&self, ways: &Ways, state: &State) -> (f64, f64) {
-        let off = f64::from(ways.point_at(state.frame, state.spot).xz().distance(self.place));
+    fn missing(&self, search_graph: &SearchGraph, state: &State) -> (f64, f64) {
+        let off = f64::from(search_graph.point_at(state.frame, state.ground_pose).xz().distance(self.place));
         let turn = self.wanted.map_or(0.0, |wanted| {
-            let face = ways.face_at(state.frame, state.spot);
+            let face = search_graph.face_at(state.frame, state.ground_pose);
             f64::from(angle(face.perp_dot(wanted), face.dot(wanted)).abs())
         });
         (off, turn)
@@ -118,24 +118,24 @@ impl PlaceTask {
 
     /// How well a walk that was found reaches the place.
     #[must_use]
-    pub fn judge(&self, ways: &Ways, found: &Found) -> PlaceReport {
-        let (distance, turn) = self.missing(ways, &found.end);
+    pub fn judge(&self, search_graph: &SearchGraph, found: &Found) -> PlaceReport {
+        let (distance, turn) = self.missing(search_graph, &found.end);
         PlaceReport { distance, turn: self.heading.map(|_| turn) }
     }
 }
 
 impl Task for PlaceTask {
-    fn starts(&self, _: &Ways) -> Vec<State> {
+    fn starts(&self, _: &SearchGraph) -> Vec<State> {
         vec![self.start]
     }
 
-    fn follow(&self, ways: &Ways, from: &State, index: u32) -> Option<State> {
-        let way = ways.way(index);
+    fn follow(&self, search_graph: &SearchGraph, from: &State, index: u32) -> Option<State> {
+        let way = search_graph.edge(index);
         let steps = f64::from(way.steps);
         let cost = (steps * self.seconds_per_step + self.realism * way.cost).max(steps * self.step_cost);
         Some(State {
             frame: way.to,
-            spot: from.spot.after(&way.spot),
+            ground_pose: from.ground_pose.after(&way.ground_pose),
             travelled: from.travelled,
             steps: from.steps + way.steps,
             cost: from.cost + cost,
@@ -143,26 +143,26 @@ impl Task for PlaceTask {
     }
 
     /// Coming nearer takes steps at the best speed, turning takes steps at the fastest turn, and both may be done at once.
-    fn remaining(&self, ways: &Ways, state: &State) -> f64 {
-        let (off, turn) = self.missing(ways, state);
+    fn remaining(&self, search_graph: &SearchGraph, state: &State) -> f64 {
+        let (off, turn) = self.missing(search_graph, state);
         let price = |missing: f64, worth: f64, a_step: f64| match a_step > 0.0 {
             true => missing * worth.min(self.step_cost / a_step),
             false => missing * worth,
         };
-        price(off, METRE_OFF, ways.best_speed).max(price(turn, RADIAN_OFF, ways.best_turn))
+        price(off, METRE_OFF, search_graph.best_speed).max(price(turn, RADIAN_OFF, search_graph.best_turn))
     }
 
     /// The recording goes on for as long as that pays, and ends where it passes the place; or what is then left takes what it
     /// takes if any motion could follow any other, and a little more.
-    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
+    fn guess(&self, search_graph: &SearchGraph, state: &State, outlook: &Outlook) -> f64 {
         let trust = TRUST[outlook.pass as usize % TRUST.len()];
-        let stride = ((ways.fps / GLANCES) as u32).max(1);
+        let stride = ((search_graph.fps / GLANCES) as u32).max(1);
         let mut least = f64::INFINITY;
         let mut before = None;
         for glance in 0..=MOST_GLANCES {
             let steps = glance * stride;
-            let Some((point, _)) = ways.ahead(state.frame, state.spot, steps) else { break };
-            let (point, face) = (point.xz(), ways.face_at(state.frame + steps, state.spot));
+            let Some((point, _)) = search_graph.ahead(state.frame, state.ground_pose, steps) else { break };
+            let (point, face) = (point.xz(), search_graph.face_at(state.frame + steps, state.ground_pose));
             let left = match self.detour.as_ref().filter(|_| outlook.pass % 4 != STRAIGHT) {
                 Some(detour) => detour.from(point, face, A_METRE),
                 None => {
@@ -183,12 +183,12 @@ impl Task for PlaceTask {
         least
     }
 
-    fn ending(&self, ways: &Ways, state: &State) -> Option<f64> {
-        let (off, turn) = self.missing(ways, state);
+    fn ending(&self, search_graph: &SearchGraph, state: &State) -> Option<f64> {
+        let (off, turn) = self.missing(search_graph, state);
         Some(off * METRE_OFF + turn * RADIAN_OFF)
     }
 
-    fn halts(&self, _: &Ways, state: &State) -> bool {
+    fn halts(&self, _: &SearchGraph, state: &State) -> bool {
         state.steps >= self.most_steps
     }
 
@@ -197,13 +197,13 @@ impl Task for PlaceTask {
     }
 
     /// The eighths of the compass that bodies face: who stands at the place the wrong way round must not crowd out who turns.
-    fn crowd(&self, ways: &Ways, state: &State) -> (usize, usize) {
-        let face = ways.face_at(state.frame, state.spot);
+    fn crowd(&self, search_graph: &SearchGraph, state: &State) -> (usize, usize) {
+        let face = search_graph.face_at(state.frame, state.ground_pose);
         let eighth = [face.x > 0.0, face.y > 0.0, face.x.abs() > face.y.abs()];
         (eighth.iter().fold(0, |number, &bit| 2 * number + usize::from(bit)), 3)
     }
 
-    fn cell(&self, _: &Ways, state: &State, fineness: u32) -> u64 {
+    fn cell(&self, _: &SearchGraph, state: &State, fineness: u32) -> u64 {
         let finer = (1 << fineness.min(8)) as f32;
         cell_of(state, (8 >> fineness.min(3), 0.2 / finer, 0.2 / finer))
     }

@@ -58,8 +58,8 @@ mod tests {
     use super::*;
     use crate::shortest::cheapest_walk;
     use actor::graph::Transition;
+    use actor::temporal_warp::{Move, TemporalWarp};
     use actor::timeline::Sequence;
-    use actor::warp::{Move, Warp};
     use kernels::align::Placement;
 
     fn timeline(sequences: &[(u32, bool)]) -> Timeline {
@@ -77,7 +77,7 @@ mod tests {
         let jump = |&(from, to): &(u32, u32)| {
             timeline.offset(from, 2)?;
             timeline.offset(to, -2)?;
-            let warp = Warp::new(vec![Move::Both; 2]);
+            let warp = TemporalWarp::new(vec![Move::Both; 2]);
             Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY })
         };
         EssentialGraph::new(0.01, edges.iter().filter_map(jump).collect(), timeline).unwrap()

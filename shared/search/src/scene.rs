@@ -6,9 +6,9 @@ use actor::walk::{Leg, Walk};
 use kernels::align::Placement;
 
 use super::answer::{Goal, Part};
-use super::spot::Spot;
+use super::ground_pose::GroundPose;
+use super::search_graph::SearchGraph;
 use super::task::State;
-use super::ways::Ways;
 
 /// Most steps of an answer.
 pub(crate) const MOST_STEPS: u32 = 1 << 20;
@@ -20,8 +20,8 @@ pub struct Scene<'a> {
     pub graph: &'a EssentialGraph,
     /// Its sequences.
     pub timeline: &'a Timeline,
-    /// Its ways.
-    pub ways: &'a Ways,
+    /// Its edges with their motion over the ground.
+    pub search_graph: &'a SearchGraph,
 }
 
 /// Where the actor is.
@@ -37,7 +37,7 @@ pub struct Start {
 #[derive(Clone, Debug)]
 pub(super) struct Done {
     pub frame: u32,
-    pub spot: Spot,
+    pub ground_pose: GroundPose,
     pub walk: Walk,
     pub parts: Vec<Part>,
 }
@@ -59,7 +59,7 @@ impl Done {
                 for _ in 0..steps {
                     let Some(next) = scene.timeline.next(self.frame) else { return };
                     if next != self.frame + 1 {
-                        self.spot = self.spot.after(&wrap_of(scene, self.frame));
+                        self.ground_pose = self.ground_pose.after(&wrap_of(scene, self.frame));
                     }
                     self.frame = next;
                 }
@@ -67,7 +67,7 @@ impl Done {
             Leg::Back { last, .. } => self.frame = last,
             Leg::Synthetic(index) => {
                 if let Some(transition) = scene.graph.transitions().get(index as usize) {
-                    self.spot = self.spot.after(&Spot::from(&transition.placement));
+                    self.ground_pose = self.ground_pose.after(&GroundPose::from(&transition.placement));
                     self.frame = transition.to;
                 }
             }
@@ -75,12 +75,16 @@ impl Done {
     }
 
     pub fn state(&self) -> State {
-        State::start(self.frame, self.spot)
+        State::start(self.frame, self.ground_pose)
     }
 }
 
 /// Where the first frame of a cyclic sequence stands after `last`, its last one.
-fn wrap_of(scene: &Scene, last: u32) -> Spot {
-    let mut recorded = scene.ways.from(last).map(|way| scene.ways.way(way)).filter(|way| way.transition.is_none());
-    recorded.next().map_or(Spot::IDENTITY, |way| way.spot)
+fn wrap_of(scene: &Scene, last: u32) -> GroundPose {
+    let mut recorded = scene
+        .search_graph
+        .from(last)
+        .map(|edge| scene.search_graph.edge(edge))
+        .filter(|edge| edge.transition.is_none());
+    recorded.next().map_or(GroundPose::IDENTITY, |edge| edge.ground_pose)
 }

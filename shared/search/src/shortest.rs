@@ -215,8 +215,8 @@ impl Arriving {
 mod tests {
     use super::*;
     use actor::graph::Transition;
+    use actor::temporal_warp::{Move, TemporalWarp};
     use actor::timeline::Sequence;
-    use actor::warp::{Move, Warp};
     use kernels::align::Placement;
 
     fn timeline() -> Timeline {
@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn transition(from: u32, to: u32, deformation: f32) -> Transition {
-        let warp = Warp::new(vec![Move::Both; 2]);
+        let warp = TemporalWarp::new(vec![Move::Both; 2]);
         Transition { from, to, deformation, warp, placement: Placement::IDENTITY }
     }
 

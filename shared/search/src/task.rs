@@ -1,7 +1,7 @@
 //! What a search over the ground looks for, so that the oracle and the tool search for the same thing.
 
-use super::spot::Spot;
-use super::ways::Ways;
+use super::ground_pose::GroundPose;
+use super::search_graph::SearchGraph;
 use actor::walk::{Leg, Walk};
 
 /// The end of a walk that is being extended.
@@ -10,7 +10,7 @@ pub struct State {
     /// The frame.
     pub frame: u32,
     /// Where its recorded frames stand: `world_from_recorded`.
-    pub spot: Spot,
+    pub ground_pose: GroundPose,
     /// Metres travelled so far.
     pub travelled: f64,
     /// Steps so far.
@@ -22,33 +22,33 @@ pub struct State {
 impl State {
     /// A walk that has not begun.
     #[must_use]
-    pub fn start(frame: u32, spot: Spot) -> Self {
-        Self { frame, spot, travelled: 0.0, steps: 0, cost: 0.0 }
+    pub fn start(frame: u32, ground_pose: GroundPose) -> Self {
+        Self { frame, ground_pose, travelled: 0.0, steps: 0, cost: 0.0 }
     }
 }
 
 /// A search: which walks there are to choose from, and what they cost.
 pub trait Task {
     /// Where walks may begin.
-    fn starts(&self, ways: &Ways) -> Vec<State>;
+    fn starts(&self, search_graph: &SearchGraph) -> Vec<State>;
 
-    /// `from` after the way with this index, or `None` where the task forbids it. Costs never fall along a walk, and rise
+    /// `from` after the edge with this index, or `None` where the task forbids it. Costs never fall along a walk, and rise
     /// by at least [`LEAST_STEP_COST`] a step.
-    fn follow(&self, ways: &Ways, from: &State, way: u32) -> Option<State>;
+    fn follow(&self, search_graph: &SearchGraph, from: &State, edge: u32) -> Option<State>;
 
     /// A lower bound of what any walk from `state` on still adds until its end, with what ending costs: admissible, so that
     /// pruning by it loses nothing.
-    fn remaining(&self, ways: &Ways, state: &State) -> f64;
+    fn remaining(&self, search_graph: &SearchGraph, state: &State) -> f64;
 
     /// What it costs to end at `state`; `None` where a walk cannot end there.
-    fn ending(&self, ways: &Ways, state: &State) -> Option<f64>;
+    fn ending(&self, search_graph: &SearchGraph, state: &State) -> Option<f64>;
 
     /// Whether a walk that has come to `state` must end there: the halting condition.
-    fn halts(&self, ways: &Ways, state: &State) -> bool;
+    fn halts(&self, search_graph: &SearchGraph, state: &State) -> bool;
 
     /// What is likely to be added from `state` on: it decides which states are expanded first, and prunes nothing.
-    fn guess(&self, ways: &Ways, state: &State, outlook: &Outlook) -> f64 {
-        let _ = (ways, state, outlook);
+    fn guess(&self, search_graph: &SearchGraph, state: &State, outlook: &Outlook) -> f64 {
+        let _ = (search_graph, state, outlook);
         0.0
     }
 
@@ -57,12 +57,12 @@ pub trait Task {
 
     /// States of a layer are of several crowds, by number; none gets more than its share, one of so many parts, or what is
     /// cheap now would crowd out what turns out well.
-    fn crowd(&self, ways: &Ways, state: &State) -> (usize, usize) {
-        (ways.sequence(state.frame), 4)
+    fn crowd(&self, search_graph: &SearchGraph, state: &State) -> (usize, usize) {
+        (search_graph.sequence(state.frame), 4)
     }
 
     /// States of a layer with the same cell are alike, the more so the larger `fineness` is.
-    fn cell(&self, ways: &Ways, state: &State, fineness: u32) -> u64;
+    fn cell(&self, search_graph: &SearchGraph, state: &State, fineness: u32) -> u64;
 }
 
 /// Standing still costs at least this much a step, so that no search goes on for nothing.
@@ -79,10 +79,10 @@ pub struct Outlook {
 
 impl Outlook {
     /// The outlook of a pass after those that found `best`.
-    pub(super) fn new(task: &impl Task, ways: &Ways, best: Option<&Found>, pass: u32) -> Self {
+    pub(super) fn new(task: &impl Task, search_graph: &SearchGraph, best: Option<&Found>, pass: u32) -> Self {
         let mut to_go = Vec::new();
         if let Some(best) = best {
-            for state in best.states(task, ways) {
+            for state in best.states(task, search_graph) {
                 let layer = task.layer(&state);
                 if layer >= to_go.len() {
                     to_go.resize(layer + 1, best.cost - state.cost);
@@ -109,8 +109,8 @@ pub struct Found {
     pub cost: f64,
     /// Where it begins.
     pub start: State,
-    /// Its ways, by index in [`Ways`].
-    pub ways: Vec<u32>,
+    /// Its edges, by index in [`SearchGraph`].
+    pub edges: Vec<u32>,
     /// Where it ends.
     pub end: State,
 }
@@ -118,16 +118,16 @@ pub struct Found {
 impl Found {
     /// The same as a walk through the graph.
     #[must_use]
-    pub fn walk(&self, ways: &Ways) -> Walk {
-        walk_of(ways, self.start.frame, &self.ways)
+    pub fn walk(&self, search_graph: &SearchGraph) -> Walk {
+        walk_of(search_graph, self.start.frame, &self.edges)
     }
 
-    /// Its states, from the start on: what following `task` along its ways gives.
+    /// Its states, from the start on: what following `task` along its edges gives.
     #[must_use]
-    pub fn states(&self, task: &impl Task, ways: &Ways) -> Vec<State> {
+    pub fn states(&self, task: &impl Task, search_graph: &SearchGraph) -> Vec<State> {
         let mut states = vec![self.start];
-        for &way in &self.ways {
-            let Some(next) = states.last().and_then(|state| task.follow(ways, state, way)) else { break };
+        for &edge in &self.edges {
+            let Some(next) = states.last().and_then(|state| task.follow(search_graph, state, edge)) else { break };
             states.push(next);
         }
         states
@@ -135,24 +135,24 @@ impl Found {
 }
 
 /// The walk that takes `indices` from frame `start`.
-pub(super) fn walk_of(ways: &Ways, start: u32, indices: &[u32]) -> Walk {
+pub(super) fn walk_of(search_graph: &SearchGraph, start: u32, indices: &[u32]) -> Walk {
     let mut walk = Walk::default();
     let mut frame = start;
     for &index in indices {
-        let way = ways.way(index);
-        walk.cost += way.cost;
-        match way.transition {
+        let edge = search_graph.edge(index);
+        walk.cost += edge.cost;
+        match edge.transition {
             None => {
-                walk.push_recorded(frame, way.to, 1);
+                walk.push_recorded(frame, edge.to, 1);
                 walk.duration += 1;
             }
             Some(transition) => {
                 walk.legs.push(Leg::Synthetic(transition));
-                walk.deformation += way.deformation;
-                walk.duration += way.nodes;
+                walk.deformation += edge.deformation;
+                walk.duration += edge.nodes;
             }
         }
-        frame = way.to;
+        frame = edge.to;
     }
     walk
 }
@@ -163,8 +163,8 @@ pub(super) fn cell_of(state: &State, (frames, radians, metres): (u32, f32, f32))
     let parts = [
         u64::from(state.frame / frames.max(1)),
         // A heading's bin without its arc tangent: both components, which is as fine near the axes and finer between.
-        bin(state.spot.turn.x, radians) << 32 | bin(state.spot.turn.y, radians),
-        bin(state.spot.shift.x, metres) << 32 | bin(state.spot.shift.y, metres),
+        bin(state.ground_pose.turn.x, radians) << 32 | bin(state.ground_pose.turn.y, radians),
+        bin(state.ground_pose.shift.x, metres) << 32 | bin(state.ground_pose.shift.y, metres),
     ];
     // Multiplication and rotation as in FxHash, which spreads such keys well.
     parts.iter().fold(0, |hash: u64, &part| (hash.rotate_left(5) ^ part).wrapping_mul(0x517c_c1b7_2722_0a95))

@@ -13,8 +13,8 @@ use super::components::main_component_of;
 use super::meter;
 use super::queue::Queue;
 use super::random::Optimiser;
+use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk_to;
-use super::ways::Ways;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::Walk;
@@ -33,12 +33,12 @@ const MAKING: usize = 200;
 #[derive(Clone, Debug)]
 pub struct Wander {
     weights: Vec<(usize, f64)>,
-    stage: Stage,
+    stage: Progress,
     random: u64,
 }
 
 #[derive(Clone, Debug)]
-enum Stage {
+enum Progress {
     /// The transitions before this one wait to be put in order.
     Gathering(Queue, usize),
     /// Those that are in order.
@@ -59,60 +59,67 @@ struct Choices {
 }
 
 impl Wander {
-    /// A wandering actor, nothing of which is known yet. `weights` are, for behaviours by their number in [`Ways`], how much
+    /// A wandering actor, nothing of which is known yet. `weights` are, for behaviours by their number in [`SearchGraph`], how much
     /// more or less often than others they are to be seen; `seed` decides which way is taken.
     #[must_use]
     pub fn new(weights: Vec<(usize, f64)>, seed: u64) -> Self {
-        Self { weights, stage: Stage::Gathering(Queue::default(), 0), random: seed }
+        Self { weights, stage: Progress::Gathering(Queue::default(), 0), random: seed }
     }
 
     /// Works on for about as long as `states` expanded states take; whether the probabilities are as good as they get.
-    pub fn advance(&mut self, graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, states: u32) -> bool {
+    pub fn advance(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        search_graph: &SearchGraph,
+        states: u32,
+    ) -> bool {
         let mut left = states as usize;
         while left > 0 {
             left -= 1;
-            self.stage = match std::mem::replace(&mut self.stage, Stage::Stuck) {
-                Stage::Gathering(mut queue, next) => {
+            self.stage = match std::mem::replace(&mut self.stage, Progress::Stuck) {
+                Progress::Gathering(mut queue, next) => {
                     let end = (next + GATHERED).min(graph.transitions().len());
                     for index in next..end {
                         let transition = &graph.transitions()[index];
-                        if ways.main[transition.from as usize] && ways.main[transition.to as usize] {
+                        if search_graph.main[transition.from as usize] && search_graph.main[transition.to as usize] {
                             queue.push(mean_distance(graph, index as u32), index as u64);
                         }
                     }
                     match end - next < GATHERED {
-                        true => Stage::Ordering(queue, Vec::new()),
-                        false => Stage::Gathering(queue, end),
+                        true => Progress::Ordering(queue, Vec::new()),
+                        false => Progress::Gathering(queue, end),
                     }
                 }
-                Stage::Ordering(mut queue, mut order) => {
+                Progress::Ordering(mut queue, mut order) => {
                     order.extend((0..ORDERED).map_while(|_| queue.pop()).map(|(_, index)| index as u32));
                     match queue.len() {
-                        0 => Stage::Choosing(Box::new(Sparse::new(graph, timeline, ways, order))),
-                        _ => Stage::Ordering(queue, order),
+                        0 => Progress::Choosing(Box::new(Sparse::new(graph, timeline, search_graph, order))),
+                        _ => Progress::Ordering(queue, order),
                     }
                 }
-                Stage::Choosing(mut sparse) => match sparse.advance(graph, timeline, ways) {
+                Progress::Choosing(mut sparse) => match sparse.advance(graph, timeline, search_graph) {
                     Some(states) => {
                         left = left.saturating_sub(states);
-                        Stage::Choosing(sparse)
+                        Progress::Choosing(sparse)
                     }
                     None => {
                         left = left.saturating_sub(MAKING);
-                        let choices = choices(graph, timeline, ways, &sparse.chosen(), &self.weights, &mut self.random);
-                        choices.map_or(Stage::Stuck, |choices| Stage::Optimising(Box::new(choices)))
+                        let choices =
+                            choices(graph, timeline, search_graph, &sparse.chosen(), &self.weights, &mut self.random);
+                        choices.map_or(Progress::Stuck, |choices| Progress::Optimising(Box::new(choices)))
                     }
                 },
-                Stage::Optimising(mut choices) => {
+                Progress::Optimising(mut choices) => {
                     left = left.saturating_sub(choices.segments.transitions.len() / SWEPT);
                     let ended = choices.segments.optimiser.advance(1);
-                    self.stage = Stage::Optimising(choices);
+                    self.stage = Progress::Optimising(choices);
                     if ended {
                         return true;
                     }
                     continue;
                 }
-                Stage::Stuck => return true,
+                Progress::Stuck => return true,
             };
         }
         false
@@ -121,12 +128,12 @@ impl Wander {
     /// Whether the graph has no loop to wander in.
     #[must_use]
     pub fn is_stuck(&self) -> bool {
-        matches!(self.stage, Stage::Stuck)
+        matches!(self.stage, Progress::Stuck)
     }
 
     fn choices(&self) -> Option<&Choices> {
         match &self.stage {
-            Stage::Optimising(choices) => Some(choices),
+            Progress::Optimising(choices) => Some(choices),
             _ => None,
         }
     }
@@ -149,7 +156,7 @@ impl Wander {
     #[must_use]
     pub fn walk(&mut self, graph: &EssentialGraph, timeline: &Timeline, from: u32, steps: u32) -> Option<Walk> {
         let mut random = self.random;
-        let Stage::Optimising(choices) = &mut self.stage else { return None };
+        let Progress::Optimising(choices) = &mut self.stage else { return None };
         let Choices { segments, inside, stroll, .. } = choices.as_mut();
         let is_inside = |frame: u32| inside.get(frame as usize).copied().unwrap_or(false);
         let mut walk = cheapest_walk_to(graph, timeline, from, &is_inside)?;
@@ -174,7 +181,7 @@ fn unit(random: &mut u64) -> f64 {
 fn choices(
     graph: &EssentialGraph,
     timeline: &Timeline,
-    ways: &Ways,
+    search_graph: &SearchGraph,
     chosen: &[u32],
     weights: &[(usize, f64)],
     random: &mut u64,
@@ -183,13 +190,13 @@ fn choices(
         let transition = &graph.transitions()[index as usize];
         (transition.from, transition.to)
     };
-    meter::count(chosen.len() + ways.main.len());
+    meter::count(chosen.len() + search_graph.main.len());
     let inside = main_component_of(timeline, &chosen.iter().map(ends).collect::<Vec<_>>()).main;
     let frames: Vec<u32> = (0..inside.len() as u32).filter(|&frame| inside[frame as usize]).collect();
     if frames.len() < 2 {
         return None;
     }
-    let segments = Segments::new(graph, timeline, ways, chosen, &inside, weights)?;
+    let segments = Segments::new(graph, timeline, search_graph, chosen, &inside, weights)?;
     let stroll = Stroll::new(&segments, timeline, &mut || unit(random));
     Some(Choices { segments, frames, inside, stroll })
 }

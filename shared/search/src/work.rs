@@ -13,10 +13,10 @@ use super::place::PlaceTask;
 use super::random::Optimiser;
 use super::request::{BehaviourRequest, PathRequest, PlaceRequest, RequestError, Target, WanderRequest};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
+use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk;
 use super::task::{State, Task};
 use super::wander::Wander;
-use super::ways::Ways;
 use actor::walk::Walk;
 
 /// Most frames at which a path with a free start may begin.
@@ -91,7 +91,7 @@ impl Work {
                 }
                 (ended, budget)
             }
-            Self::Wander(work) => (work.0.advance(scene.graph, scene.timeline, scene.ways, budget), budget),
+            Self::Wander(work) => (work.0.advance(scene.graph, scene.timeline, scene.search_graph, budget), budget),
         }
     }
 
@@ -102,20 +102,22 @@ impl Work {
                 let (task, search, notes) = work.as_ref();
                 let Some(found) = search.best() else { return };
                 if is_free {
-                    *start = Start { frame: found.start.frame, placement: found.start.spot.into() };
-                    (done.frame, done.spot) = (found.start.frame, found.start.spot);
+                    *start = Start { frame: found.start.frame, placement: found.start.ground_pose.into() };
+                    (done.frame, done.ground_pose) = (found.start.frame, found.start.ground_pose);
                 }
-                let report = task.judge(scene.ways, found);
+                let report = task.judge(scene.search_graph, found);
                 let notes = [notes.clone(), path_notes(&report)].concat();
-                done.push(scene, &found.walk(scene.ways), Goal::Path(report), notes);
+                done.push(scene, &found.walk(scene.search_graph), Goal::Path(report), notes);
             }
             Self::Place(work) => {
                 let (task, search) = work.as_ref();
                 let Some(found) = search.best() else { return };
-                let report = task.judge(scene.ways, found);
-                done.push(scene, &found.walk(scene.ways), Goal::Place(report), place_notes(&report));
+                let report = task.judge(scene.search_graph, found);
+                done.push(scene, &found.walk(scene.search_graph), Goal::Place(report), place_notes(&report));
             }
-            Self::Keys(plan) => done.push(scene, &plan.walk, plan.goal(), keys_notes(scene.ways.fps, &plan.rows)),
+            Self::Keys(plan) => {
+                done.push(scene, &plan.walk, plan.goal(), keys_notes(scene.search_graph.fps, &plan.rows))
+            }
             Self::Hold(holding) => hold(scene, done, holding),
             Self::Wander(work) => {
                 let (mut wander, steps) = work.as_ref().clone();
@@ -135,13 +137,13 @@ impl Work {
 
 fn search(task: &impl Task, search: &mut Anytime, scene: &Scene, budget: u32) -> (bool, u32) {
     let before = search.expanded();
-    let progress = search.advance(task, scene.ways, budget);
+    let progress = search.advance(task, scene.search_graph, budget);
     (progress != Progress::Running, (search.expanded() - before) as u32)
 }
 
 fn go_to_pose(scene: &Scene, done: &mut Done, frame: u32) {
     let to = |frame: u32| Some((frame, cheapest_walk(scene.graph, scene.timeline, done.frame, frame)?));
-    let found = to(frame).or_else(|| to(scene.ways.substitute(frame)?));
+    let found = to(frame).or_else(|| to(scene.search_graph.substitute(frame)?));
     let notes = match &found {
         Some((shown, _)) if *shown == frame => Vec::new(),
         Some((shown, _)) => vec![substitute_note(frame, *shown)],
@@ -161,8 +163,8 @@ pub(super) struct Holding {
 }
 
 fn hold_work(scene: &Scene, request: BehaviourRequest) -> Result<Work, RequestError> {
-    let number = scene.ways.behaviour(&request.name)?;
-    let mut search = LoopSearch::new(scene.ways, number);
+    let number = scene.search_graph.behaviour(&request.name)?;
+    let mut search = LoopSearch::new(scene.search_graph, number);
     if request.hold <= 0.0 {
         search.skip();
     }
@@ -173,9 +175,9 @@ fn hold_work(scene: &Scene, request: BehaviourRequest) -> Result<Work, RequestEr
 fn hold(scene: &Scene, done: &mut Done, holding: &Holding) {
     let Holding { request, number, search } = holding;
     let number = *number;
-    let Scene { graph, timeline, ways } = *scene;
+    let Scene { graph, timeline, search_graph } = *scene;
     let mut notes = Vec::new();
-    let wanted = ((request.hold * ways.fps).round() as u32).min(MOST_STEPS);
+    let wanted = ((request.hold * search_graph.fps).round() as u32).min(MOST_STEPS);
     let entered = search.best.as_ref().filter(|_| wanted > 0).and_then(|hold| {
         let walk = walk_to_any(graph, timeline, done.frame, &hold.entries(timeline))?;
         let frame = walk.end(graph).unwrap_or(done.frame);
@@ -191,7 +193,7 @@ fn hold(scene: &Scene, done: &mut Done, holding: &Holding) {
             Some(walk)
         }
         None => {
-            let mut walk = walk_to_behaviour(graph, timeline, ways, done.frame, number);
+            let mut walk = walk_to_behaviour(graph, timeline, search_graph, done.frame, number);
             if let Some(walk) = walk.as_mut().filter(|_| wanted > 0) {
                 held = play_on(scene, walk, done.frame, number, wanted);
                 notes.push(format!("{:?} has no loop: it is played once.", request.name));
@@ -210,7 +212,7 @@ fn hold(scene: &Scene, done: &mut Done, holding: &Holding) {
 fn play_on(scene: &Scene, walk: &mut Walk, start: u32, number: usize, wanted: u32) -> u32 {
     let mut frame = walk.end(scene.graph).unwrap_or(start);
     let mut held = 0;
-    let shows = |next: &u32| scene.ways.shows(number, *next) && scene.ways.live[*next as usize];
+    let shows = |next: &u32| scene.search_graph.shows(number, *next) && scene.search_graph.live[*next as usize];
     while let Some(next) = scene.timeline.next(frame).filter(shows).filter(|_| held < wanted) {
         walk.push_recorded(frame, next, 1);
         (frame, held) = (next, held + 1);
@@ -222,16 +224,16 @@ fn play_on(scene: &Scene, walk: &mut Walk, start: u32, number: usize, wanted: u3
 
 fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Work {
     let place = glam::Vec2::new(request.x, request.z);
-    let task = PlaceTask::new(scene.ways, done.state(), place, request.heading, request.realism);
-    let search = Anytime::new(&task, scene.ways);
+    let task = PlaceTask::new(scene.search_graph, done.state(), place, request.heading, request.realism);
+    let search = Anytime::new(&task, scene.search_graph);
     Work::Place(Box::new((task, search)))
 }
 
 fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -> Result<Work, RequestError> {
-    let ways = scene.ways;
+    let search_graph = scene.search_graph;
     let points = request.points();
     let is_free = is_free || request.free_start && done.walk.legs.is_empty();
-    let here = ways.point_at(done.frame, done.spot);
+    let here = search_graph.point_at(done.frame, done.ground_pose);
     let first = points.first().copied().unwrap_or_default();
     let gap = if request.is_flat() { here.xz().distance(first.xz()) } else { here.distance(first) };
     let approach = (!is_free && gap > NEAR).then_some(here);
@@ -241,31 +243,31 @@ fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -
         demands.push(Demand {
             from: curve.length_at_knot(stretch.from),
             to: curve.length_at_knot(stretch.to),
-            behaviour: ways.behaviour(&stretch.behaviour)?,
+            behaviour: search_graph.behaviour(&stretch.behaviour)?,
         });
     }
-    let starts = if is_free { free_starts(ways, &curve) } else { vec![done.state()] };
+    let starts = if is_free { free_starts(search_graph, &curve) } else { vec![done.state()] };
     let notes = match approach {
         Some(_) => vec![format!("The path begins {gap:.1} m away: the actor goes there first.")],
         None => Vec::new(),
     };
-    let task = PathTask::new(ways, curve, demands, starts, request.realism);
-    let search = Anytime::new(&task, ways);
+    let task = PathTask::new(search_graph, curve, demands, starts, request.realism);
+    let search = Anytime::new(&task, search_graph);
     Ok(Work::Path(Box::new((task, search, notes))))
 }
 
 /// Frames from all over the capture, standing on the path's first point and facing along it.
-fn free_starts(ways: &Ways, curve: &Curve) -> Vec<State> {
-    let live: Vec<u32> = (0..ways.frame_count()).filter(|&frame| ways.live[frame as usize]).collect();
+fn free_starts(search_graph: &SearchGraph, curve: &Curve) -> Vec<State> {
+    let live: Vec<u32> = (0..search_graph.frame_count()).filter(|&frame| search_graph.live[frame as usize]).collect();
     let stride = live.len().div_ceil(MOST_STARTS).max(1);
-    live.iter().step_by(stride).filter_map(|&frame| PathTask::start_on(ways, curve, frame)).collect()
+    live.iter().step_by(stride).filter_map(|&frame| PathTask::start_on(search_graph, curve, frame)).collect()
 }
 
 fn wander_work(scene: &Scene, request: &WanderRequest, seed: u64) -> Result<Work, RequestError> {
     let mut weights = Vec::with_capacity(request.weights.len());
     for (name, &weight) in &request.weights {
-        weights.push((scene.ways.behaviour(name)?, weight));
+        weights.push((scene.search_graph.behaviour(name)?, weight));
     }
-    let steps = ((request.seconds * scene.ways.fps).round() as u32).min(MOST_STEPS);
+    let steps = ((request.seconds * scene.search_graph.fps).round() as u32).min(MOST_STEPS);
     Ok(Work::Wander(Box::new((Wander::new(weights, seed), steps))))
 }

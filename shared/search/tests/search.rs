@@ -10,16 +10,16 @@ use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 use proptest::prelude::*;
 use search::{
-    Anytime, Chain, Curve, Demand, Direction, Found, Goal, KeyLeg, LegEnd, Measure, Optimiser, PathRequest, PathTask,
-    PlaceRequest, PlaceTask, Progress, Request, Shape, Spot, Start, State, Target, Task, WanderRequest, Ways,
-    cheapest_walk, depth_first, edges_looked_at, holding_loop, main_component, to_targets, walk_down,
+    Anytime, Chain, Curve, Demand, Direction, Found, Goal, GroundPose, KeyLeg, LegEnd, Measure, Optimiser, PathRequest,
+    PathTask, PlaceRequest, PlaceTask, Progress, Request, SearchGraph, Shape, Start, State, Target, Task,
+    WanderRequest, cheapest_walk, depth_first, edges_looked_at, holding_loop, main_component, to_targets, walk_down,
 };
 
 /// Runs a search to its end.
-fn finish(task: &impl Task, ways: &Ways) -> (Anytime, Progress) {
-    let mut search = Anytime::new(task, ways);
+fn finish(task: &impl Task, search_graph: &SearchGraph) -> (Anytime, Progress) {
+    let mut search = Anytime::new(task, search_graph);
     for _ in 0..100_000 {
-        if search.advance(task, ways, 1000) != Progress::Running {
+        if search.advance(task, search_graph, 1000) != Progress::Running {
             break;
         }
     }
@@ -27,7 +27,7 @@ fn finish(task: &impl Task, ways: &Ways) -> (Anytime, Progress) {
     (search, progress)
 }
 
-fn path_task(ways: &Ways, random: &mut Random, length: f32) -> PathTask {
+fn path_task(search_graph: &SearchGraph, random: &mut Random, length: f32) -> PathTask {
     let bend = random.range(-0.5, 0.5);
     let points = [Vec3::ZERO, Vec3::new(bend, 0.0, length / 2.0), Vec3::new(0.0, 0.0, length)];
     let shape = if random.below(2) == 0 { Shape::Polyline } else { Shape::Spline };
@@ -36,8 +36,8 @@ fn path_task(ways: &Ways, random: &mut Random, length: f32) -> PathTask {
         0 => Vec::new(),
         _ => vec![Demand { from: 0.2 * curve.length(), to: 0.6 * curve.length(), behaviour: random.below(2) }],
     };
-    let start = PathTask::start_on(ways, &curve, 0).unwrap();
-    PathTask::new(ways, curve, demands, vec![start], 0.03)
+    let start = PathTask::start_on(search_graph, &curve, 0).unwrap();
+    PathTask::new(search_graph, curve, demands, vec![start], 0.03)
 }
 
 #[test]
@@ -46,9 +46,9 @@ fn the_tool_finds_what_the_exhaustive_oracle_finds() {
     for seed in 0..12 {
         let mut random = Random::new(seed);
         let scene = small_scene(seed);
-        let task = path_task(&scene.ways, &mut random, 0.5);
-        let oracle = depth_first(&task, &scene.ways, 3_000_000);
-        let (search, progress) = finish(&task, &scene.ways);
+        let task = path_task(&scene.search_graph, &mut random, 0.5);
+        let oracle = depth_first(&task, &scene.search_graph, 3_000_000);
+        let (search, progress) = finish(&task, &scene.search_graph);
         let (found, best) = (search.best().unwrap(), oracle.found.unwrap());
         check_found(&task, &scene, found);
         check_found(&task, &scene, &best);
@@ -69,10 +69,10 @@ fn places_are_found_as_the_oracle_finds_them() {
         let scene = small_scene(seed);
         let place = Vec2::new(random.range(-0.3, 0.3), random.range(0.1, 0.6));
         let heading = (random.below(2) == 0).then(|| random.range(-1.0, 1.0));
-        let mut task = PlaceTask::new(&scene.ways, State::start(0, Spot::IDENTITY), place, heading, 0.03);
+        let mut task = PlaceTask::new(&scene.search_graph, State::start(0, GroundPose::IDENTITY), place, heading, 0.03);
         task.most_steps = 18;
-        let oracle = depth_first(&task, &scene.ways, 3_000_000);
-        let (search, progress) = finish(&task, &scene.ways);
+        let oracle = depth_first(&task, &scene.search_graph, 3_000_000);
+        let (search, progress) = finish(&task, &scene.search_graph);
         if oracle.complete && progress == Progress::Proven {
             let (found, best) = (search.best().unwrap(), oracle.found.unwrap());
             assert!((found.cost - best.cost).abs() < 1e-9, "seed {seed}: {} against {}", found.cost, best.cost);
@@ -84,12 +84,12 @@ fn places_are_found_as_the_oracle_finds_them() {
 
 /// A walk that was found is in the graph, costs what the task says, and ends where it says.
 fn check_found(task: &impl Task, scene: &random_scene::Made, found: &Found) {
-    let walk = found.walk(&scene.ways);
+    let walk = found.walk(&scene.search_graph);
     assert_eq!(walk.check(&scene.graph, &scene.timeline, found.start.frame), Ok(found.end.frame));
-    let end = *found.states(task, &scene.ways).last().unwrap();
+    let end = *found.states(task, &scene.search_graph).last().unwrap();
     assert_eq!(end, found.end);
     assert_eq!(walk.steps(&scene.graph), end.steps);
-    let ending = task.ending(&scene.ways, &end).unwrap();
+    let ending = task.ending(&scene.search_graph, &end).unwrap();
     assert!((end.cost + ending - found.cost).abs() < 1e-9);
 }
 
@@ -101,12 +101,12 @@ proptest! {
     fn bounds_are_admissible(seed in 0_u64..1000, length in 0.3_f32..3.0) {
         let mut random = Random::new(seed);
         let scene = small_scene(seed % 16);
-        let path = path_task(&scene.ways, &mut random, length);
-        check_bounds(&path, &scene.ways, &mut random);
+        let path = path_task(&scene.search_graph, &mut random, length);
+        check_bounds(&path, &scene.search_graph, &mut random);
         let place = Vec2::new(random.range(-2.0, 2.0), random.range(-2.0, 2.0));
         let heading = (random.below(2) == 0).then(|| random.range(-3.0, 3.0));
-        let place = PlaceTask::new(&scene.ways, State::start(0, Spot::IDENTITY), place, heading, 0.03);
-        check_bounds(&place, &scene.ways, &mut random);
+        let place = PlaceTask::new(&scene.search_graph, State::start(0, GroundPose::IDENTITY), place, heading, 0.03);
+        check_bounds(&place, &scene.search_graph, &mut random);
     }
 
     #[test]
@@ -129,23 +129,27 @@ proptest! {
     }
 }
 
-fn check_bounds(task: &impl Task, ways: &Ways, random: &mut Random) {
-    for start in task.starts(ways) {
+fn check_bounds(task: &impl Task, search_graph: &SearchGraph, random: &mut Random) {
+    for start in task.starts(search_graph) {
         let mut states = vec![start];
-        while let Some(last) = states.last().copied().filter(|last| !task.halts(ways, last) && states.len() < 300) {
-            let from = ways.from(last.frame);
+        while let Some(last) =
+            states.last().copied().filter(|last| !task.halts(search_graph, last) && states.len() < 300)
+        {
+            let from = search_graph.from(last.frame);
             if from.is_empty() {
                 break;
             }
-            let way = from.start + random.below(from.len()) as u32;
-            states.push(task.follow(ways, &last, way).unwrap());
+            let edge = from.start + random.below(from.len()) as u32;
+            states.push(task.follow(search_graph, &last, edge).unwrap());
         }
-        let costs: Vec<f64> =
-            states.iter().map(|state| task.ending(ways, state).map_or(f64::INFINITY, |e| state.cost + e)).collect();
+        let costs: Vec<f64> = states
+            .iter()
+            .map(|state| task.ending(search_graph, state).map_or(f64::INFINITY, |e| state.cost + e))
+            .collect();
         let mut least = f64::INFINITY;
         for (state, cost) in states.iter().zip(costs).rev() {
             least = least.min(cost);
-            let bound = state.cost + task.remaining(ways, state);
+            let bound = state.cost + task.remaining(search_graph, state);
             assert!(bound <= least * (1.0 + 1e-6) + 1e-6, "{bound} promised, {least} possible");
         }
     }
@@ -293,7 +297,7 @@ fn wandering_repeats_nothing_at_once_and_is_mostly_recorded() {
         }
     }
     assert!(f64::from(synthetic) < 0.25 * f64::from(recorded + synthetic), "{synthetic} of {recorded}");
-    let main = |frame: &usize| scene.ways.main[*frame];
+    let main = |frame: &usize| scene.search_graph.main[*frame];
     let (all, seen) =
         ((0..shown.len()).filter(main).count(), (0..shown.len()).filter(main).filter(|&f| shown[f]).count());
     assert!(seen as f64 >= 0.9 * all as f64, "{seen} of {all}");
@@ -350,10 +354,12 @@ fn loops_close_inside_their_behaviour() {
     for seed in 0..8 {
         let scene = random_scene::make(seed, &[40, 30, 20], 150);
         for behaviour in 0..2 {
-            let Some(hold) = holding_loop(&scene.graph, &scene.timeline, &scene.ways, behaviour) else { continue };
+            let Some(hold) = holding_loop(&scene.graph, &scene.timeline, &scene.search_graph, behaviour) else {
+                continue;
+            };
             assert_eq!(hold.walk.check(&scene.graph, &scene.timeline, hold.frame), Ok(hold.frame));
             for entry in hold.entries(&scene.timeline) {
-                assert!(scene.ways.shows(behaviour, entry));
+                assert!(scene.search_graph.shows(behaviour, entry));
                 let turned = hold.entered_at(&scene.timeline, entry);
                 assert_eq!(turned.walk.check(&scene.graph, &scene.timeline, entry), Ok(entry));
             }
@@ -373,8 +379,8 @@ fn the_actor_never_gets_stuck() {
             {
                 assert_eq!(found.live[frame as usize], reaches(inside as u32));
             }
-            for way in scene.ways.from(frame) {
-                assert!(found.live[scene.ways.way(way).to as usize]);
+            for edge in scene.search_graph.from(frame) {
+                assert!(found.live[scene.search_graph.edge(edge).to as usize]);
             }
         }
     }

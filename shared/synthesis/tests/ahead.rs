@@ -6,9 +6,9 @@ use actor::capture::Poses;
 use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
 use actor::walk::{Leg, Walk};
-use actor::warp::{Move, Warp};
 use fixtures::Random;
 use glam::{Quat, Vec3};
 use kernels::align::Placement;
@@ -71,7 +71,7 @@ fn scene(seed: u64) -> Scene {
         if from == to || timeline.offset(from, length).is_none() || timeline.offset(to, -length).is_none() {
             continue;
         }
-        let warp = Warp::new(vec![Move::Both; length as usize]);
+        let warp = TemporalWarp::new(vec![Move::Both; length as usize]);
         let mut memory = PoseMemory::default();
         let mut ground = PosesOnGround::new(&mut poses, topology.weights(), &mut memory);
         let placement = transition_placement(&timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();

@@ -7,9 +7,9 @@ use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround, recorded_step};
 use actor::pose_source::{PoseError, PoseSource};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
 use actor::walk::{Leg, Walk, WalkError};
-use actor::warp::{Move, Warp};
 use fixtures::captured;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use kernels::align::{Placement, centre_of_mass};
@@ -29,7 +29,7 @@ fn transition(
     (from, to): (u32, u32),
     moves: Vec<Move>,
 ) -> Transition {
-    let warp = Warp::new(moves);
+    let warp = TemporalWarp::new(moves);
     let mut memory = PoseMemory::default();
     let mut ground = PosesOnGround::new(poses, topology.weights(), &mut memory);
     let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use actor::graph::{EssentialGraph, Transition};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
 use actor::walk::{Leg, WalkError};
-use actor::warp::{Move, Warp};
 use kernels::align::Placement;
 use synthesis::{Step, Walker};
 
@@ -22,7 +22,7 @@ fn scene(edges: &[(u32, u32)]) -> (Timeline, EssentialGraph) {
         from,
         to,
         deformation: 0.125,
-        warp: Warp::new(vec![Move::Both; 2]),
+        warp: TemporalWarp::new(vec![Move::Both; 2]),
         placement: Placement::IDENTITY,
     };
     let graph = EssentialGraph::new(0.01, edges.iter().map(jump).collect(), &timeline).unwrap();

@@ -1,6 +1,6 @@
 //! How a captured actor looks from frame to frame: Eigen textures and Eigen warps (thesis chapter 4, TVCG section 5).
 //!
-//! [`AppearanceModel`] is what the builder makes; [`basis`] is what the bundle keeps of it, and [`dealign`] the last step
+//! [`TextureModel`] is what the builder makes; [`basis`] is what the bundle keeps of it, and [`dealign`] the last step
 //! of rebuilding a frame's texture. Each pass of the player's GPU has its twin here. [`quality`] compares textures.
 
 pub mod basis;
@@ -10,4 +10,4 @@ pub mod model;
 pub mod quality;
 pub mod transform;
 
-pub use model::AppearanceModel;
+pub use model::TextureModel;

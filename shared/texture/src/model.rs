@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 /// is `mean_texture + sum c_k textures[k]`, the backward warp `mean_warp + sum b_k warps[k]`, and the texture that is
 /// drawn is the aligned one moved by the warp.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct AppearanceModel {
+pub struct TextureModel {
     /// Width of the texture in texels.
     pub width: u32,
     /// Height of the texture in texels.
@@ -40,7 +40,7 @@ pub struct AppearanceModel {
     pub warp_coefficients: Vec<f32>,
 }
 
-impl AppearanceModel {
+impl TextureModel {
     /// Number of active texels.
     #[must_use]
     pub fn active_count(&self) -> usize {

@@ -13,7 +13,7 @@ use web::gpu::pose::Numbered;
 use web::gpu::scene;
 use web::player::Player;
 use web::player::loading::Loading;
-use web::player::produce::Frame;
+use web::player::produce::ShownFrame;
 
 /// Seconds between two pictures: those of a usual display.
 const STEP: f64 = 1.0 / 60.0;
@@ -89,7 +89,7 @@ pub fn walk(path: &Path, count: usize) -> Result<Walk> {
 
 fn moment(player: &Player, last: Option<&Moment>) -> Option<Moment> {
     let picture = player.picture()?;
-    let posed = |frame: &Frame| {
+    let posed = |frame: &ShownFrame| {
         let known = last.map(|last| [&last.before, &last.after]).into_iter().flatten();
         let same = known.filter(|posed| posed.number == frame.number).map(Rc::clone).next();
         same.unwrap_or_else(|| Rc::new(Posed { number: frame.number, pose: frame.pose.clone() }))

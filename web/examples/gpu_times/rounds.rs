@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use bundle::Textures;
 use web::camera::Camera;
-use web::gpu::appearance::{Looks, Setting, Wanted};
+use web::gpu::appearance::{Setting, TextureRebuild, Wanted};
 use web::gpu::scene::Scene;
 use web::gpu::target::Target;
 
@@ -55,7 +55,7 @@ pub struct Round {
 /// # Errors
 /// A device that was lost, or that refuses what the page asks of it.
 pub fn rounds(walk: &Walk, opened: &Opened, options: &Options) -> Result<Vec<Round>> {
-    let mut stage = Stage::new(walk, opened, options)?;
+    let mut stage = PageTwin::new(walk, opened, options)?;
     let mut rounds = Vec::new();
     if walk.moments.iter().all(|moment| moment.weights.is_some()) {
         for setting in Setting::ALL {
@@ -67,14 +67,14 @@ pub fn rounds(walk: &Walk, opened: &Opened, options: &Options) -> Result<Vec<Rou
 }
 
 /// What the page's stage has, without a canvas.
-struct Stage<'a> {
+struct PageTwin<'a> {
     opened: &'a Opened,
     scene: Scene,
     target: Target,
     camera: Camera,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> PageTwin<'a> {
     fn new(walk: &Walk, opened: &'a Opened, options: &Options) -> Result<Self> {
         let (gpu, player) = (&opened.gpu, &walk.player);
         let actor = player.actor().context("the bundle has no actor")?;
@@ -82,7 +82,7 @@ impl<'a> Stage<'a> {
         let triangles = actor.topology.triangles().to_vec();
         let mut scene = Scene::new(gpu.clone(), &actor.surface, triangles, reference);
         if let Some(appearance) = player.appearance(Textures::Aligned) {
-            let mut looks = Looks::new(gpu, appearance, scene.mesh.textures(), false, milliseconds);
+            let mut looks = TextureRebuild::new(gpu, appearance, scene.mesh.textures(), false, milliseconds);
             looks.take(gpu, player.modes(Textures::Aligned));
             scene.looks[Textures::Aligned as usize] = Some(looks);
         }

@@ -4,7 +4,7 @@ use js_sys::Float32Array;
 use search::Progress;
 use wasm_bindgen::prelude::*;
 
-use super::error::{Kind, error, json};
+use super::error::{ErrorKind, error, json};
 use super::player::Player;
 use super::request::parse;
 use crate::player::direct::Origin;
@@ -37,7 +37,7 @@ impl Player {
             "here" => Origin::Here,
             "anywhere" => Origin::Anywhere,
             "end" => Origin::End,
-            _ => return Err(error(Kind::BadArgument, "a search begins here, anywhere, or at the end")),
+            _ => return Err(error(ErrorKind::BadArgument, "a search begins here, anywhere, or at the end")),
         };
         Ok(self.inner.search(&parse(text)?, from)?)
     }

@@ -10,7 +10,7 @@ use crate::player::direct::DirectError;
 
 /// What went wrong, in the page's words for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ErrorKind {
     /// The bytes are no bundle.
     NotReprise,
     /// The bundle is of a later version.
@@ -33,7 +33,7 @@ pub enum Kind {
     BadArgument,
 }
 
-impl Kind {
+impl ErrorKind {
     fn word(self) -> &'static str {
         match self {
             Self::NotReprise => "not-reprise",
@@ -52,7 +52,7 @@ impl Kind {
 
 /// An `Error` with this message and kind.
 #[must_use]
-pub fn error(kind: Kind, message: &str) -> JsValue {
+pub fn error(kind: ErrorKind, message: &str) -> JsValue {
     let error = js_sys::Error::new(message);
     // Setting a property of a fresh object does not fail.
     let _ = js_sys::Reflect::set(&error, &"kind".into(), &kind.word().into());
@@ -62,10 +62,10 @@ pub fn error(kind: Kind, message: &str) -> JsValue {
 impl From<PlayerError> for JsValue {
     fn from(failure: PlayerError) -> Self {
         let kind = match failure {
-            PlayerError::NotLoaded => Kind::NotLoaded,
-            PlayerError::NoFrame(_) => Kind::BadArgument,
-            PlayerError::Unreachable { .. } => Kind::Unreachable,
-            PlayerError::Damaged(_) | PlayerError::DamagedLooks => Kind::Damaged,
+            PlayerError::NotLoaded => ErrorKind::NotLoaded,
+            PlayerError::NoFrame(_) => ErrorKind::BadArgument,
+            PlayerError::Unreachable { .. } => ErrorKind::Unreachable,
+            PlayerError::Damaged(_) | PlayerError::DamagedLooks => ErrorKind::Damaged,
         };
         error(kind, &failure.to_string())
     }
@@ -74,7 +74,7 @@ impl From<PlayerError> for JsValue {
 impl From<DirectError> for JsValue {
     fn from(failure: DirectError) -> Self {
         match failure {
-            DirectError::Request(failure) => error(Kind::BadArgument, &failure.to_string()),
+            DirectError::Request(failure) => error(ErrorKind::BadArgument, &failure.to_string()),
             DirectError::Player(failure) => failure.into(),
         }
     }
@@ -84,10 +84,10 @@ impl From<DirectError> for JsValue {
 #[must_use]
 pub fn bundle_error(failure: BundleError) -> JsValue {
     let kind = match failure {
-        BundleError::NotOurs => Kind::NotReprise,
-        BundleError::TooNew { .. } | BundleError::UnknownSection { .. } => Kind::TooNew,
-        BundleError::Damaged { .. } | BundleError::Inconsistent { .. } => Kind::Damaged,
-        BundleError::Truncated { .. } => Kind::Truncated,
+        BundleError::NotOurs => ErrorKind::NotReprise,
+        BundleError::TooNew { .. } | BundleError::UnknownSection { .. } => ErrorKind::TooNew,
+        BundleError::Damaged { .. } | BundleError::Inconsistent { .. } => ErrorKind::Damaged,
+        BundleError::Truncated { .. } => ErrorKind::Truncated,
     };
     error(kind, &failure.to_string())
 }
@@ -100,5 +100,5 @@ pub fn json(value: &impl serde::Serialize) -> Result<String, JsValue> {
     let mut text = Vec::new();
     let written = value.serialize(&mut Serializer::with_formatter(&mut text, BrowserNumbers));
     let text = written.ok().and_then(|()| String::from_utf8(text).ok());
-    text.ok_or_else(|| error(Kind::BadArgument, "this cannot be written as JSON"))
+    text.ok_or_else(|| error(ErrorKind::BadArgument, "this cannot be written as JSON"))
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 use js_sys::{Float32Array, Uint8Array};
 use wasm_bindgen::prelude::*;
 
-use super::error::{Kind, bundle_error, error, json};
+use super::error::{ErrorKind, bundle_error, error, json};
 use crate::player::Player as Inner;
 use crate::player::loading::Loading;
 
@@ -86,7 +86,7 @@ impl Player {
     pub fn info(&self) -> Result<String, JsValue> {
         match self.inner.info() {
             Some(info) => json(&info),
-            None => Err(error(Kind::NotLoaded, "the actor has not arrived yet")),
+            None => Err(error(ErrorKind::NotLoaded, "the actor has not arrived yet")),
         }
     }
 
@@ -179,7 +179,7 @@ impl Player {
     pub fn state(&self) -> Result<String, JsValue> {
         match self.inner.state() {
             Some(state) => json(&state),
-            None => Err(error(Kind::NotLoaded, "the actor has not arrived yet")),
+            None => Err(error(ErrorKind::NotLoaded, "the actor has not arrived yet")),
         }
     }
 
@@ -196,7 +196,8 @@ impl Player {
     /// # Errors
     /// There is no pose yet.
     pub fn pose(&self) -> Result<Float32Array, JsValue> {
-        let picture = self.inner.picture().ok_or_else(|| error(Kind::NotLoaded, "the actor has not arrived yet"))?;
+        let picture =
+            self.inner.picture().ok_or_else(|| error(ErrorKind::NotLoaded, "the actor has not arrived yet"))?;
         Ok(array(&picture.pose()))
     }
 

@@ -3,7 +3,7 @@
 use actor::surface::Surface;
 use glam::{Vec2, Vec3};
 
-use super::appearance::Looks;
+use super::appearance::TextureRebuild;
 use super::context::Gpu;
 use super::frame::{FrameGroup, Look};
 use super::ghosts::Ghosts;
@@ -77,7 +77,7 @@ pub struct Scene {
     /// The mesh with its materials.
     pub mesh: Mesh,
     /// The texture that is rebuilt from modes, where the actor has one: from aligned ones, and from naive ones.
-    pub looks: [Option<Looks>; 2],
+    pub looks: [Option<TextureRebuild>; 2],
     /// Poses shown translucent.
     pub ghosts: Ghosts,
     /// What tools mark on the ground.

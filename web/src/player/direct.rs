@@ -11,7 +11,10 @@ use actor::motion::{MotionMeter, measure_group};
 use actor::pose_source::PoseError;
 use actor::walk::{Leg, Walk};
 use kernels::align::Placement;
-use search::{Answer, DEFAULT_EFFORT, Direction, Progress, Request, RequestError, Scene, Spot, Start, Survey, Ways};
+use search::{
+    Answer, DEFAULT_EFFORT, Direction, GroundPose, Progress, Request, RequestError, Scene, SearchGraph,
+    SearchGraphBuilder, Start,
+};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -88,25 +91,25 @@ impl Player {
         self.directing.follow(vertices, actor.topology.vertex_count())?;
         let now = self.producer.now;
         let end = now() + milliseconds;
-        while self.directing.ways.is_none() {
+        while self.directing.search_graph.is_none() {
             self.prepare_more(&actor, &graph)?;
             if now() >= end {
                 break;
             }
         }
-        Ok(self.directing.ways.is_some())
+        Ok(self.directing.search_graph.is_some())
     }
 
     fn prepare_more(&mut self, actor: &Actor, graph: &EssentialGraph) -> Result<(), DirectError> {
         let Some(motion) = self.directing.motion.clone() else { return self.measure_more(actor) };
         let (timeline, directing, source) = (&actor.timeline, &mut self.directing, &mut self.loading.source);
         let survey = |group| -> Result<_, PoseError> {
-            Ok(Some(Preparing::Surveying(Box::new(Survey::new(graph, timeline, &motion, group)?))))
+            Ok(Some(Preparing::Surveying(Box::new(SearchGraphBuilder::new(graph, timeline, &motion, group)?))))
         };
         directing.preparing = match directing.preparing.take() {
             Some(Preparing::Surveying(mut survey)) => {
                 if survey.advance(graph, timeline, &motion, TRANSITIONS)? {
-                    directing.ways = Some(Rc::new(survey.finish()));
+                    directing.search_graph = Some(Rc::new(survey.finish()));
                     return Ok(());
                 }
                 Some(Preparing::Surveying(survey))
@@ -166,8 +169,8 @@ impl Player {
             }
         };
         self.directing.direction = None;
-        let (actor, graph, ways) = self.scene()?;
-        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        let (actor, graph, search_graph) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, search_graph: &search_graph };
         self.directing.direction = Some(Direction::new(&scene, start, request, DEFAULT_EFFORT)?);
         Ok(())
     }
@@ -177,8 +180,8 @@ impl Player {
     /// # Errors
     /// No search is under way.
     pub fn search_on(&mut self, milliseconds: f64) -> Result<Progress, DirectError> {
-        let (actor, graph, ways) = self.scene()?;
-        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        let (actor, graph, search_graph) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, search_graph: &search_graph };
         let direction = self.directing.direction.as_mut().ok_or(PlayerError::NotLoaded)?;
         let now = self.producer.now;
         let end = now() + milliseconds;
@@ -200,8 +203,8 @@ impl Player {
     /// # Errors
     /// No search is under way.
     pub fn answer(&self) -> Result<Answer, DirectError> {
-        let (actor, graph, ways) = self.scene()?;
-        let scene = Scene { graph: &graph, timeline: &actor.timeline, ways: &ways };
+        let (actor, graph, search_graph) = self.scene()?;
+        let scene = Scene { graph: &graph, timeline: &actor.timeline, search_graph: &search_graph };
         let direction = self.directing.direction.as_ref().ok_or(PlayerError::NotLoaded)?;
         Ok(direction.best(&scene))
     }
@@ -212,10 +215,10 @@ impl Player {
     /// No search is under way.
     pub fn answer_report(&self) -> Result<AnswerReport, DirectError> {
         let answer = self.answer()?;
-        let (_, graph, ways) = self.scene()?;
+        let (_, graph, search_graph) = self.scene()?;
         let [heading, x, z] = answer.start_placement;
         let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
-        let track = track(&ways, answer.start_frame, placement, &answer.walk);
+        let track = track(&search_graph, answer.start_frame, placement, &answer.walk);
         Ok(AnswerReport { legs: report_legs(&answer.walk.legs, &graph), track, answer })
     }
 
@@ -247,28 +250,28 @@ impl Player {
         Ok(self.extend(answer.start_frame, &answer.walk))
     }
 
-    fn scene(&self) -> Result<(Actor, Rc<EssentialGraph>, Rc<Ways>), DirectError> {
+    fn scene(&self) -> Result<(Actor, Rc<EssentialGraph>, Rc<SearchGraph>), DirectError> {
         let (actor, graph) = self.ready(0)?;
-        let ways = self.directing.ways.clone().ok_or(PlayerError::NotLoaded)?;
-        Ok((actor, graph, ways))
+        let search_graph = self.directing.search_graph.clone().ok_or(PlayerError::NotLoaded)?;
+        Ok((actor, graph, search_graph))
     }
 }
 
 /// Where `walk` leads on the ground from `start`, standing at `placement`.
-fn track(ways: &Ways, start: u32, placement: Placement, walk: &Walk) -> Vec<TrackPiece> {
-    let (mut frame, mut spot) = (start, Spot::from(&placement));
-    let ground = |spot: &Spot, point| {
-        let place = spot.apply(point);
+fn track(search_graph: &SearchGraph, start: u32, placement: Placement, walk: &Walk) -> Vec<TrackPiece> {
+    let (mut frame, mut ground_pose) = (start, GroundPose::from(&placement));
+    let ground = |ground_pose: &GroundPose, point| {
+        let place = ground_pose.apply(point);
         [place.x, place.z]
     };
     let mut pieces = Vec::with_capacity(walk.legs.len());
     for leg in &walk.legs {
         let transition = leg.transition();
-        let here = ways.points.get(frame as usize).copied().unwrap_or_default();
-        let mut piece = TrackPiece { synthetic: transition.is_some(), points: vec![ground(&spot, here)] };
+        let here = search_graph.points.get(frame as usize).copied().unwrap_or_default();
+        let mut piece = TrackPiece { synthetic: transition.is_some(), points: vec![ground(&ground_pose, here)] };
         if let Leg::Back { first, last, .. } = *leg {
-            let frames = ways.points.get(last as usize..first as usize).unwrap_or_default();
-            piece.points.extend(frames.iter().rev().map(|&point| ground(&spot, point)));
+            let frames = search_graph.points.get(last as usize..first as usize).unwrap_or_default();
+            piece.points.extend(frames.iter().rev().map(|&point| ground(&ground_pose, point)));
             frame = last;
         }
         let steps = match *leg {
@@ -277,10 +280,13 @@ fn track(ways: &Ways, start: u32, placement: Placement, walk: &Walk) -> Vec<Trac
             Leg::Back { .. } => 0,
         };
         for _ in 0..steps {
-            let Some(index) = ways.from(frame).find(|&index| ways.way(index).transition == transition) else { break };
-            piece.points.extend(ways.samples(index).iter().map(|sample| ground(&spot, sample.point)));
-            let way = ways.way(index);
-            (frame, spot) = (way.to, spot.after(&way.spot));
+            let Some(index) = search_graph.from(frame).find(|&index| search_graph.edge(index).transition == transition)
+            else {
+                break;
+            };
+            piece.points.extend(search_graph.samples(index).iter().map(|sample| ground(&ground_pose, sample.point)));
+            let edge = search_graph.edge(index);
+            (frame, ground_pose) = (edge.to, ground_pose.after(&edge.ground_pose));
         }
         pieces.push(piece);
     }

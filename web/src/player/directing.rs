@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use actor::motion::{Motion, MotionMeter};
 use glam::Vec3;
-use search::{Direction, RequestError, Survey, Ways, limits};
+use search::{Direction, RequestError, SearchGraph, SearchGraphBuilder, limits};
 
 /// It is made anew for another actor, and in part for other vertices that are followed.
 #[derive(Default)]
@@ -13,7 +13,7 @@ pub(super) struct Directing {
     /// The vertices that are, or shall be, followed; empty for the centre of mass.
     pub group: Vec<u32>,
     pub preparing: Option<Preparing>,
-    pub ways: Option<Rc<Ways>>,
+    pub search_graph: Option<Rc<SearchGraph>>,
     pub direction: Option<Direction>,
 }
 
@@ -22,7 +22,7 @@ pub(super) enum Preparing {
     Measuring(Box<MotionMeter>),
     /// The group's middle in the frames so far.
     Grouping(Vec<Vec3>),
-    Surveying(Box<Survey>),
+    Surveying(Box<SearchGraphBuilder>),
 }
 
 impl Directing {
@@ -40,7 +40,7 @@ impl Directing {
         }
         self.group = vertices.to_vec();
         self.preparing.take_if(|state| !matches!(state, Preparing::Measuring(_)));
-        (self.ways, self.direction) = (None, None);
+        (self.search_graph, self.direction) = (None, None);
         Ok(())
     }
 }

@@ -10,13 +10,13 @@ mod directing;
 pub mod events;
 mod follow;
 pub mod loading;
-pub mod looks;
 mod motion;
 mod plan;
 mod plans;
 pub mod produce;
 pub mod report;
 pub mod state;
+pub mod texture_modes;
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -36,7 +36,7 @@ use directing::Directing;
 use events::Events;
 use loading::{Actor, Loading, Phase};
 use plans::Plans;
-use produce::{Frame, Producer, placed_like};
+use produce::{Producer, ShownFrame, placed_like};
 
 /// Most frames made in one tick: a slow device plays slower rather than not at all.
 const MOST_FRAMES_A_TICK: u32 = 8;
@@ -94,13 +94,13 @@ pub struct Player {
     loading: Loading,
     clock: Clock,
     producer: Producer,
-    looks: [looks::Looks; 2],
+    looks: [texture_modes::TextureModes; 2],
     now: fn() -> f64,
     events: Events,
     trail: VecDeque<TrailPoint>,
     /// The frame that the picture comes from, and the one that it goes to.
-    last: Option<Frame>,
-    next: Option<Frame>,
+    last: Option<ShownFrame>,
+    next: Option<ShownFrame>,
     /// What the route under way is for; `None` where there is none.
     goal: Option<Goal>,
     playing: bool,
@@ -302,7 +302,7 @@ impl Player {
         Ok(())
     }
 
-    fn show_at(&mut self, before: Frame, after: Option<Frame>, weight: f64) {
+    fn show_at(&mut self, before: ShownFrame, after: Option<ShownFrame>, weight: f64) {
         self.last = Some(before);
         self.next = after;
         self.clock.set_weight(weight);

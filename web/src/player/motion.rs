@@ -11,7 +11,7 @@ use search::cheapest_walk;
 
 use super::events::Event;
 use super::loading::Actor;
-use super::produce::Frame;
+use super::produce::ShownFrame;
 use super::{Goal, Player};
 use crate::trail::{MEMORY, TrailPoint};
 
@@ -57,7 +57,7 @@ impl Player {
         self.loading.graph.clone().or_else(recorded)
     }
 
-    pub(super) fn recorded(&mut self, frame: u32, placement: Placement) -> Result<Frame, PoseError> {
+    pub(super) fn recorded(&mut self, frame: u32, placement: Placement) -> Result<ShownFrame, PoseError> {
         let Some(actor) = self.loading.actor.clone() else { return Err(PoseError::NotLoaded(frame)) };
         self.producer.recorded(&mut self.loading, &actor, frame, placement)
     }

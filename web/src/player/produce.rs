@@ -16,7 +16,7 @@ const TIMES: usize = 60;
 
 /// A frame as it is shown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct ShownFrame {
     /// Equal numbers are equal poses.
     pub number: u64,
     /// World positions, metres, one per welded vertex.
@@ -67,7 +67,7 @@ impl Producer {
         actor: &Actor,
         frame: u32,
         placement: Placement,
-    ) -> Result<Frame, PoseError> {
+    ) -> Result<ShownFrame, PoseError> {
         let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
         self.synthesiser(actor).place(&mut loading.source, frame, placement, &mut pose)?;
         Ok(self.number(&actor.topology, pose, FrameKind::Recorded { frame }, placement))
@@ -112,7 +112,7 @@ impl Producer {
         actor: &Actor,
         graph: &EssentialGraph,
         factorisations: &mut u32,
-    ) -> Result<Option<Frame>, PoseError> {
+    ) -> Result<Option<ShownFrame>, PoseError> {
         let start = (self.now)();
         let synthesiser = self.synthesiser(actor);
         let step = synthesiser.walker().next(&actor.timeline);
@@ -196,10 +196,10 @@ impl Producer {
         self.times.push(milliseconds);
     }
 
-    fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> Frame {
+    fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> ShownFrame {
         let centre = centre_of_mass(&pose, topology.weights());
         self.made += 1;
-        Frame { number: self.made, pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
+        ShownFrame { number: self.made, pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
     }
 }
 
@@ -214,7 +214,7 @@ pub fn median(times: &[f64]) -> f64 {
 
 /// The placement that puts `recorded` where `shown` stands, and turns it like that unless `heading` says how.
 #[must_use]
-pub fn placed_like(shown: &Frame, recorded: &[Vec3], topology: &Topology, heading: Option<f32>) -> Placement {
+pub fn placed_like(shown: &ShownFrame, recorded: &[Vec3], topology: &Topology, heading: Option<f32>) -> Placement {
     let heading = heading.unwrap_or_else(|| align_heading(&shown.pose, recorded, topology.weights()));
     let centre = centre_of_mass(recorded, topology.weights());
     Placement::turning(heading, Vec2::new(centre.x, centre.z), shown.ground)

@@ -7,7 +7,7 @@ use search::behaviours;
 use serde::Serialize;
 use synthesis::FrameKind;
 
-use super::produce::Frame;
+use super::produce::ShownFrame;
 use super::report::{LegReport, report_legs};
 use super::{Goal, Player, PlayerError};
 use crate::trail::TrailPoint;
@@ -16,9 +16,9 @@ use crate::trail::TrailPoint;
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
     /// The frame before.
-    pub before: &'a Frame,
+    pub before: &'a ShownFrame,
     /// The frame after; the same one where the actor stands.
-    pub after: &'a Frame,
+    pub after: &'a ShownFrame,
     /// 0 is the one, 1 the other.
     pub weight: f64,
 }
@@ -140,7 +140,7 @@ impl Player {
     }
 
     /// The frame that is nearer to what is shown.
-    pub(super) fn nearer(&self) -> Option<&Frame> {
+    pub(super) fn nearer(&self) -> Option<&ShownFrame> {
         let picture = self.picture()?;
         Some(if picture.weight < 0.5 { picture.before } else { picture.after })
     }
@@ -177,10 +177,10 @@ impl Player {
             Some(Goal::Target(frame)) => Some(frame),
             Some(Goal::PlayOn | Goal::Stop) | None => None,
         };
-        let way = self.producer.walker().filter(|_| self.goal.is_some()).zip(graph);
-        let (leg, leg_progress) = way.map_or((0, 0.0), |(walker, graph)| walker.progress(graph));
+        let edge = self.producer.walker().filter(|_| self.goal.is_some()).zip(graph);
+        let (leg, leg_progress) = edge.map_or((0, 0.0), |(walker, graph)| walker.progress(graph));
         let ahead = if self.next.is_some() { 1.0 - self.clock.weight() } else { 0.0 };
-        let frames = way.map_or(0.0, |(walker, graph)| f64::from(walker.remaining(graph)) + ahead);
+        let frames = edge.map_or(0.0, |(walker, graph)| f64::from(walker.remaining(graph)) + ahead);
         let ground = picture.ground();
         Some(State {
             frame: fractional(&picture),
@@ -190,7 +190,7 @@ impl Player {
                 (true, false) => "recorded",
             },
             target,
-            walk: way.filter(|_| target.is_some()).map(|(walker, graph)| report_legs(walker.legs(), graph)),
+            walk: edge.filter(|_| target.is_some()).map(|(walker, graph)| report_legs(walker.legs(), graph)),
             leg,
             leg_progress,
             remaining_seconds: if target.is_some() { frames / self.clock.fps() } else { 0.0 },

@@ -6,15 +6,15 @@ use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround};
 use actor::surface::{Corner, Material, Part, Surface};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
-use actor::warp::{Move, Warp};
 use bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, encode_with_appearance};
 use glam::{Quat, Vec3};
 use kernels::align::Placement;
 use kernels::topology::Topology;
 use search::{Goal, PathRequest, Progress, Request, RequestError, Target};
 use synthesis::FrameKind;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 use super::direct::{DirectError, Origin};
 use super::events::Event;
@@ -36,7 +36,7 @@ pub fn timeline(sequences: &[(u32, bool)]) -> Timeline {
 pub fn jump(timeline: &Timeline, from: u32, to: u32) -> Option<Transition> {
     timeline.offset(from, 2)?;
     timeline.offset(to, -2)?;
-    let warp = Warp::new(vec![Move::Both; 2]);
+    let warp = TemporalWarp::new(vec![Move::Both; 2]);
     Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY })
 }
 
@@ -448,7 +448,7 @@ fn follows_a_walk_that_a_search_found_and_goes_on_with_the_next_without_a_stop()
         Event::Arrive { frame: 6 },
     ];
     assert_eq!(events, passed);
-    assert!(!player.extend(6, &back), "nothing is under way");
+    assert!(!player.extend(6, &back), "nothing is under edge");
 }
 
 #[test]
@@ -494,8 +494,8 @@ fn paths_are_followed_by_the_vertices_asked_for() {
 }
 
 /// Models of one texel whose only mode's coefficient is the frame's number, for colours and for warps.
-fn numbered_looks(frame_count: u32) -> AppearanceModel {
-    AppearanceModel {
+fn numbered_looks(frame_count: u32) -> TextureModel {
+    TextureModel {
         width: 1,
         height: 1,
         active: vec![true],

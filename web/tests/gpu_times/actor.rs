@@ -7,7 +7,7 @@ use actor::timeline::{Sequence, Timeline};
 use bundle::{AppearanceInput, AppearanceQuality, BundleInput, encode_with_appearance};
 use glam::Vec3;
 use kernels::topology::Topology;
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 /// Vertices along a side of the sheet.
 const SIDE: u32 = 12;
@@ -72,7 +72,7 @@ fn sheet() -> (Topology, Surface) {
 }
 
 /// Smooth waves over the sheet, with edges in the mean, so that every pass has something to do.
-fn model() -> AppearanceModel {
+fn model() -> TextureModel {
     let inside = |at: usize| (TEXELS / 10..TEXELS * 9 / 10).contains(&at);
     let active: Vec<bool> = (0..TEXELS * TEXELS).map(|at| inside(at % TEXELS) && inside(at / TEXELS)).collect();
     let texels: Vec<[f32; 2]> = (0..TEXELS * TEXELS)
@@ -100,7 +100,7 @@ fn model() -> AppearanceModel {
         let base = if bright { 0.62 } else { 0.38 };
         [base + 0.1 * x, base, base - 0.1 * y]
     };
-    AppearanceModel {
+    TextureModel {
         width: TEXELS as u32,
         height: TEXELS as u32,
         mean_texture: texels.iter().flat_map(check).collect(),

@@ -7,7 +7,7 @@ use libtest_mimic::{Completion, Failed};
 use texture::basis::Mode;
 use texture::dealign::Aligned;
 use texture::mask::ACTIVE;
-use web::gpu::appearance::{Looks, Setting, Wanted};
+use web::gpu::appearance::{Setting, TextureRebuild, Wanted};
 use web::gpu::readback::read;
 use web::gpu::scene::Scene;
 use web::gpu::timing::Lap;
@@ -29,7 +29,7 @@ pub fn textures_are_rebuilt() -> Result<Completion, Failed> {
     let mut scene = Scene::new(gpu.clone(), &shown.surface, triangles, player.reference_pose());
     let appearance = player.appearance(Textures::Aligned).unwrap();
     let modes = player.modes(Textures::Aligned);
-    let mut looks = Looks::new(&gpu, appearance, scene.mesh.textures(), false, || 1.0);
+    let mut looks = TextureRebuild::new(&gpu, appearance, scene.mesh.textures(), false, || 1.0);
     looks.take(&gpu, modes);
     for (setting, most) in [(Setting::Half, 1), (Setting::Direct, 1), (Setting::Poisson, 2)] {
         for frame in [0, 7, actor::FRAMES - 1] {

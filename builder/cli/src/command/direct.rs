@@ -14,7 +14,9 @@ use capture_io::import::Warning;
 use glam::Vec3;
 use job::{Job, Progress as Step};
 use kernels::align::Placement;
-use search::{Answer, Direction, Goal, Progress, Request, RequestError, Scene, Start, Survey, Target, Ways};
+use search::{
+    Answer, Direction, Goal, Progress, Request, RequestError, Scene, SearchGraph, SearchGraphBuilder, Start, Target,
+};
 use serde::Serialize;
 
 use super::args::DirectArguments;
@@ -70,13 +72,13 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
     };
-    let ways = ways(&mut reader, &timeline, &request)?;
-    let scene = Scene { graph: &graph, timeline: &timeline, ways: &ways };
+    let search_graph = search_graph(&mut reader, &timeline, &request)?;
+    let scene = Scene { graph: &graph, timeline: &timeline, search_graph: &search_graph };
     let began = Instant::now();
     let answer = search(&scene, arguments, start, &request, terminal)?;
     let search_seconds = began.elapsed().as_secs_f64();
     if let Some(path) = &arguments.times {
-        write_times(&answer, scene.ways.fps, path)?;
+        write_times(&answer, scene.search_graph.fps, path)?;
     }
     answer.notes().for_each(|note| terminal.log(&format!("note: {note}")));
 
@@ -86,7 +88,7 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     let (written, centres) =
         write(&mut reader, (&graph, &timeline), begin, &answer.walk, arguments, &output, terminal)?;
     let Written { frames, warnings } = written;
-    let walked = walked(&answer, &centres, ways.group.is_empty());
+    let walked = walked(&answer, &centres, search_graph.group.is_empty());
     terminal.log(&summary(&answer, &walked, search_seconds, frames, &arguments.output));
     if arguments.json {
         let output = arguments.output.clone();
@@ -157,7 +159,7 @@ fn read_bundle(path: &Path) -> Result<BundleReader, Failure> {
 }
 
 /// The ways of the centre of mass, or of the vertices that the request wants to follow its path.
-fn ways(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Result<Ways, Failure> {
+fn search_graph(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Result<SearchGraph, Failure> {
     let ours = |error: actor::pose_source::PoseError| Failure::Input(error.into());
     let (Some(topology), Some(graph)) = (reader.topology(), reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("the bundle is not whole")));
@@ -186,7 +188,7 @@ fn ways(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Re
         }
         None => None,
     };
-    let mut survey = Survey::new(&graph, timeline, &motion, group).map_err(ours)?;
+    let mut survey = SearchGraphBuilder::new(&graph, timeline, &motion, group).map_err(ours)?;
     while !survey.advance(&graph, timeline, &motion, usize::MAX).map_err(ours)? {}
     Ok(survey.finish())
 }

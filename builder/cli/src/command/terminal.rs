@@ -14,10 +14,10 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Shows how far the stages are; one bar at a time.
 pub struct Terminal {
     quiet: bool,
-    stage: Mutex<Option<Stage>>,
+    stage: Mutex<Option<RunningStage>>,
 }
 
-struct Stage {
+struct RunningStage {
     what: &'static str,
     start: Instant,
     bar: Option<ProgressBar>,
@@ -58,7 +58,7 @@ impl Terminal {
         let Ok(mut current) = self.stage.lock() else { return };
         if current.as_ref().is_none_or(|stage| stage.what != progress.what) {
             finish(current.take());
-            *current = Some(Stage { what: progress.what, start: Instant::now(), bar: None });
+            *current = Some(RunningStage { what: progress.what, start: Instant::now(), bar: None });
         }
         let Some(stage) = current.as_mut() else { return };
         if stage.start.elapsed() >= PATIENCE {
@@ -88,7 +88,7 @@ impl Drop for Terminal {
     }
 }
 
-fn finish(stage: Option<Stage>) {
+fn finish(stage: Option<RunningStage>) {
     if let Some(bar) = stage.and_then(|stage| stage.bar) {
         bar.finish_and_clear();
     }

@@ -9,9 +9,9 @@ use super::walks::{SKATE_TRANSITIONS, Walks, walks_table};
 use crate::EvaluateError;
 use crate::contacts::Contacts;
 use crate::document::{Cell, SectionReport, Table};
-use crate::stage::{Recordings, Stage};
+use crate::performance::{Performance, Recordings};
 use crate::statistics::{Moments, percentile};
-use crate::subject::{Subject, told};
+use crate::subject::{Subject, progress_of};
 use job::Job;
 use pipeline::transitions::LengthChoice;
 
@@ -59,12 +59,12 @@ pub(super) fn skate(
     job: &Job,
 ) -> Result<Slides, EvaluateError> {
     let contacts = Contacts::of(&recordings, subject.truth.as_ref());
-    let told = told(job, "foot skate");
+    let progress = progress_of(job, "foot skate");
     let done = AtomicUsize::new(0);
     let parts: Vec<Slides> = chosen
         .par_chunks(4)
         .map(|chunk| {
-            let mut stage = Stage::new(recordings, order)?;
+            let mut stage = Performance::new(recordings, order)?;
             let mut slides = Slides::default();
             for &index in chunk {
                 let blends = recordings.blends(&graph.transitions()[index])?;
@@ -79,7 +79,7 @@ pub(super) fn skate(
                 }
             }
             let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / chosen.len() as f64)?;
+            progress((before + chunk.len()) as f64 / chosen.len() as f64)?;
             Ok(slides)
         })
         .collect::<Result<_, EvaluateError>>()?;

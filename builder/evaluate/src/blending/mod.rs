@@ -9,9 +9,9 @@ use kernels::cholesky::elimination_order;
 
 use super::EvaluateError;
 use super::document::SectionReport;
+use super::performance::Recordings;
 use super::seams::{self, Ease, Own};
-use super::stage::Recordings;
-use super::subject::{Subject, told};
+use super::subject::{Subject, progress_of};
 use foot_skate::{Skate, skate, skate_table};
 use job::Job;
 use kernels::random::mix;
@@ -35,8 +35,8 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let walks = walks(subject, &graph, job)?;
         for (population, chosen) in [("graph", &of_graph), ("walks", &walks.transitions)] {
             for ease in [Ease::Smooth, Ease::Linear] {
-                let told = told(job, "seams");
-                let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &told)?;
+                let progress = progress_of(job, "seams");
+                let seams = seams::measure(recordings, &order, graph.transitions(), chosen, ease, &progress)?;
                 reports.push(SeamReport { choice, population, ease, seams });
             }
         }

@@ -1,7 +1,7 @@
 //! Seams of transitions against the capture's own change from frame to frame.
 
 use crate::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use crate::plot::{Kind, Plot, Series, histogram};
+use crate::plot::{Plot, Series, SeriesStyle, histogram};
 use crate::seams::{Change, Ease, Own, SeamSummary, Seams};
 use crate::subject::Subject;
 use pipeline::transitions::LengthChoice;
@@ -99,7 +99,7 @@ pub(super) fn seam_tables(
         changes.map(|change| change.velocity * 1e3).collect()
     };
     let bins = |values: &[f64]| histogram(values, 40);
-    let outline = |name: &str, colour, values: &[f64]| Series::new(name, Kind::Line, colour, bins(values));
+    let outline = |name: &str, colour, values: &[f64]| Series::new(name, SeriesStyle::Line, colour, bins(values));
     let recorded: Vec<f64> = own.velocity.iter().map(|velocity| velocity * 1e3).collect();
     section.plots.push(Plot {
         caption: "Change of velocity at seams and at recorded frames; the line marks the recorded 99th percentile."

@@ -3,7 +3,7 @@
 use actor::timeline::Sequence;
 
 use crate::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use crate::plot::{Kind, Plot, Series};
+use crate::plot::{Plot, Series, SeriesStyle};
 use crate::subject::Subject;
 use crate::trajectories::{Pairing, Trajectory, aligned, length, linear, sides};
 
@@ -57,10 +57,10 @@ pub(super) fn trajectories(subject: &Subject, section: &mut SectionReport) {
             x: "x, m".into(),
             y: "z, m".into(),
             series: vec![
-                line(&names[0], Kind::Dashes, 5, &recorded[0]),
-                line(&names[1], Kind::Dashes, 4, &recorded[1]),
-                line("without alignment", Kind::Line, 1, &without),
-                line("recurring alignment", Kind::Line, 0, &with),
+                line(&names[0], SeriesStyle::Dashes, 5, &recorded[0]),
+                line(&names[1], SeriesStyle::Dashes, 4, &recorded[1]),
+                line("without alignment", SeriesStyle::Line, 1, &without),
+                line("recurring alignment", SeriesStyle::Line, 0, &with),
             ],
             equal: true,
             ..Plot::default()

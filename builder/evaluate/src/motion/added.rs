@@ -7,7 +7,7 @@ use actor::walk::{Leg, steps_of};
 
 use super::played::Begun;
 use crate::EvaluateError;
-use crate::stage::Recordings;
+use crate::performance::Recordings;
 use pipeline::distance::DistanceMatrix;
 
 /// What the transitions of some walks add, transition after transition as they are used.

@@ -17,9 +17,9 @@ pub(super) use self::played::{Begun, Borrowed, Shown, show};
 pub(super) use self::series::{Look, Series};
 use super::EvaluateError;
 use super::document::{Cell, SectionReport, Table};
-use super::stage::Recordings;
+use super::performance::Recordings;
 use super::statistics::{Moments, percentile};
-use super::subject::{Subject, told};
+use super::subject::{Subject, progress_of};
 use job::Job;
 use kernels::random::mix;
 use pipeline::transitions::LengthChoice;
@@ -30,7 +30,7 @@ const WALKS: u64 = 300;
 const SHOWN: usize = 100;
 /// Frames of a walk that are made at most.
 const MOST_FRAMES: usize = 2000;
-/// Ways below this share of the capture's median are no motion that could freeze or leap.
+/// SearchGraph below this share of the capture's median are no motion that could freeze or leap.
 const LEAST_WAY: f64 = 0.5;
 
 /// Makes the section.
@@ -56,7 +56,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         lengths.rows.push(lengths_row(subject, choice, &graph, &walks, &added, &own));
         let few: Vec<Begun> =
             walks.iter().take(SHOWN).map(|walk| walk.with_surroundings(&graph, subject.timeline())).collect();
-        let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &told(job, "walks"))?;
+        let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
         frames.rows.push(own.compare(choice.word(), &shown));
         if choice == subject.options.transition.choice {
             section.pictures = pictures::strips(recordings, &order, &graph, &added)?;
@@ -197,7 +197,7 @@ pub(super) fn frames_table(own: &Own) -> Table {
     Table::new(
         "motion_frames",
         format!(
-            "Steps within transitions of {SHOWN} cheapest walks, and recorded ones. Ways and changes of way (accelerations) \
+            "Steps within transitions of {SHOWN} cheapest walks, and recorded ones. SearchGraph and changes of way (accelerations) \
              are root mean squares over the vertices, held against the capture\u{2019}s own 99th percentiles: {:.2} mm and \
              {:.2} mm a frame (medians {:.2} and {:.2}). Slide: vertices within 1.1 % of the body\u{2019}s height of the \
              ground in both frames.",

@@ -10,7 +10,7 @@ use super::added::Added;
 use crate::EvaluateError;
 use crate::clay::{self, Camera};
 use crate::document::Picture;
-use crate::stage::{Recordings, Stage};
+use crate::performance::{Performance, Recordings};
 
 /// Transitions that add most, and others.
 const WORST: usize = 5;
@@ -32,11 +32,11 @@ pub(super) fn strips(
     let stride = (by_peak.len().saturating_sub(WORST) / OTHERS).max(1);
     let chosen: BTreeSet<usize> =
         (0..WORST).chain((1..=OTHERS).map(|k| WORST + k * stride - 1)).filter(|&at| at < by_peak.len()).collect();
-    let mut stage = Stage::new(recordings, order)?;
+    let mut stage = Performance::new(recordings, order)?;
     chosen.into_iter().map(|at| strip(&mut stage, graph, by_peak[at])).collect()
 }
 
-fn strip(stage: &mut Stage, graph: &EssentialGraph, (peak, index): (f64, u32)) -> Result<Picture, EvaluateError> {
+fn strip(stage: &mut Performance, graph: &EssentialGraph, (peak, index): (f64, u32)) -> Result<Picture, EvaluateError> {
     let recordings = stage.recordings;
     let transition = &graph.transitions()[index as usize];
     let blends = recordings.blends(transition)?;

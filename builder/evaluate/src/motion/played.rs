@@ -64,7 +64,7 @@ pub fn show(
     graph: &EssentialGraph,
     walks: &[Begun],
     most: usize,
-    told: &(dyn Fn(f64) -> Result<(), job::Stopped> + Sync),
+    progress: &(dyn Fn(f64) -> Result<(), job::Stopped> + Sync),
 ) -> Result<Vec<Shown>, EvaluateError> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     let look = Look::of(&capture.poses, capture.topology.weights());
@@ -75,7 +75,7 @@ pub fn show(
             let shown = chunk.iter().map(|begun| show_one(capture, &look, graph, begun, most, &mut synthesiser));
             let shown = shown.collect::<Result<Vec<_>, EvaluateError>>()?;
             let before = done.fetch_add(chunk.len(), std::sync::atomic::Ordering::Relaxed);
-            told((before + chunk.len()) as f64 / walks.len() as f64)?;
+            progress((before + chunk.len()) as f64 / walks.len() as f64)?;
             Ok(shown)
         })
         .collect::<Result<_, EvaluateError>>()?;

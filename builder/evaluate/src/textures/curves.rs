@@ -24,9 +24,9 @@ use appearance::naive::captured;
 use appearance::rebuilt::{combine, compared, means};
 use appearance::stored;
 use appearance::textures::TextureSource;
-use appearance::warp::Warping;
+use appearance::warp::WarpMethod;
 use job::Job;
-use learn::pca::{Components, components};
+use learn::pca::{PrincipalComponents, components};
 use learn::store::Store;
 
 /// Numbers of components on the curves.
@@ -152,8 +152,8 @@ pub fn curves(
     let all = aligned.complete.clone();
     let similarity = Similarity::new(charts.width as u32, &charts.active());
     let bench = Bench { source: *source, aligned, raw, similarity, views };
-    let told = |done: usize| job.tell("appearance curves", done as u64, 11);
-    told(0)?;
+    let progress = |done: usize| job.tell("appearance curves", done as u64, 11);
+    progress(0)?;
     let full = bench.learn(&all, USUAL)?;
     let ghosting = bench.ghosting(&full, sequences)?;
     let halves = bench.halves(&full, &all);
@@ -170,7 +170,7 @@ pub fn curves(
     let naive = components(&bench.raw, &all, COUNTS[COUNTS.len() - 1]).map_err(AppearanceError::from)?;
     let (mut reconstruction, mut interpolation) = (Vec::new(), Vec::new());
     for (done, &count) in COUNTS.iter().filter(|&&count| count < all.len()).enumerate() {
-        told(1 + done)?;
+        progress(1 + done)?;
         let basis = bench.learn(&all, count)?;
         reconstruction.push(bench.reconstruction(count, &basis, &naive, &all)?);
         if count < USUAL {
@@ -178,7 +178,7 @@ pub fn curves(
         }
     }
     drop(naive);
-    told(10)?;
+    progress(10)?;
     Ok(Curves {
         reconstruction,
         generalisation: bench.generalisation(&all)?,
@@ -221,13 +221,13 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
         &self,
         count: usize,
         basis: &Basis,
-        naive: &Components,
+        naive: &PrincipalComponents,
         frames: &[usize],
     ) -> Result<Reconstruction, EvaluateError> {
         let frames = evenly(frames, SAMPLE);
         let (textures, warps) = split(count);
         let ours = |frame, how| basis.rebuild(&self.aligned.warper, frame, textures, warps, how);
-        let before = self.over(&frames, |frame| ours(frame, Warping::Poisson))?;
+        let before = self.over(&frames, |frame| ours(frame, WarpMethod::Poisson))?;
         let (model, charts) = (basis.clone().into_model(&self.aligned.charts), &self.aligned.charts);
         let (_, stored) = stored::choose(self.source, charts, &model, before.ssim, &frames)?;
         Ok(Reconstruction {
@@ -235,9 +235,9 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
             ours: before,
             stored: Quality { ssim: stored.ssim, mse: stored.mean_square_error },
             stored_bytes: stored.bytes_per_frame,
-            direct: self.over(&frames, |frame| ours(frame, Warping::Direct))?,
+            direct: self.over(&frames, |frame| ours(frame, WarpMethod::Direct))?,
             naive: self.over(&frames, |frame| combine(naive, frame, count))?,
-            ours_seen: self.seen(&frames, |frame| ours(frame, Warping::Poisson))?,
+            ours_seen: self.seen(&frames, |frame| ours(frame, WarpMethod::Poisson))?,
             naive_seen: self.seen(&frames, |frame| combine(naive, frame, count))?,
         })
     }
@@ -266,7 +266,7 @@ impl<S: TextureSource + ?Sized> Bench<'_, S> {
                 let (basis, naive) = (self.learn(&known, count)?, components(&self.raw, &known, count)?);
                 let warper = &self.aligned.warper;
                 let ours =
-                    self.over(&unknown, |frame| basis.rebuild(warper, frame, textures, warps, Warping::Poisson))?;
+                    self.over(&unknown, |frame| basis.rebuild(warper, frame, textures, warps, WarpMethod::Poisson))?;
                 let naive = self.over(&unknown, |frame| combine(&naive, frame, count))?;
                 Ok(Generalisation { percent, training, components: count, ours, naive })
             })

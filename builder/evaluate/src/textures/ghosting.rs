@@ -26,7 +26,7 @@ const PAIRS: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Our coefficients, interpolated.
-    Ours,
+    Eigen,
     /// The same after storing, as the player shows it.
     Stored,
     /// The captured textures, cross-faded.
@@ -37,7 +37,7 @@ pub enum Way {
 
 impl Way {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Ours, Self::Stored, Self::FadeCaptured, Self::FadeStored];
+    pub const ALL: [Self; 4] = [Self::Eigen, Self::Stored, Self::FadeCaptured, Self::FadeStored];
 }
 
 /// The truth about a performance.

@@ -8,7 +8,7 @@ use actor::timeline::Timeline;
 use image::{ImageError, Rgb, RgbImage, imageops};
 
 use crate::document::{Agreement, Cell, Picture, SectionReport, Table, Verdict};
-use crate::plot::{Kind, Plot, Series};
+use crate::plot::{Plot, Series, SeriesStyle};
 use crate::textures::ghosting::{AgainstTruth, Row, Truth, Way, Worst};
 use appearance::Charts;
 use appearance::textures::{Texture, TextureSource};
@@ -150,7 +150,7 @@ pub(super) fn write(found: &AgainstTruth, charts: &Charts, section: &mut Section
 
 fn name(way: Way) -> &'static str {
     match way {
-        Way::Ours => "ours",
+        Way::Eigen => "ours",
         Way::Stored => "ours stored",
         Way::FadeCaptured => "cross-fade of captured",
         Way::FadeStored => "cross-fade of ours stored",
@@ -236,7 +236,7 @@ fn agreement(found: &AgainstTruth) -> Option<Agreement> {
 fn plots(found: &AgainstTruth) -> Vec<Plot> {
     let series = |value: fn(&Row, usize) -> f64| -> Vec<Series> {
         let points = |way: usize| classes(found).map(|row| (row.slide, value(row, way))).collect();
-        (0..).zip(Way::ALL).map(|(at, way)| Series::new(name(way), Kind::DottedLine, at, points(at))).collect()
+        (0..).zip(Way::ALL).map(|(at, way)| Series::new(name(way), SeriesStyle::DottedLine, at, points(at))).collect()
     };
     let plot = |y: &str, series| Plot {
         caption: "Half way in transitions, against the truth".into(),

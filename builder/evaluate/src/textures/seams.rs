@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use appearance::align::Aligned;
 use appearance::basis::Basis;
 use appearance::rebuilt::combine;
-use appearance::warp::Warping;
+use appearance::warp::WarpMethod;
 
 /// What the actor wears at one frame of a walk: the coefficients of two recorded frames, blended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub(super) fn worn(aligned: &Aligned, basis: &Basis, moment: Moment) -> Vec<f32>
     let [a, b] = moment.frames.map(|frame| combine(&basis.textures, frame, basis.textures.modes.len()));
     let textures: Vec<f32> = a.iter().zip(&b).map(|(a, b)| a + moment.lambda * (b - a)).collect();
     // Textures are fitted to the warps as they are stored.
-    aligned.warper.warp(&textures, 3, &basis.shown_warp(moment.frames, moment.lambda), Warping::Poisson)
+    aligned.warper.warp(&textures, 3, &basis.shown_warp(moment.frames, moment.lambda), WarpMethod::Poisson)
 }
 
 fn root_mean_square([a, b]: &[Vec<f32>; 2]) -> f64 {

@@ -13,8 +13,8 @@ use super::seams::Moment;
 use super::views::Views;
 use crate::blending::draw;
 use crate::document::{Agreement, Cell, SectionReport, Table, Verdict};
-use crate::plot::{Kind, Plot, Series};
-use crate::stage::Recordings;
+use crate::performance::Recordings;
+use crate::plot::{Plot, Series, SeriesStyle};
 use crate::statistics::percentile;
 use crate::subject::Subject;
 use crate::{EvaluateError, missing};
@@ -284,7 +284,7 @@ fn agreements(curves: &Curves) -> Vec<Agreement> {
 }
 
 fn plots(curves: &Curves) -> Vec<Plot> {
-    let line = |name: &str, colour, points: Vec<(f64, f64)>| Series::new(name, Kind::DottedLine, colour, points);
+    let line = |name: &str, colour, points: Vec<(f64, f64)>| Series::new(name, SeriesStyle::DottedLine, colour, points);
     let rebuilt = |value: fn(&super::curves::Reconstruction) -> f64| -> Vec<(f64, f64)> {
         curves.reconstruction.iter().map(|row| (row.components as f64, value(row))).collect()
     };

@@ -137,8 +137,8 @@ fn unevenness(timeline: &Timeline, main: &[bool], visits: &[u32]) -> Vec<(String
 #[cfg(test)]
 mod tests {
     use actor::graph::Transition;
+    use actor::temporal_warp::{Move, TemporalWarp};
     use actor::timeline::Sequence;
-    use actor::warp::{Move, Warp};
     use kernels::align::Placement;
 
     use super::*;
@@ -157,7 +157,7 @@ mod tests {
             from,
             to,
             deformation: 1.0,
-            warp: Warp::new(vec![Move::Both; 2]),
+            warp: TemporalWarp::new(vec![Move::Both; 2]),
             placement: Placement::IDENTITY,
         };
         let graph = EssentialGraph::new(0.01, vec![transition(5, 10), transition(13, 2)], &timeline).unwrap();

@@ -5,14 +5,14 @@ mod measure;
 use actor::motion::Motion;
 use actor::walk::Walk;
 use kernels::cholesky::elimination_order;
-use search::{DEFAULT_EFFORT, Direction, Goal, Progress as Found, Request, Scene, Target, WanderRequest, Ways};
+use search::{DEFAULT_EFFORT, Direction, Goal, Progress as Found, Request, Scene, SearchGraph, Target, WanderRequest};
 
 pub use self::measure::Wandered;
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::motion::{Begun, Borrowed, Own, frames_table, percent, show};
 use super::statistics::percentile;
-use super::subject::{Subject, told};
+use super::subject::{Subject, progress_of};
 use job::Job;
 
 /// Seconds of a walk, and of it those that are made frame by frame.
@@ -43,8 +43,8 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     let timeline = subject.timeline();
     let weights = subject.capture.topology.weights();
     let motion = Motion::measure(timeline, weights, &mut Borrowed(&subject.capture.poses))?;
-    let ways = Ways::new(&graph, timeline, &motion)?;
-    let scene = Scene { graph: &graph, timeline, ways: &ways };
+    let search_graph = SearchGraph::new(&graph, timeline, &motion)?;
+    let scene = Scene { graph: &graph, timeline, search_graph: &search_graph };
     let mut taken = Vec::new();
     for seed in subject.options.seed..subject.options.seed + WALKS {
         job.tell("wandering", seed - subject.options.seed, WALKS)?;
@@ -61,14 +61,14 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         chain_table(&taken),
         times_table(&scene, &taken),
     ]);
-    section.agreements.extend(agreements(&taken, fps, timeline_allows(&ways)));
+    section.agreements.extend(agreements(&taken, fps, timeline_allows(&search_graph)));
     let own = Own::of(subject);
     let mut frames = frames_table(&own);
     frames.name = "wandering_frames";
     let most = (SHOWN_SECONDS * fps) as usize;
     let order = elimination_order(&subject.capture.topology);
     let begun: Vec<Begun> = taken.iter().take(2).map(|taken| taken.begun.clone()).collect();
-    let shown = show(&subject.capture, &order, &graph, &begun, most, &told(job, "walks"))?;
+    let shown = show(&subject.capture, &order, &graph, &begun, most, &progress_of(job, "walks"))?;
     frames.rows.push(own.compare("wandering", &shown));
     section.tables.push(frames);
     Ok(section)
@@ -87,13 +87,13 @@ fn wander(scene: &Scene, seed: u64, seconds: f64) -> Option<Taken> {
     if walk.legs.is_empty() {
         return None;
     }
-    let wandered = Wandered::of(&walk, start, scene.graph, scene.timeline, &scene.ways.main);
+    let wandered = Wandered::of(&walk, start, scene.graph, scene.timeline, &scene.search_graph.main);
     Some(Taken { begun: Begun { start, walk }, wandered, objectives, frames, searched })
 }
 
 /// The longest run of frames that can be left and reached again, in frames: no stretch can be longer, but for loops.
-fn timeline_allows(ways: &Ways) -> f64 {
-    let mut runs = ways.main.split(|main| !main).map(<[bool]>::len).collect::<Vec<_>>();
+fn timeline_allows(search_graph: &SearchGraph) -> f64 {
+    let mut runs = search_graph.main.split(|main| !main).map(<[bool]>::len).collect::<Vec<_>>();
     runs.sort_unstable();
     runs.last().copied().unwrap_or(0) as f64
 }

@@ -10,7 +10,7 @@ use super::formats::disguised;
 use super::images::read_file;
 use super::looks::{Look, looks};
 use super::manifest::UpAxis;
-use super::mesh::{FaceList, FileMesh, Frame};
+use super::mesh::{FaceList, FileMesh, MeshFile};
 use super::paths::ending;
 use super::warning::Note;
 use super::worn::NamedTexture;
@@ -45,7 +45,7 @@ pub(super) struct Reference<'a> {
 /// The first frame of a sequence, and how it looks.
 pub(super) struct First {
     path: PathBuf,
-    pub frame: Frame,
+    pub frame: MeshFile,
     pub looks: Vec<Look>,
     /// The material whose texture is followed from frame to frame: the first that has one.
     main: usize,
@@ -86,7 +86,7 @@ pub(super) struct Seen {
 }
 
 /// Reads one OBJ or PLY file.
-pub(super) fn read_frame(path: &Path) -> Result<Frame, ImportError> {
+pub(super) fn read_frame(path: &Path) -> Result<MeshFile, ImportError> {
     let bytes = read_file(path)?;
     if let Some(told) = disguised(&bytes, path) {
         return Err(ImportError::UnknownFormat { path: path.to_owned(), told });
@@ -167,12 +167,13 @@ pub(super) fn attributes_differ() -> Note {
 
 /// The looks of a frame; `None` where it names what the first names, so that they are the first's.
 fn looks_like_first(
-    frame: &Frame,
+    frame: &MeshFile,
     path: &Path,
     first: &First,
     notes: &mut Vec<Note>,
 ) -> Result<Option<Vec<Look>>, ImportError> {
-    let of = |frame: &Frame| (frame.libraries.clone(), frame.material_textures.clone(), frame.material_names.clone());
+    let of =
+        |frame: &MeshFile| (frame.libraries.clone(), frame.material_textures.clone(), frame.material_names.clone());
     // The first frame itself tells what is unusual about them.
     let same = of(frame) == of(&first.frame) && path != first.path;
     if same { Ok(None) } else { looks(frame, path, notes).map(Some) }

@@ -7,7 +7,7 @@ use actor::surface::Material;
 use super::beside;
 use super::error::ImportError;
 use super::images::read_file;
-use super::mesh::{Frame, plain_material};
+use super::mesh::{MeshFile, plain_material};
 use super::mtl::{self, LibraryMaterial};
 use super::warning::Note;
 use super::worn::{NamedTexture, UvTransform};
@@ -24,7 +24,7 @@ pub(super) struct Look {
 }
 
 /// The looks of `frame`, read from `path`, one per material name; what is lost or elsewhere goes to `notes`.
-pub(super) fn looks(frame: &Frame, path: &Path, notes: &mut Vec<Note>) -> Result<Vec<Look>, ImportError> {
+pub(super) fn looks(frame: &MeshFile, path: &Path, notes: &mut Vec<Note>) -> Result<Vec<Look>, ImportError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut known = Vec::new();
     let mut complete = true;

@@ -39,7 +39,7 @@ impl FaceList {
 
 /// What one OBJ or PLY file holds.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct MeshFile {
     /// Vertex positions in the file's units and axes; 64 bits, for they may be far from the origin.
     pub positions: Vec<DVec3>,
     /// Whether the file holds them with 32 bits.

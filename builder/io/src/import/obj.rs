@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::colour;
 use super::error::ImportError;
-use super::mesh::Frame;
+use super::mesh::MeshFile;
 use super::text::{Continues, for_each_line, keyword_and_rest, number, shorten, syntax, without_comment};
 use super::warning::Note;
 
@@ -15,7 +15,7 @@ use super::warning::Note;
 ///
 /// Texture coordinates are turned to v downwards. Faces keep their polygons. Face corners without a texture
 /// coordinate in a file that has some get (0, 0).
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<MeshFile, ImportError> {
     let mut reader = Reader::new(path);
     for_each_line(bytes, continues, |line, text| reader.line(line, text))?;
     reader.finish()
@@ -33,7 +33,7 @@ fn continues(keyword: &str) -> Continues {
 
 struct Reader<'a> {
     path: &'a Path,
-    frame: Frame,
+    frame: MeshFile,
     uvs: Vec<[f32; 2]>,
     /// Index into `uvs` of each face corner, from 1; 0 for none.
     uv_of_corner: Vec<u32>,
@@ -65,7 +65,7 @@ impl<'a> Reader<'a> {
     fn new(path: &'a Path) -> Self {
         Self {
             path,
-            frame: Frame::default(),
+            frame: MeshFile::default(),
             uvs: Vec::new(),
             uv_of_corner: Vec::new(),
             normals: Vec::new(),
@@ -225,7 +225,7 @@ impl<'a> Reader<'a> {
         material
     }
 
-    fn finish(mut self) -> Result<Frame, ImportError> {
+    fn finish(mut self) -> Result<MeshFile, ImportError> {
         // Indices may point forwards, so they are checked here.
         let checks = [
             (self.last_vertex, self.frame.positions.len(), "vertex"),
@@ -300,7 +300,7 @@ impl Odd {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Frame, ImportError> {
+    fn read(text: &str) -> Result<MeshFile, ImportError> {
         parse(text.as_bytes(), Path::new("t.obj"))
     }
 

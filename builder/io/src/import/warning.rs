@@ -55,11 +55,11 @@ impl Note {
 /// Notes about many files: those of one kind become one warning, which names the first file.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
-    kinds: Vec<Kind>,
+    kinds: Vec<WarningKind>,
 }
 
 #[derive(Debug)]
-struct Kind {
+struct WarningKind {
     first: PathBuf,
     last: PathBuf,
     note: Note,
@@ -76,14 +76,14 @@ impl Notes {
                     kind.files += 1;
                     kind.last = path.to_owned();
                 }
-                None => self.kinds.push(Kind { first: path.to_owned(), last: path.to_owned(), note, files: 1 }),
+                None => self.kinds.push(WarningKind { first: path.to_owned(), last: path.to_owned(), note, files: 1 }),
             }
         }
     }
 
     /// One warning a kind, in the order in which they were first met.
     pub fn into_warnings(self) -> impl Iterator<Item = Warning> {
-        self.kinds.into_iter().map(|Kind { first, last, note, files }| {
+        self.kinds.into_iter().map(|WarningKind { first, last, note, files }| {
             let more = match files {
                 1 => String::new(),
                 2 => format!("; the same in {}", last.display()),

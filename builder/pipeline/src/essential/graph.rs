@@ -19,7 +19,7 @@ use crate::transitions::{TransitionCost, TransitionError, TransitionOptions, War
 pub enum BuildError {
     /// A warp could not be found again.
     #[error("the warp from frame {from} to frame {to} cannot be found again: {cause}")]
-    Warp {
+    TemporalWarp {
         /// The frame that the transition leaves from.
         from: u32,
         /// The frame that it arrives at.
@@ -39,7 +39,7 @@ pub enum BuildError {
 }
 
 /// What the stages before have found out about a capture.
-pub struct Findings<'a> {
+pub struct GraphInput<'a> {
     /// Pose distances of all pairs.
     pub distances: &'a DistanceMatrix,
     /// Planar alignment of all pairs.
@@ -58,14 +58,14 @@ pub struct Findings<'a> {
 /// Findings that do not fit together.
 pub fn build_graph(
     capture: &Capture,
-    findings: &Findings,
+    input: &GraphInput,
     kept: &Candidates,
     alpha: f64,
     contacts: Contacts,
 ) -> Result<EssentialGraph, BuildError> {
     let timeline = &capture.timeline;
     let centres = capture.poses.ground_centres(capture.topology.weights());
-    let warps = WarpFinder::new(findings.distances, timeline, findings.options)?;
+    let warps = WarpFinder::new(input.distances, timeline, input.options)?;
     let edges: Vec<(u32, u32, TransitionCost)> = (0..kept.frame_count())
         .flat_map(|from| kept.from(from).iter().map(move |&(to, cost)| (from, to, cost)))
         .collect();
@@ -74,8 +74,8 @@ pub fn build_graph(
         .map(|(from, to, cost)| {
             let warp = warps
                 .find(from, to, cost.source_length.into(), cost.destination_length.into())
-                .map_err(|cause| BuildError::Warp { from, to, cause })?;
-            let mut ground = Recorded { headings: findings.headings, centres: &centres };
+                .map_err(|cause| BuildError::TemporalWarp { from, to, cause })?;
+            let mut ground = Recorded { headings: input.headings, centres: &centres };
             let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &contacts)?;
             Ok(Transition { from, to, deformation: cost.deformation, warp, placement })
         })

@@ -19,12 +19,12 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 pub use self::costs::Costs;
-pub use self::graph::{BuildError, Findings, build_graph};
+pub use self::graph::{BuildError, GraphInput, build_graph};
 pub use self::motion_graph::motion_graph;
 pub use self::paths::PathLengths;
 pub use self::reach::{Reach, reach};
 use crate::transitions::TransitionMatrix;
-pub use actor::components::{Components, strongly_connected};
+pub use actor::components::{StrongComponents, strongly_connected};
 use kernels::simd::Level;
 
 /// The edges of the essential graph and what they cannot reach.

@@ -1,6 +1,6 @@
 //! Which frames can reach which, through the strongly connected components.
 
-use actor::components::{Adjacency, Components, with_recorded};
+use actor::components::{Adjacency, StrongComponents, with_recorded};
 use actor::timeline::Timeline;
 
 /// Which frames reach which.
@@ -14,7 +14,7 @@ pub struct Reach {
 
 /// Which frames reach which, over the same recorded steps and `edges` as `components`.
 #[must_use]
-pub fn reach(components: &Components, timeline: &Timeline, edges: &[(u32, u32)]) -> Reach {
+pub fn reach(components: &StrongComponents, timeline: &Timeline, edges: &[(u32, u32)]) -> Reach {
     let component = |frame: u32| components.component_of_frame[frame as usize] as usize;
     let count = components.component_of_frame.iter().max().map_or(0, |&last| last as usize + 1);
     let mut sizes = vec![0_u64; count];

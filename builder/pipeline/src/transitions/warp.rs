@@ -1,7 +1,7 @@
 //! The warp of one transition, recomputed.
 
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::Timeline;
-use actor::warp::{Move, Warp};
 
 use super::keys::Keys;
 use super::options::{TransitionError, TransitionOptions};
@@ -28,7 +28,7 @@ pub fn warp_of(
     to: u32,
     li: usize,
     lj: usize,
-) -> Result<Warp, TransitionError> {
+) -> Result<TemporalWarp, TransitionError> {
     let keys = super::keys_of(distances, timeline, options)?;
     WarpFinder { distances, timeline, options, keys }.find(from, to, li, lj)
 }
@@ -58,7 +58,7 @@ impl<'a> WarpFinder<'a> {
     ///
     /// # Errors
     /// No such transition.
-    pub fn find(&self, from: u32, to: u32, li: usize, lj: usize) -> Result<Warp, TransitionError> {
+    pub fn find(&self, from: u32, to: u32, li: usize, lj: usize) -> Result<TemporalWarp, TransitionError> {
         let missing = || TransitionError::NoTransition { from, to, li, lj };
         let mut grid = self.grid(from, to, li, lj).ok_or_else(missing)?;
         let moves = moves(self.options.slope);
@@ -117,7 +117,7 @@ impl Grid {
         Some(before + if step.0 >= step.1 { in_column.sum::<f64>() } else { in_row.sum::<f64>() })
     }
 
-    fn trace_back(&self, moves: &[(usize, usize)]) -> Option<Warp> {
+    fn trace_back(&self, moves: &[(usize, usize)]) -> Option<TemporalWarp> {
         let (mut k, mut l) = (self.nodes.len() / self.columns - 1, self.columns - 1);
         let mut path = Vec::new();
         while (k, l) != (0, 0) {
@@ -135,6 +135,6 @@ impl Grid {
             (k, l) = (k - step.0, l - step.1);
         }
         path.reverse();
-        Some(Warp::new(path))
+        Some(TemporalWarp::new(path))
     }
 }

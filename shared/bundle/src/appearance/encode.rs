@@ -13,7 +13,7 @@ use crate::entropy::binary::Encoder;
 use crate::entropy::numbers::Number;
 use crate::error::EncodeError;
 use crate::limits::{MAX_MODES, MAX_TEXTURE_SIDE};
-use texture::AppearanceModel;
+use texture::TextureModel;
 use texture::basis::{Block, CHROMA, Layer};
 use texture::dealign::Field;
 use texture::mask::{ACTIVE, LEVELS, Level, Mask};
@@ -46,7 +46,7 @@ impl Default for AppearanceQuality {
 #[derive(Clone, Copy, Debug)]
 pub struct AppearanceInput<'a> {
     /// The models, with coefficients for every frame of the capture.
-    pub model: &'a AppearanceModel,
+    pub model: &'a TextureModel,
     /// Index of the material that they paint.
     pub material: u32,
     /// How finely they are stored.
@@ -127,7 +127,7 @@ fn check(input: &AppearanceInput, frame_count: u32, material_count: usize) -> Re
 }
 
 fn encode_once(
-    model: &AppearanceModel,
+    model: &TextureModel,
     material: u32,
     quality: &AppearanceQuality,
     frame_count: u32,
@@ -208,7 +208,7 @@ fn encode_classes(encoder: &mut Encoder, classes: &[i32], blocks: &[Block]) {
 
 /// Classes of the steps of the colours' blocks: errors count as much in all of them. Where there is much to see they are hard
 /// to see, and steps may be larger.
-fn coarseness(model: &AppearanceModel, mask: &Mask) -> Vec<i32> {
+fn coarseness(model: &TextureModel, mask: &Mask) -> Vec<i32> {
     let full = mask.full();
     let texels = (0..full.flags.len()).filter(|&at| full.flags[at] & ACTIVE != 0);
     let counts = Similarity::new(model.width, &model.active).sensitivity(&model.mean_texture);
@@ -429,13 +429,13 @@ mod tests {
     fn steps_are_larger_where_there_is_much_to_see() {
         let (width, height) = (64, 32);
         let value = |at: usize| if at % width < 32 { 0.5 } else { (at % 2) as f32 };
-        let model = AppearanceModel {
+        let model = TextureModel {
             width: width as u32,
             height: height as u32,
             active: vec![true; width * height],
             mean_texture: (0..width * height).flat_map(|at| [value(at); 3]).collect(),
             mean_warp: vec![0.0; 2 * width * height],
-            ..AppearanceModel::default()
+            ..TextureModel::default()
         };
         let mask = Mask::new(width, &model.active);
         let classes = coarseness(&model, &mask);

@@ -15,7 +15,7 @@ pub use decode::ModeDecoder;
 pub use encode::{AppearanceInput, AppearanceQuality, AppearanceReport};
 
 use super::error::EncodeError;
-use super::kind::Kind;
+use super::kind::SectionKind;
 use texture::basis::{Block, Layer, Mode};
 use texture::dealign::{Aligned, Field};
 use texture::mask::{ACTIVE, Mask};
@@ -33,19 +33,20 @@ pub enum Textures {
 
 impl Textures {
     /// Those that a section of `kind` is about.
-    pub(super) fn of(kind: Kind) -> Self {
-        let naive = [Kind::EarlierNaive, Kind::EarlierNaiveMode, Kind::Naive, Kind::NaiveMode];
+    pub(super) fn of(kind: SectionKind) -> Self {
+        let naive =
+            [SectionKind::EarlierNaive, SectionKind::EarlierNaiveMode, SectionKind::Naive, SectionKind::NaiveMode];
         if naive.contains(&kind) { Self::Naive } else { Self::Aligned }
     }
 
     /// The kind of section that holds what they share.
-    pub(super) fn kind(self) -> Kind {
-        [Kind::Appearance, Kind::Naive][self as usize]
+    pub(super) fn kind(self) -> SectionKind {
+        [SectionKind::Appearance, SectionKind::Naive][self as usize]
     }
 
     /// The kind of section that holds one of their modes.
-    pub(super) fn modes_kind(self) -> Kind {
-        [Kind::AppearanceMode, Kind::NaiveMode][self as usize]
+    pub(super) fn modes_kind(self) -> SectionKind {
+        [SectionKind::AppearanceMode, SectionKind::NaiveMode][self as usize]
     }
 }
 
@@ -61,12 +62,12 @@ pub(super) enum Coding {
 
 impl Coding {
     /// That of a section of `kind`, which holds what modes share, and the kind of its modes.
-    pub(super) fn of(kind: Kind) -> (Self, Kind) {
+    pub(super) fn of(kind: SectionKind) -> (Self, SectionKind) {
         match kind {
-            Kind::EarlierAppearance => (Self::Alone, Kind::EarlierMode),
-            Kind::EarlierNaive => (Self::Alone, Kind::EarlierNaiveMode),
-            Kind::Naive => (Self::Mixed, Kind::NaiveMode),
-            _ => (Self::Mixed, Kind::AppearanceMode),
+            SectionKind::EarlierAppearance => (Self::Alone, SectionKind::EarlierMode),
+            SectionKind::EarlierNaive => (Self::Alone, SectionKind::EarlierNaiveMode),
+            SectionKind::Naive => (Self::Mixed, SectionKind::NaiveMode),
+            _ => (Self::Mixed, SectionKind::AppearanceMode),
         }
     }
 }

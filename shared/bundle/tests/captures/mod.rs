@@ -5,8 +5,8 @@ use actor::capture::{Capture, Poses};
 use actor::contacts::{Contact, Contacts};
 use actor::graph::{EssentialGraph, Transition};
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
-use actor::warp::{Move, Warp};
 use glam::{Quat, Vec2, Vec3};
 use kernels::align::Placement;
 use kernels::topology::{Topology, barycentric_areas};
@@ -113,7 +113,7 @@ pub fn graph(timeline: &Timeline) -> EssentialGraph {
                 from,
                 to,
                 deformation: 0.1 + (from as f32 * 0.37).sin().abs() + to as f32 * 0.01,
-                warp: Warp::new(moves[..length].to_vec()),
+                warp: TemporalWarp::new(moves[..length].to_vec()),
                 placement: Placement {
                     heading: (from as f32 * 0.3 - to as f32 * 0.2).sin(),
                     translation: Vec2::new(from as f32 * 0.03, -(to as f32) * 0.01),

@@ -1,7 +1,7 @@
 //! Takes bundles apart and puts them together again, with checksums that fit whatever was changed.
 #![allow(dead_code, reason = "each test uses some of it")]
 
-use bundle::{Header, Kind, Meta};
+use bundle::{Header, Meta, SectionKind};
 
 /// A section as it is once decompressed.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub fn raw_sections(bytes: &[u8]) -> Vec<Section> {
 }
 
 pub fn meta_of(sections: &[Section]) -> Meta {
-    assert_eq!(sections[0].number, Kind::Meta.number());
+    assert_eq!(sections[0].number, SectionKind::Meta.number());
     postcard::from_bytes(&sections[0].raw).unwrap()
 }
 

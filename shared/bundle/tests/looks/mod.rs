@@ -1,7 +1,7 @@
 //! Made-up models of textures: smooth waves over two charts, with edges and noise in the mean.
 #![allow(dead_code, reason = "each test uses some of them")]
 
-use texture::AppearanceModel;
+use texture::TextureModel;
 
 /// A number between 0 and 1 that looks random.
 pub fn noise(seed: u32) -> f32 {
@@ -11,7 +11,7 @@ pub fn noise(seed: u32) -> f32 {
 }
 
 /// Models of `textures` and `warps` modes for `frames` frames, over two charts of a `width` × `height` texture.
-pub fn model([width, height]: [usize; 2], [textures, warps]: [usize; 2], frames: usize) -> AppearanceModel {
+pub fn model([width, height]: [usize; 2], [textures, warps]: [usize; 2], frames: usize) -> TextureModel {
     let inside = |x: f32, y: f32, cx: f32, r: f32| (x / width as f32 - cx).hypot(y / height as f32 - 0.5) < r;
     let active: Vec<bool> = (0..width * height)
         .map(|at| ((at % width) as f32, (at / width) as f32))
@@ -47,7 +47,7 @@ pub fn model([width, height]: [usize; 2], [textures, warps]: [usize; 2], frames:
         let edge = if wave(5, at) > 0.3 { 0.2 } else { 0.0 };
         [0.4 + edge + 0.05 * noise(at as u32), 0.5 - edge, 0.3 + 0.1 * wave(2, at)]
     };
-    AppearanceModel {
+    TextureModel {
         width: width as u32,
         height: height as u32,
         mean_texture: texels.iter().flat_map(|&at| mean(at)).collect(),
@@ -61,7 +61,7 @@ pub fn model([width, height]: [usize; 2], [textures, warps]: [usize; 2], frames:
 }
 
 /// A frame's aligned texture (3 values a texel) and warp (2), by definition.
-pub fn plain(model: &AppearanceModel, frame: usize) -> [Vec<f32>; 2] {
+pub fn plain(model: &TextureModel, frame: usize) -> [Vec<f32>; 2] {
     let sum = |mean: &[f32], modes: &[Vec<f32>], coefficients: &[f32]| {
         let mut sum = mean.to_vec();
         for (mode, coefficient) in modes.iter().zip(&coefficients[frame * modes.len()..]) {

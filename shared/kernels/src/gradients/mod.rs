@@ -120,7 +120,7 @@ impl NarrowBatch {
 }
 
 /// Edges, in-plane axes and normal of eight triangles of a pose.
-pub(crate) struct Frame {
+pub(crate) struct TriangleFrames {
     pub a: Lanes,
     pub b: Lanes,
     pub c: Lanes,
@@ -132,7 +132,7 @@ pub(crate) struct Frame {
 }
 
 #[inline(always)]
-pub(crate) fn frame(batch: &Batch, pose: &[Vec3]) -> Frame {
+pub(crate) fn frame(batch: &Batch, pose: &[Vec3]) -> TriangleFrames {
     let edges = batch.edges(pose);
     let [first, second] = edges;
     let tiny = Lanes::splat(1e-30);
@@ -146,11 +146,11 @@ pub(crate) fn frame(batch: &Batch, pose: &[Vec3]) -> Frame {
     let one = Lanes::splat(1.0);
     let wide = c.at_least(longest * Lanes::splat(NARROWEST), one, Lanes::default());
     let wide = a.at_least((c + b.abs()) * Lanes::splat(NARROWEST), wide, Lanes::default());
-    Frame { a, b, c, u, v, wide, edges }
+    TriangleFrames { a, b, c, u, v, wide, edges }
 }
 
 #[inline(always)]
-fn decompose(i: &Frame, j: &Frame) -> PairBatch {
+fn decompose(i: &TriangleFrames, j: &TriangleFrames) -> PairBatch {
     let tiny = Lanes::splat(1e-30);
 
     // A = P_j P_i^-1 with P = [[a, b], [0, c]], and its polar decomposition A = rot(phi) S.

@@ -5,14 +5,14 @@ use glam::{DVec3, Vec4};
 use crate::topology::Topology;
 
 /// Weights by which each component's centre of mass is taken.
-pub(super) struct Components {
+pub(super) struct MeshComponents {
     component_of_vertex: Vec<u32>,
     /// One per vertex; those of a component have a sum of 1.
     weights: Vec<f32>,
     shifts: Vec<DVec3>,
 }
 
-impl Components {
+impl MeshComponents {
     /// Components of `topology`, weighted as its vertices; evenly where a component's weights are all zero.
     pub fn new(topology: &Topology) -> Self {
         let component_of_vertex = topology.component_of_vertex().to_vec();

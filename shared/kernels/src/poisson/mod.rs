@@ -22,7 +22,7 @@ use crate::lanes::{LANES, Lanes, Lanes3};
 use crate::laplacian::{Laplacian, LaplacianPattern};
 use crate::lru::LruCache;
 use crate::topology::Topology;
-use components::Components;
+use components::MeshComponents;
 use conjugate_gradients::{Preconditioner, Stop, System};
 use factors::KeptFactor;
 
@@ -99,7 +99,7 @@ pub struct PoissonInterpolator {
     pattern: LaplacianPattern,
     symbolic: Symbolic,
     workspace: Workspace,
-    components: Components,
+    components: MeshComponents,
     memory: Memory,
     under_way: Option<UnderWay>,
     gradients: PairGradients,
@@ -136,7 +136,7 @@ impl PoissonInterpolator {
             pattern,
             symbolic,
             workspace: Workspace::default(),
-            components: Components::new(topology),
+            components: MeshComponents::new(topology),
             memory: Memory { laplacians: LruCache::new(KEPT_LAPLACIANS), factors: LruCache::new(KEPT_FACTORS) },
             under_way: None,
             gradients: PairGradients::default(),

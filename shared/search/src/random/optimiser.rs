@@ -13,7 +13,7 @@ const TRUE_ROUNDS: u32 = 40;
 pub struct Optimiser {
     chain: Chain,
     wanted: Vec<f64>,
-    stage: Stage,
+    stage: Sweep,
     /// Rounds of the proxy or of the true objective that are done, and sweeps of the system that is being solved.
     round: u32,
     sweeps: u32,
@@ -35,7 +35,7 @@ pub struct Optimiser {
 
 /// What the next sweep is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum Sweep {
     /// The stationary distribution of equal probabilities.
     Even,
     /// A round of the proxy.
@@ -63,7 +63,7 @@ impl Optimiser {
             stationary: wanted.clone(),
             iterate: wanted.clone(),
             wanted,
-            stage: Stage::Even,
+            stage: Sweep::Even,
             round: 0,
             sweeps: 0,
             momentum: 1.0,
@@ -80,14 +80,14 @@ impl Optimiser {
         for _ in 0..sweeps {
             meter::count(self.chain.ends.len());
             let moved = match self.stage {
-                Stage::Even | Stage::Proxied => self.chain.settle(&mut self.iterate),
-                Stage::Trial => self.tried.settle(&mut self.iterate),
-                Stage::Potential => self.chain.settle_potential(&mut self.iterate, &self.source),
-                Stage::Proxy => {
+                Sweep::Even | Sweep::Proxied => self.chain.settle(&mut self.iterate),
+                Sweep::Trial => self.tried.settle(&mut self.iterate),
+                Sweep::Potential => self.chain.settle_potential(&mut self.iterate, &self.source),
+                Sweep::Proxy => {
                     self.proxy_round();
                     continue;
                 }
-                Stage::Done => return true,
+                Sweep::Done => return true,
             };
             self.sweeps += 1;
             if moved < STILL || self.sweeps >= SWEEPS {
@@ -95,19 +95,19 @@ impl Optimiser {
                 self.solved();
             }
         }
-        self.stage == Stage::Done
+        self.stage == Sweep::Done
     }
 
     /// Goes on with what a system was solved for.
     fn solved(&mut self) {
         let objective = |chain: &Chain| chain.objective(&self.wanted, &self.iterate);
         match self.stage {
-            Stage::Even => {
+            Sweep::Even => {
                 self.objectives = [objective(&self.chain); 3];
                 self.stationary.clone_from(&self.iterate);
-                self.stage = Stage::Proxy;
+                self.stage = Sweep::Proxy;
             }
-            Stage::Proxied => {
+            Sweep::Proxied => {
                 self.objectives[1] = objective(&self.chain);
                 self.objectives[2] = self.objectives[1];
                 self.stationary.clone_from(&self.iterate);
@@ -115,12 +115,12 @@ impl Optimiser {
                 self.round = 0;
                 self.begin_potential();
             }
-            Stage::Potential => {
+            Sweep::Potential => {
                 self.gradient = self.true_gradient();
                 self.tries = 0;
                 self.begin_trial();
             }
-            Stage::Trial => {
+            Sweep::Trial => {
                 let now = objective(&self.tried);
                 if now < self.objectives[2] * (1.0 - 1e-7) {
                     std::mem::swap(&mut self.chain, &mut self.tried);
@@ -135,7 +135,7 @@ impl Optimiser {
                     self.begin_trial();
                 }
             }
-            Stage::Proxy | Stage::Done => {}
+            Sweep::Proxy | Sweep::Done => {}
         }
     }
 
@@ -195,13 +195,13 @@ impl Optimiser {
             // The proxy's solution may close states off: a little of the even chain keeps every edge open.
             self.chain.open(0.02);
             self.iterate.clone_from(&self.wanted);
-            self.stage = Stage::Proxied;
+            self.stage = Sweep::Proxied;
         }
     }
 
     fn begin_potential(&mut self) {
         if self.round >= TRUE_ROUNDS {
-            self.stage = Stage::Done;
+            self.stage = Sweep::Done;
             return;
         }
         let a = 2.0 * self.chain.weight_of_distribution();
@@ -209,7 +209,7 @@ impl Optimiser {
         let mean: f64 = self.source.iter().zip(&self.stationary).map(|(r, s)| r * s).sum();
         self.source.iter_mut().for_each(|r| *r -= mean);
         self.iterate = vec![0.0; self.chain.states()];
-        self.stage = Stage::Potential;
+        self.stage = Sweep::Potential;
     }
 
     /// The derivative of the objective by each probability, once the potential is solved for.
@@ -228,14 +228,14 @@ impl Optimiser {
     /// Tries a projected step along the gradient, shorter each time; after twelve there is nothing to be had.
     fn begin_trial(&mut self) {
         if self.tries == 12 {
-            self.stage = Stage::Done;
+            self.stage = Sweep::Done;
             return;
         }
         self.tried.probabilities = self.chain.moved(&self.chain.probabilities, &self.gradient, self.step);
         // Edges stay open, so that the chain stays irreducible and its distribution unique.
         self.tried.open(0.0001);
         self.iterate.clone_from(&self.stationary);
-        self.stage = Stage::Trial;
+        self.stage = Sweep::Trial;
     }
 }
 

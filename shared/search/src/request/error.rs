@@ -56,7 +56,7 @@ pub enum RequestError {
     /// A queue within a queue.
     #[error("a queue cannot hold a queue")]
     Nested,
-    /// The ways are not those of the group of vertices that is to follow the path.
+    /// The search graph is not that of the group of vertices that is to follow the path.
     #[error(
         "the motion of these vertices has not been measured: all paths of a request must be followed by the same ones"
     )]

@@ -4,7 +4,7 @@
 //! a segment are shown equally often, so a distribution that is uniform over segments is uniform over frames.
 
 use crate::random::{Chain, Optimiser};
-use crate::ways::Ways;
+use crate::search_graph::SearchGraph;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::steps_of;
@@ -38,7 +38,7 @@ impl Segments {
     pub(super) fn new(
         graph: &EssentialGraph,
         timeline: &Timeline,
-        ways: &Ways,
+        search_graph: &SearchGraph,
         chosen: &[u32],
         inside: &[bool],
         weights: &[(usize, f64)],
@@ -89,13 +89,13 @@ impl Segments {
         let pairs: Vec<(u32, u32)> = edges.iter().map(|edge| (edge[0], edge[1])).collect();
         let chain = Chain::even(segments.len() as u32, &pairs)?;
         let transitions: Vec<Option<u32>> = edges.iter().map(|edge| edge[2].checked_sub(1)).collect();
-        let rarities = rarities(graph, timeline, ways, &taken, inside);
+        let rarities = rarities(graph, timeline, search_graph, &taken, inside);
         let wanted: Vec<f64> = segments
             .iter()
             .map(|segment| {
-                let shown = weights.iter().filter(|(behaviour, _)| ways.shows(*behaviour, segment.first));
+                let shown = weights.iter().filter(|(behaviour, _)| search_graph.shows(*behaviour, segment.first));
                 let weight = shown.map(|weight| weight.1).product::<f64>();
-                (rarities[ways.sequence(segment.first)] * weight).clamp(1e-3, 1e3)
+                (rarities[search_graph.sequence(segment.first)] * weight).clamp(1e-3, 1e3)
             })
             .collect();
         Some(Self { segments, transitions, optimiser: Optimiser::new(chain, &wanted) })
@@ -104,12 +104,18 @@ impl Segments {
 
 /// How often each sequence is to be shown: less often where a visit takes longer in transitions than it lasts, no more than
 /// needs be. A visit that shows R recorded steps of a sequence takes the T steps of a transition.
-fn rarities(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, taken: &[u32], inside: &[bool]) -> Vec<f64> {
+fn rarities(
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    search_graph: &SearchGraph,
+    taken: &[u32],
+    inside: &[bool],
+) -> Vec<f64> {
     let steps = |&index: &u32| f64::from(steps_of(&graph.transitions()[index as usize]));
     let transition = taken.iter().map(steps).sum::<f64>() / taken.len().max(1) as f64;
     let mut recorded = vec![0.0_f64; timeline.sequences().len()];
     for frame in (0..inside.len()).filter(|&frame| inside[frame]) {
-        recorded[ways.sequence(frame as u32)] += 1.0;
+        recorded[search_graph.sequence(frame as u32)] += 1.0;
     }
     let longest = recorded.iter().copied().fold(1.0, f64::max);
     // Powers of a quarter at a time: a power function of its own would weigh kilobytes on the page.

@@ -8,7 +8,7 @@
 
 use crate::meter;
 use crate::queue::Queue;
-use crate::ways::Ways;
+use crate::search_graph::SearchGraph;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 
@@ -64,8 +64,13 @@ pub(super) struct Sparse {
 
 impl Sparse {
     /// Nothing is chosen yet; `order` are transitions between frames of the main component, the best first.
-    pub(super) fn new(graph: &EssentialGraph, timeline: &Timeline, ways: &Ways, order: Vec<u32>) -> Self {
-        let frames = ways.main.len();
+    pub(super) fn new(
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        search_graph: &SearchGraph,
+        order: Vec<u32>,
+    ) -> Self {
+        let frames = search_graph.main.len();
         let apart = |index: u32| mean_distance(graph, index);
         let median = order.get(order.len() / 2).map_or(0.0, |&index| apart(index));
         let mut cost = vec![f64::INFINITY; graph.transitions().len()];
@@ -100,17 +105,24 @@ impl Sparse {
             enough: 0,
             chosen: Vec::new(),
         };
-        if let Some((first, last)) = sparse.longest_stretch(timeline, ways) {
+        if let Some((first, last)) = sparse.longest_stretch(timeline, search_graph) {
             sparse.join(first + (last - first) / 2);
         }
         sparse
     }
 
     /// Looks at some more transitions; how many expanded states that counts as, or `None` once all are chosen.
-    pub(super) fn advance(&mut self, graph: &EssentialGraph, timeline: &Timeline, ways: &Ways) -> Option<usize> {
+    pub(super) fn advance(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        search_graph: &SearchGraph,
+    ) -> Option<usize> {
         let looked_at = match self.is_joined {
-            false => self.spread(graph, timeline, ways).unwrap_or_else(|| self.add_ear(graph, timeline, ways)),
-            true => self.fill(graph, ways)?,
+            false => self
+                .spread(graph, timeline, search_graph)
+                .unwrap_or_else(|| self.add_ear(graph, timeline, search_graph)),
+            true => self.fill(graph, search_graph)?,
         };
         meter::count(looked_at);
         Some(looked_at.div_ceil(LOOKED_AT))
@@ -134,7 +146,7 @@ impl Sparse {
 
     /// Finds cheapest ways on from and to what is joined, those of some frames; how much was looked at, or `None` where all are
     /// known.
-    fn spread(&mut self, graph: &EssentialGraph, timeline: &Timeline, ways: &Ways) -> Option<usize> {
+    fn spread(&mut self, graph: &EssentialGraph, timeline: &Timeline, search_graph: &SearchGraph) -> Option<usize> {
         let way = (0..2).find(|&way| self.reach[way].queue.len() > 0)?;
         let reach = &mut self.reach[way];
         let mut looked_at = 0;
@@ -147,7 +159,7 @@ impl Sparse {
             }
             let mut relax = |to: u32, more: f64, via: Via| {
                 looked_at += 1;
-                if ways.main[to as usize] && cost + more < reach.cost[to as usize] {
+                if search_graph.main[to as usize] && cost + more < reach.cost[to as usize] {
                     reach.cost[to as usize] = cost + more;
                     reach.via[to as usize] = via;
                     reach.queue.push(cost + more, u64::from(to));
@@ -173,13 +185,14 @@ impl Sparse {
     }
 
     /// The longest run of recorded frames of the main component that is neither joined nor given up.
-    fn longest_stretch(&self, timeline: &Timeline, ways: &Ways) -> Option<(u32, u32)> {
+    fn longest_stretch(&self, timeline: &Timeline, search_graph: &SearchGraph) -> Option<(u32, u32)> {
         let mut longest: Option<(u32, u32)> = None;
         for sequence in timeline.sequences() {
             let mut begin = None;
             for frame in sequence.first_frame..=sequence.end_frame() {
                 let at = frame as usize;
-                let is_open = frame < sequence.end_frame() && ways.main[at] && !self.inside[at] && !self.given_up[at];
+                let is_open =
+                    frame < sequence.end_frame() && search_graph.main[at] && !self.inside[at] && !self.given_up[at];
                 match begin {
                     None if is_open => begin = Some(frame),
                     Some(first) if !is_open => {
@@ -197,13 +210,13 @@ impl Sparse {
 
     /// Joins the longest stretch that is not joined by the cheapest ways to its beginning and back from its end; how much was
     /// looked at.
-    fn add_ear(&mut self, graph: &EssentialGraph, timeline: &Timeline, ways: &Ways) -> usize {
+    fn add_ear(&mut self, graph: &EssentialGraph, timeline: &Timeline, search_graph: &SearchGraph) -> usize {
         let looked_at = self.inside.len();
-        let short = (SHORT * ways.fps) as u32;
-        let stretch = self.longest_stretch(timeline, ways).filter(|(first, last)| last - first >= short);
+        let short = (SHORT * search_graph.fps) as u32;
+        let stretch = self.longest_stretch(timeline, search_graph).filter(|(first, last)| last - first >= short);
         let Some((first, last)) = stretch else {
             self.is_joined = true;
-            let seconds = self.inside.iter().filter(|&&inside| inside).count() as f64 / ways.fps;
+            let seconds = self.inside.iter().filter(|&&inside| inside).count() as f64 / search_graph.fps;
             let anyway = self.chosen.len() + (seconds / SECONDS_ANYWAY) as usize;
             self.enough = anyway.max((seconds / SECONDS_A_TRANSITION) as usize);
             return looked_at;
@@ -225,7 +238,7 @@ impl Sparse {
         let mut frames: Vec<u32> = (enters..=leaves).collect();
         let mut taken = Vec::new();
         for (way, mut frame) in [(0, enters), (1, leaves)] {
-            // Ways are trees that begin within what is joined: no longer than there are frames.
+            // SearchGraph are trees that begin within what is joined: no longer than there are frames.
             for _ in 0..self.inside.len() {
                 frames.push(frame);
                 frame = match self.reach[way].via[frame as usize] {
@@ -256,8 +269,8 @@ impl Sparse {
     }
 
     /// Looks at the best transitions that are left, and takes those between joined frames that are far enough from all others.
-    fn fill(&mut self, graph: &EssentialGraph, ways: &Ways) -> Option<usize> {
-        let apart = (APART * ways.fps) as u32;
+    fn fill(&mut self, graph: &EssentialGraph, search_graph: &SearchGraph) -> Option<usize> {
+        let apart = (APART * search_graph.fps) as u32;
         if self.next == self.order.len() || self.chosen.len() >= self.enough {
             return None;
         }

@@ -4,12 +4,12 @@ use actor::blend::transition_placement;
 use actor::contacts::Contacts;
 use actor::graph::{EssentialGraph, Transition};
 use actor::motion::Motion;
+use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
-use actor::warp::{Move, Warp};
 use fixtures::Random;
 use glam::{Vec2, Vec3};
 use kernels::align::Placement;
-use search::{Scene, Ways};
+use search::{Scene, SearchGraph};
 
 pub mod random_scene {
     use super::*;
@@ -20,12 +20,12 @@ pub mod random_scene {
         pub timeline: Timeline,
         pub graph: EssentialGraph,
         pub motion: Motion,
-        pub ways: Ways,
+        pub search_graph: SearchGraph,
     }
 
     impl Made {
         pub fn borrowed(&self) -> Scene<'_> {
-            Scene { graph: &self.graph, timeline: &self.timeline, ways: &self.ways }
+            Scene { graph: &self.graph, timeline: &self.timeline, search_graph: &self.search_graph }
         }
     }
 
@@ -57,8 +57,8 @@ pub mod random_scene {
         let timeline = Timeline::new(25.0, sequences).unwrap();
         let transitions = transitions(&timeline, &motion, &mut random, edges);
         let graph = EssentialGraph::new(0.01, transitions, &timeline).unwrap();
-        let ways = Ways::new(&graph, &timeline, &motion).unwrap();
-        Made { timeline, graph, motion, ways }
+        let search_graph = SearchGraph::new(&graph, &timeline, &motion).unwrap();
+        Made { timeline, graph, motion, search_graph }
     }
 
     fn transitions(timeline: &Timeline, motion: &Motion, random: &mut Random, edges: usize) -> Vec<Transition> {
@@ -70,7 +70,7 @@ pub mod random_scene {
         let mut made = Vec::new();
         for (from, to) in ends {
             let moves = [Move::Both, Move::Source, Move::Destination];
-            let warp = Warp::new((0..2 + random.below(4)).map(|_| moves[random.below(3)]).collect());
+            let warp = TemporalWarp::new((0..2 + random.below(4)).map(|_| moves[random.below(3)]).collect());
             let (li, lj) = warp.lengths();
             let holds = timeline.offset(from, li as i64 - 1).is_some() && timeline.offset(to, 1 - lj as i64).is_some();
             if holds && from != to {

@@ -13,7 +13,7 @@ use bundle::Textures;
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use super::error::{Kind, error, json};
+use super::error::{ErrorKind, error, json};
 use super::player::{Player, now};
 use crate::camera::Camera;
 use crate::gpu::pose::Numbered;
@@ -147,7 +147,7 @@ impl Stage {
     /// It is no JSON object.
     pub fn set_options(&mut self, json: &str) -> Result<(), JsValue> {
         let options = js_sys::JSON::parse(json).ok().filter(JsValue::is_object);
-        let options = options.ok_or_else(|| error(Kind::BadArgument, "the options are not a JSON object"))?;
+        let options = options.ok_or_else(|| error(ErrorKind::BadArgument, "the options are not a JSON object"))?;
         // A key that the page leaves out stays as it is.
         let given =
             |name: &str| js_sys::Reflect::get(&options, &name.into()).ok().filter(|value| !value.is_undefined());

@@ -5,7 +5,7 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use super::Stage;
-use crate::bindings::error::{Kind, error};
+use crate::bindings::error::{ErrorKind, error};
 use crate::bindings::player::{Player, now};
 use crate::camera::Camera;
 use crate::gpu::context::Gpu;
@@ -19,7 +19,7 @@ use crate::gpu::thumbnail::Thumbnails;
 /// The promise is rejected where there is no WebGPU, no adapter or no device.
 #[wasm_bindgen(unchecked_return_type = "Promise<Stage>")]
 pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promise, JsValue> {
-    let missing = || error(Kind::NotLoaded, "the actor has not arrived yet");
+    let missing = || error(ErrorKind::NotLoaded, "the actor has not arrived yet");
     let actor = player.inner.actor().ok_or_else(missing)?;
     let (surface, topology) = (actor.surface.clone(), actor.topology.clone());
     let first = player.inner.picture().ok_or_else(missing)?.pose();
@@ -61,22 +61,22 @@ struct Opened {
 async fn open(canvas: &HtmlCanvasElement) -> Result<Opened, JsValue> {
     let navigator = js_sys::Reflect::get(&js_sys::global(), &"navigator".into())?;
     if !js_sys::Reflect::get(&navigator, &"gpu".into())?.is_truthy() {
-        return Err(error(Kind::NoWebGpu, "this browser has no WebGPU"));
+        return Err(error(ErrorKind::NoWebGpu, "this browser has no WebGPU"));
     }
-    let no_adapter = |_| error(Kind::NoAdapter, "this browser has WebGPU, but no graphics device for it");
+    let no_adapter = |_| error(ErrorKind::NoAdapter, "this browser has WebGPU, but no graphics device for it");
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let canvas_target = wgpu::SurfaceTarget::Canvas(canvas.clone());
     let surface = instance
         .create_surface(canvas_target)
-        .map_err(|_| error(Kind::NoWebGpu, "the canvas cannot be drawn with WebGPU"))?;
+        .map_err(|_| error(ErrorKind::NoWebGpu, "the canvas cannot be drawn with WebGPU"))?;
     let options = wgpu::RequestAdapterOptions { compatible_surface: Some(&surface), ..Default::default() };
     let adapter = instance.request_adapter(&options).await.map_err(no_adapter)?;
-    let lost = |_| error(Kind::DeviceLost, "the graphics device could not be opened");
+    let lost = |_| error(ErrorKind::DeviceLost, "the graphics device could not be opened");
     let (device, queue) = adapter.request_device(&wgpu::DeviceDescriptor::default()).await.map_err(lost)?;
     let size = [canvas.width(), canvas.height()].map(|side| side.clamp(1, 8192));
     let mut configuration = surface
         .get_default_config(&adapter, size[0], size[1])
-        .ok_or_else(|| error(Kind::NoAdapter, "the canvas has no format that can be drawn"))?;
+        .ok_or_else(|| error(ErrorKind::NoAdapter, "the canvas has no format that can be drawn"))?;
     // Blending in linear light: pictures are drawn in the sRGB format beside the canvas's own, and copied.
     let format = configuration.format.add_srgb_suffix();
     configuration.usage |= wgpu::TextureUsages::COPY_DST;

@@ -4,7 +4,7 @@ use js_sys::{Promise, Uint8ClampedArray};
 use wasm_bindgen::prelude::*;
 
 use super::Stage;
-use crate::bindings::error::{Kind, error};
+use crate::bindings::error::{ErrorKind, error};
 use crate::bindings::player::Player;
 use crate::gpu::readback::read;
 
@@ -28,7 +28,7 @@ impl Stage {
     #[wasm_bindgen(unchecked_return_type = "Promise<Uint8ClampedArray>")]
     pub fn read_texture(&self) -> Result<Promise, JsValue> {
         self.alive()?;
-        let missing = || error(Kind::NotLoaded, "the actor's texture has no modes");
+        let missing = || error(ErrorKind::NotLoaded, "the actor's texture has no modes");
         let texture = self.scene.looks[self.textures[1] as usize].as_ref().ok_or_else(missing)?.texture();
         let size = [texture.width(), texture.height()];
         Ok(pixels_promise(|then| read(&self.scene.gpu, texture, size, false, then)))
@@ -46,7 +46,7 @@ impl Stage {
     }
 
     fn alive(&self) -> Result<(), JsValue> {
-        if self.lost() { Err(error(Kind::DeviceLost, "the graphics device was lost")) } else { Ok(()) }
+        if self.lost() { Err(error(ErrorKind::DeviceLost, "the graphics device was lost")) } else { Ok(()) }
     }
 }
 
@@ -57,7 +57,7 @@ fn pixels_promise(start: impl FnOnce(Box<dyn FnOnce(Option<Vec<u8>>)>)) -> Promi
         let then = Box::new(move |bytes: Option<Vec<u8>>| {
             let settled = match bytes {
                 Some(bytes) => resolve.call1(&JsValue::NULL, &Uint8ClampedArray::from(bytes.as_slice())),
-                None => reject.call1(&JsValue::NULL, &error(Kind::DeviceLost, "the graphics device was lost")),
+                None => reject.call1(&JsValue::NULL, &error(ErrorKind::DeviceLost, "the graphics device was lost")),
             };
             // Settling a promise does not throw.
             drop(settled);

@@ -6,7 +6,7 @@ use web_sys::ImageBitmap;
 
 use super::Stage;
 use crate::bindings::player::{Player, now};
-use crate::gpu::appearance::{Looks, Setting, Wanted};
+use crate::gpu::appearance::{Setting, TextureRebuild, Wanted};
 use crate::gpu::context::{Gpu, extent};
 use crate::gpu::mesh::Mesh;
 
@@ -25,7 +25,7 @@ impl Stage {
         }
         let (scene, slow) = (&mut self.scene, self.adapter.device_type == wgpu::DeviceType::Cpu);
         let looks = scene.looks[of as usize]
-            .get_or_insert_with(|| Looks::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
+            .get_or_insert_with(|| TextureRebuild::new(&scene.gpu, appearance, scene.mesh.textures(), slow, now));
         if std::mem::replace(&mut self.textures[1], of) != of {
             looks.take_off();
         }
@@ -64,7 +64,7 @@ impl Stage {
             let material = appearance.material as usize;
             self.original = self.take_image(bitmap, |mesh, gpu, texture| mesh.paint(gpu, material, texture));
         }
-        self.scene.looks.iter_mut().flatten().for_each(Looks::take_off);
+        self.scene.looks.iter_mut().flatten().for_each(TextureRebuild::take_off);
     }
 
     /// Makes a texture of `bitmap` for the mesh; whether that could be done.

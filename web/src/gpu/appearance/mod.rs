@@ -38,7 +38,7 @@ pub enum Wanted {
 }
 
 /// The rebuilt texture of one material.
-pub struct Looks {
+pub struct TextureRebuild {
     appearance: Appearance,
     layers: [Basis; 2],
     dealign: Dealign,
@@ -53,7 +53,7 @@ pub struct Looks {
     under_way: Option<(f64, Arc<AtomicU64>)>,
 }
 
-impl Looks {
+impl TextureRebuild {
     /// Without modes yet. `slow` is true for a device without a GPU, `now` tells milliseconds.
     #[must_use]
     pub fn new(gpu: &Gpu, appearance: &Appearance, textures: &Textures, slow: bool, now: fn() -> f64) -> Self {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::header::{Encoding, Header, Kind, Property};
+use super::header::{Encoding, Header, NumberType, Property};
 use crate::import::error::ImportError;
 use crate::import::text::{not_a_number, split_line};
 
@@ -73,7 +73,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    fn number(&mut self, kind: Kind) -> Result<f64, ImportError> {
+    fn number(&mut self, kind: NumberType) -> Result<f64, ImportError> {
         match self.encoding {
             Encoding::Ascii => self.word(),
             Encoding::LittleEndian => self.binary(kind, false),
@@ -95,7 +95,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    fn binary(&mut self, kind: Kind, big: bool) -> Result<f64, ImportError> {
+    fn binary(&mut self, kind: NumberType, big: bool) -> Result<f64, ImportError> {
         let size = kind.size();
         let Some(bytes) = self.bytes.get(self.at..self.at + size) else {
             return Err(self.truncated(format!("it ends within a number at byte {}", self.at)));
@@ -107,14 +107,14 @@ impl<'a> Body<'a> {
         }
         let raw = u64::from_le_bytes(word);
         Ok(match kind {
-            Kind::I8 => f64::from(raw as i8),
-            Kind::U8 => f64::from(raw as u8),
-            Kind::I16 => f64::from(raw as i16),
-            Kind::U16 => f64::from(raw as u16),
-            Kind::I32 => f64::from(raw as i32),
-            Kind::U32 => f64::from(raw as u32),
-            Kind::F32 => f64::from(f32::from_bits(raw as u32)),
-            Kind::F64 => f64::from_bits(raw),
+            NumberType::I8 => f64::from(raw as i8),
+            NumberType::U8 => f64::from(raw as u8),
+            NumberType::I16 => f64::from(raw as i16),
+            NumberType::U16 => f64::from(raw as u16),
+            NumberType::I32 => f64::from(raw as i32),
+            NumberType::U32 => f64::from(raw as u32),
+            NumberType::F32 => f64::from(f32::from_bits(raw as u32)),
+            NumberType::F64 => f64::from_bits(raw),
         })
     }
 

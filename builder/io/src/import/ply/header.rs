@@ -7,7 +7,7 @@ use crate::import::text::{shorten, split_line, syntax};
 
 /// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum NumberType {
     I8,
     U8,
     I16,
@@ -18,7 +18,7 @@ pub(super) enum Kind {
     F64,
 }
 
-impl Kind {
+impl NumberType {
     fn parse(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
@@ -49,9 +49,9 @@ impl Kind {
 pub(super) struct Property {
     pub name: String,
     /// Type of the number, or of each number of the list.
-    pub kind: Kind,
+    pub kind: NumberType,
     /// Type of the list's length; `None` for a single number.
-    pub list_count: Option<Kind>,
+    pub list_count: Option<NumberType>,
 }
 
 /// A table of the file.
@@ -145,7 +145,7 @@ impl Header {
 
     fn property(&mut self, words: &[&str]) -> Result<(), String> {
         let element = self.elements.last_mut().ok_or("a property before any element")?;
-        let kind = |name: &str| Kind::parse(name).ok_or_else(|| format!("unknown type \"{}\"", shorten(name)));
+        let kind = |name: &str| NumberType::parse(name).ok_or_else(|| format!("unknown type \"{}\"", shorten(name)));
         let property = match *words {
             ["list", count, item, name] => {
                 Property { name: name.to_owned(), kind: kind(item)?, list_count: Some(kind(count)?) }

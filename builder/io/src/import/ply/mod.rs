@@ -10,22 +10,22 @@ use std::path::Path;
 use glam::DVec3;
 
 use self::body::Body;
-use self::header::{Element, Header, Kind, Property};
+use self::header::{Element, Header, NumberType, Property};
 use super::colour;
 use super::error::ImportError;
-use super::mesh::Frame;
+use super::mesh::MeshFile;
 use super::text::utf8_without_mark;
 use super::warning::Note;
 
 /// Reads the PLY file `bytes`; `path` is for messages. Texture coordinates are turned to v downwards.
 ///
 /// Elements may come in any order.
-pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Frame, ImportError> {
+pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<MeshFile, ImportError> {
     let bytes = &*utf8_without_mark(bytes);
     let header = Header::parse(bytes, path)?;
     header.check_size(bytes.len(), path)?;
     let mut body = Body::new(bytes, &header, path);
-    let mut frame = Frame { material_textures: header.textures.clone(), ..Frame::default() };
+    let mut frame = MeshFile { material_textures: header.textures.clone(), ..MeshFile::default() };
     let mut vertices = Vertices::default();
     let mut found = false;
     for element in &header.elements {
@@ -68,7 +68,7 @@ struct Vertices {
 }
 
 impl Vertices {
-    fn finish(mut self, frame: &mut Frame) {
+    fn finish(mut self, frame: &mut MeshFile) {
         if frame.uvs.is_empty() && !self.uvs.is_empty() {
             let corners = frame.faces.vertices.iter();
             frame.uvs = corners.map(|&v| self.uvs.get(v as usize).copied().unwrap_or_default()).collect();
@@ -117,10 +117,10 @@ enum Slot {
 fn slot(property: &Property) -> Slot {
     // Whole numbers hold 0 to 255 (or 0 to 65535), others 0 to 1.
     let colour = |k: usize| match property.kind {
-        Kind::U8 | Kind::I8 => Slot::Colour(k, 255.0),
-        Kind::U16 | Kind::I16 => Slot::Colour(k, 65535.0),
-        Kind::U32 | Kind::I32 => Slot::Colour(k, 255.0),
-        Kind::F32 | Kind::F64 => Slot::Colour(k, 1.0),
+        NumberType::U8 | NumberType::I8 => Slot::Colour(k, 255.0),
+        NumberType::U16 | NumberType::I16 => Slot::Colour(k, 65535.0),
+        NumberType::U32 | NumberType::I32 => Slot::Colour(k, 255.0),
+        NumberType::F32 | NumberType::F64 => Slot::Colour(k, 1.0),
     };
     if property.list_count.is_some() {
         return Slot::Nothing;
@@ -145,7 +145,7 @@ fn slot(property: &Property) -> Slot {
 fn read_vertices(
     body: &mut Body<'_>,
     element: &Element,
-    frame: &mut Frame,
+    frame: &mut MeshFile,
     vertices: &mut Vertices,
     path: &Path,
 ) -> Result<(), ImportError> {
@@ -158,12 +158,12 @@ fn read_vertices(
     }
     let placed = element.properties.iter().zip(&slots).filter(|(_, slot)| matches!(slot, Slot::Position(_)));
     // Text has as many decimals as were written.
-    frame.narrow |= !body.is_text() && placed.into_iter().any(|(property, _)| property.kind == Kind::F32);
+    frame.narrow |= !body.is_text() && placed.into_iter().any(|(property, _)| property.kind == NumberType::F32);
     let coloured = slots.iter().any(|s| matches!(s, Slot::Colour(0..=2, _)));
     let textured = slots.iter().any(|s| matches!(s, Slot::Uv(_)));
     let shaded = slots.iter().any(|s| matches!(s, Slot::Normal(_)));
     for (property, slot) in element.properties.iter().zip(&slots) {
-        if let (Slot::Colour(k, _), Kind::U16 | Kind::I16) = (slot, property.kind) {
+        if let (Slot::Colour(k, _), NumberType::U16 | NumberType::I16) = (slot, property.kind) {
             vertices.wide[*k] = true;
         }
     }
@@ -174,7 +174,7 @@ fn read_vertices(
             body.property(property, &mut |_, value| match *slot {
                 Slot::Position(k) => position[k] = value,
                 // A signed byte is an unsigned one that was declared wrongly.
-                Slot::Colour(k, full) if value < 0.0 && property.kind == Kind::I8 => {
+                Slot::Colour(k, full) if value < 0.0 && property.kind == NumberType::I8 => {
                     colour[k] = (value + 256.0) as f32 / full
                 }
                 Slot::Colour(k, full) => colour[k] = value as f32 / full,
@@ -230,7 +230,7 @@ impl FaceProperties {
 fn read_faces(
     body: &mut Body<'_>,
     element: &Element,
-    frame: &mut Frame,
+    frame: &mut MeshFile,
     vertex_count: u64,
     path: &Path,
 ) -> Result<(), ImportError> {
@@ -305,7 +305,7 @@ fn read_corner_uvs(
     face: u64,
     uvs: &[f32],
     size: usize,
-    frame: &mut Frame,
+    frame: &mut MeshFile,
     path: &Path,
 ) -> Result<(), ImportError> {
     if uvs.is_empty() {
@@ -340,7 +340,7 @@ mod tests {
         element face 1\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n\
         element other 2\nproperty list int short nothing\nend_header\n";
 
-    fn read(text: &str) -> Result<Frame, ImportError> {
+    fn read(text: &str) -> Result<MeshFile, ImportError> {
         parse(text.as_bytes(), Path::new("t.ply"))
     }
 

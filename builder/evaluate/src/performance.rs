@@ -90,13 +90,13 @@ impl Ground for Recordings<'_> {
 }
 
 /// Makes frames of transitions.
-pub struct Stage<'a> {
+pub struct Performance<'a> {
     /// What it stands on.
     pub recordings: Recordings<'a>,
     interpolator: PoissonInterpolator,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Performance<'a> {
     /// A stage; `order` is the order of elimination, which all stages share.
     ///
     /// # Errors

@@ -29,11 +29,11 @@ impl Move {
 
 /// A warp's path as its moves; a transition of L frames has L - 1 of them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Warp {
+pub struct TemporalWarp {
     moves: Vec<Move>,
 }
 
-impl Warp {
+impl TemporalWarp {
     /// The warp that takes `moves` one after another.
     #[must_use]
     pub fn new(moves: Vec<Move>) -> Self {
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn nodes_follow_the_moves() {
-        let warp = Warp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination]);
+        let warp = TemporalWarp::new(vec![Move::Both, Move::Source, Move::Both, Move::Destination]);
         assert_eq!(warp.nodes().collect::<Vec<_>>(), [(0, 0), (1, 1), (2, 1), (3, 2), (3, 3)]);
         assert_eq!(warp.lengths(), (4, 4));
         assert_eq!(warp.duration(), 5);

@@ -1,15 +1,15 @@
-//! The ways through the essential graph over the ground: for every edge where it leads, how long it takes and how the
+//! The essential graph as searches walk it over the ground: for every edge where it leads, how long it takes and how the
 //! actor travels along it. Made once for a graph; all searches read it.
 
-mod survey;
+mod builder;
 
-pub use survey::Survey;
+pub use builder::SearchGraphBuilder;
 
 use glam::{Vec2, Vec3};
 
 use super::behaviours::{Behaviour, find_behaviour};
+use super::ground_pose::GroundPose;
 use super::request::RequestError;
-use super::spot::Spot;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::PoseError;
@@ -18,7 +18,7 @@ use actor::timeline::Timeline;
 /// Frames between two samples of a transition: the path's error is taken at every fourth frame of it.
 pub const SAMPLE_STRIDE: u32 = 4;
 
-/// A place on the way along an edge, as seen from the frame that it leaves, standing as it was recorded.
+/// A place along an edge, as seen from the frame that it leaves, standing as it was recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Where the followed point is, in metres.
@@ -35,7 +35,7 @@ pub struct Sample {
 
 /// An edge of the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct Edge {
     /// The frame that it leads to.
     pub to: u32,
     /// Steps that it takes.
@@ -47,7 +47,7 @@ pub struct Way {
     /// L: nodes of a transition; 1 for a recorded step.
     pub nodes: u32,
     /// Where `to` stands once the frame left stands as it was recorded.
-    pub spot: Spot,
+    pub ground_pose: GroundPose,
     /// The transition; `None` for a recorded step.
     pub transition: Option<u32>,
     /// How much it resembles a cheaper one from the same frame: 0 where none arrives within 16 frames of it, 1 within 8, 2
@@ -57,7 +57,7 @@ pub struct Way {
 
 /// All edges of a graph with their motion over the ground.
 #[derive(Clone, Debug)]
-pub struct Ways {
+pub struct SearchGraph {
     /// Frames per second.
     pub fps: f64,
     /// Cost of a recorded step.
@@ -72,7 +72,7 @@ pub struct Ways {
     faces: Vec<Vec2>,
     /// Whether each frame is in the main component.
     pub main: Vec<bool>,
-    /// Whether each frame leads into the main component; ways to other frames are left out.
+    /// Whether each frame leads into the main component; edges to other frames are left out.
     pub live: Vec<bool>,
     /// The largest distance in metres that the followed point moves in a step, in space.
     pub best_speed: f64,
@@ -82,19 +82,19 @@ pub struct Ways {
     travelled: Vec<[f32; 2]>,
     sequence_of_frame: Vec<u32>,
     behaviours: Vec<Behaviour>,
-    ways: Vec<Way>,
-    first_way: Vec<u32>,
+    edges: Vec<Edge>,
+    first_edge: Vec<u32>,
     samples: Vec<Sample>,
     first_sample: Vec<u32>,
 }
 
-impl Ways {
-    /// The ways of the centre of mass.
+impl SearchGraph {
+    /// The search graph of the centre of mass.
     ///
     /// # Errors
     /// Motion that does not fit the timeline, or a graph over other frames.
     pub fn new(graph: &EssentialGraph, timeline: &Timeline, motion: &Motion) -> Result<Self, PoseError> {
-        let mut survey = Survey::new(graph, timeline, motion, None)?;
+        let mut survey = SearchGraphBuilder::new(graph, timeline, motion, None)?;
         while !survey.advance(graph, timeline, motion, usize::MAX)? {}
         Ok(survey.finish())
     }
@@ -105,22 +105,22 @@ impl Ways {
         self.points.len() as u32
     }
 
-    /// Indices of the ways that leave `frame`, for [`Self::way`]; none for a frame that does not exist.
+    /// Indices of the edges that leave `frame`, for [`Self::edge`]; none for a frame that does not exist.
     #[must_use]
     pub fn from(&self, frame: u32) -> std::ops::Range<u32> {
-        match self.first_way.get(frame as usize..).and_then(|rest| rest.get(..2)) {
+        match self.first_edge.get(frame as usize..).and_then(|rest| rest.get(..2)) {
             Some(&[start, end]) => start..end,
             _ => 0..0,
         }
     }
 
-    /// The way with this index, which must exist.
+    /// The edge with this index, which must exist.
     #[must_use]
-    pub fn way(&self, index: u32) -> &Way {
-        &self.ways[index as usize]
+    pub fn edge(&self, index: u32) -> &Edge {
+        &self.edges[index as usize]
     }
 
-    /// The samples along a way, which must exist; the last one is at its end.
+    /// The samples along an edge, which must exist; the last one is at its end.
     #[must_use]
     pub fn samples(&self, index: u32) -> &[Sample] {
         let index = index as usize;
@@ -152,22 +152,22 @@ impl Ways {
         behaviour.shown_by[sequence as usize]
     }
 
-    /// Where the followed point of `frame`, standing at `spot`, will be in `steps` if the recording goes on, and how far it
+    /// Where the followed point of `frame`, standing at `ground_pose`, will be in `steps` if the recording goes on, and how far it
     /// will have travelled: on the ground and in space. `None` where the recording ends before. The frame must exist.
     #[must_use]
-    pub fn ahead(&self, frame: u32, spot: Spot, steps: u32) -> Option<(Vec3, [f32; 2])> {
+    pub fn ahead(&self, frame: u32, ground_pose: GroundPose, steps: u32) -> Option<(Vec3, [f32; 2])> {
         let ahead = frame as usize + steps as usize;
         if *self.sequence_of_frame.get(ahead)? != self.sequence_of_frame[frame as usize] {
             return None;
         }
         let (before, after) = (self.travelled[frame as usize], self.travelled[ahead]);
-        Some((spot.apply(self.points[ahead]), [after[0] - before[0], after[1] - before[1]]))
+        Some((ground_pose.apply(self.points[ahead]), [after[0] - before[0], after[1] - before[1]]))
     }
 
-    /// Which way the body faces in `frame`, standing at `spot`: a unit vector along (X, Z). The frame must exist.
+    /// Which way the body faces in `frame`, standing at `ground_pose`: a unit vector along (X, Z). The frame must exist.
     #[must_use]
-    pub fn face_at(&self, frame: u32, spot: Spot) -> Vec2 {
-        spot.rotate(self.faces[frame as usize])
+    pub fn face_at(&self, frame: u32, ground_pose: GroundPose) -> Vec2 {
+        ground_pose.rotate(self.faces[frame as usize])
     }
 
     /// The frame of the main component that is nearest to `frame` in its sequence: where the actor can get to. The first
@@ -185,9 +185,9 @@ impl Ways {
         self.sequence_of_frame[frame as usize] as usize
     }
 
-    /// Where the followed point of `frame` is, standing at `spot`; the frame must exist.
+    /// Where the followed point of `frame` is, standing at `ground_pose`; the frame must exist.
     #[must_use]
-    pub fn point_at(&self, frame: u32, spot: Spot) -> Vec3 {
-        spot.apply(self.points[frame as usize])
+    pub fn point_at(&self, frame: u32, ground_pose: GroundPose) -> Vec3 {
+        ground_pose.apply(self.points[frame as usize])
     }
 }

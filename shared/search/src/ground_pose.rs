@@ -8,14 +8,14 @@ pub(super) use kernels::scalar::{atan2 as angle, half_turn};
 
 /// A [`Placement`] with its turn as (cosine, sine) of the heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct GroundPose {
     /// Cosine and sine of the heading.
     pub turn: Vec2,
     /// Translation in metres along (X, Z).
     pub shift: Vec2,
 }
 
-impl Spot {
+impl GroundPose {
     /// Leaves everything where it is.
     pub const IDENTITY: Self = Self { turn: Vec2::X, shift: Vec2::ZERO };
 
@@ -54,15 +54,15 @@ impl Spot {
     }
 }
 
-impl From<&Placement> for Spot {
+impl From<&Placement> for GroundPose {
     fn from(placement: &Placement) -> Self {
         Self { turn: turn_of(placement.heading), shift: placement.translation }
     }
 }
 
-impl From<Spot> for Placement {
-    fn from(spot: Spot) -> Self {
-        Self { heading: spot.heading(), translation: spot.shift }
+impl From<GroundPose> for Placement {
+    fn from(ground_pose: GroundPose) -> Self {
+        Self { heading: ground_pose.heading(), translation: ground_pose.shift }
     }
 }
 

@@ -1,11 +1,11 @@
-//! Makes the ways of a graph, some transitions at a time.
+//! Makes the search graph, some transitions at a time.
 
 use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
 
-use super::{SAMPLE_STRIDE, Sample, Way, Ways};
+use super::{Edge, SAMPLE_STRIDE, Sample, SearchGraph};
 use crate::behaviours::behaviours;
 use crate::components::main_component;
-use crate::spot::{Spot, half_turn, turn_of};
+use crate::ground_pose::{GroundPose, half_turn, turn_of};
 use actor::blend::Blend;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
@@ -13,14 +13,14 @@ use actor::pose_source::PoseError;
 use actor::timeline::Timeline;
 use actor::walk::steps_of;
 
-/// Makes [`Ways`], some transitions at a time: about a tenth of a second of work for 80,000 of them.
+/// Makes [`SearchGraph`], some transitions at a time: about a tenth of a second of work for 80,000 of them.
 #[derive(Clone, Debug)]
-pub struct Survey {
-    ways: Ways,
+pub struct SearchGraphBuilder {
+    search_graph: SearchGraph,
     frame: u32,
 }
 
-impl Survey {
+impl SearchGraphBuilder {
     /// Nothing is surveyed yet. `group` are vertices and their mean point in each frame ([`actor::motion::measure_group`]), to be
     /// followed instead of the centre of mass.
     ///
@@ -39,7 +39,7 @@ impl Survey {
             return Err(PoseError::OutOfRange(frames));
         }
         let components = main_component(graph, timeline);
-        let ways = Ways {
+        let search_graph = SearchGraph {
             travelled: travelled(timeline, &points),
             fps: f64::from(timeline.fps()),
             alpha: graph.alpha(),
@@ -53,12 +53,12 @@ impl Survey {
             best_turn: 0.0,
             sequence_of_frame: (0..frames).map(|frame| timeline.sequence_index(frame).unwrap_or(0) as u32).collect(),
             behaviours: behaviours(timeline),
-            ways: Vec::with_capacity(frames as usize + graph.transitions().len()),
-            first_way: vec![0],
+            edges: Vec::with_capacity(frames as usize + graph.transitions().len()),
+            first_edge: vec![0],
             samples: Vec::new(),
             first_sample: vec![0],
         };
-        Ok(Self { ways, frame: 0 })
+        Ok(Self { search_graph, frame: 0 })
     }
 
     /// Surveys at least `transitions` more transitions, and all those of a frame together; whether that was all.
@@ -72,25 +72,30 @@ impl Survey {
         motion: &Motion,
         transitions: usize,
     ) -> Result<bool, PoseError> {
-        let end = self.ways.ways.len().saturating_add(transitions);
-        while self.frame < self.ways.frame_count() && self.ways.ways.len() < end {
+        let end = self.search_graph.edges.len().saturating_add(transitions);
+        while self.frame < self.search_graph.frame_count() && self.search_graph.edges.len() < end {
             self.survey_frame(graph, timeline, motion)?;
         }
-        Ok(self.frame == self.ways.frame_count())
+        Ok(self.frame == self.search_graph.frame_count())
     }
 
-    /// The ways, once [`Self::advance`] has said that that was all.
+    /// The search graph, once [`Self::advance`] has said that that was all.
     #[must_use]
-    pub fn finish(self) -> Ways {
-        self.ways
+    pub fn finish(self) -> SearchGraph {
+        self.search_graph
     }
 
     fn survey_frame(&mut self, graph: &EssentialGraph, timeline: &Timeline, motion: &Motion) -> Result<(), PoseError> {
         let frame = self.frame;
-        if let Some(next) = timeline.next(frame).filter(|&next| self.ways.live[next as usize]) {
+        if let Some(next) = timeline.next(frame).filter(|&next| self.search_graph.live[next as usize]) {
             let wrap = timeline.sequence_index(frame).and_then(|sequence| motion.wraps.get(sequence));
-            let spot = if next == frame + 1 { Spot::IDENTITY } else { wrap.map_or(Spot::IDENTITY, Spot::from) };
-            let (here, point) = (self.ways.points[frame as usize], self.ways.point_at(next, spot));
+            let ground_pose = if next == frame + 1 {
+                GroundPose::IDENTITY
+            } else {
+                wrap.map_or(GroundPose::IDENTITY, GroundPose::from)
+            };
+            let (here, point) =
+                (self.search_graph.points[frame as usize], self.search_graph.point_at(next, ground_pose));
             let sample = Sample {
                 point,
                 on_ground: here.xz().distance(point.xz()),
@@ -99,28 +104,28 @@ impl Survey {
                 looks_like: next,
             };
             let (cost, deformation) = (graph.alpha(), 0.0);
-            let way = Way { to: next, steps: 1, cost, deformation, nodes: 1, spot, transition: None, rank: 0 };
-            self.push(frame, way, &[sample]);
+            let edge = Edge { to: next, steps: 1, cost, deformation, nodes: 1, ground_pose, transition: None, rank: 0 };
+            self.push(frame, edge, &[sample]);
         }
         for index in graph.transitions_from(frame) {
             let transition = &graph.transitions()[index];
-            if !self.ways.live[transition.to as usize] {
+            if !self.search_graph.live[transition.to as usize] {
                 continue;
             }
-            let way = Way {
+            let edge = Edge {
                 to: transition.to,
                 steps: steps_of(transition),
                 cost: transition.cost(graph.alpha()),
                 deformation: f64::from(transition.deformation),
                 nodes: transition.warp.duration() as u32,
-                spot: Spot::from(&transition.placement),
+                ground_pose: GroundPose::from(&transition.placement),
                 transition: Some(index as u32),
                 rank: rank(graph, index),
             };
             let samples = self.sample(graph, timeline, motion, index)?;
-            self.push(frame, way, &samples);
+            self.push(frame, edge, &samples);
         }
-        self.ways.first_way.push(self.ways.ways.len() as u32);
+        self.search_graph.first_edge.push(self.search_graph.edges.len() as u32);
         self.frame += 1;
         Ok(())
     }
@@ -136,7 +141,7 @@ impl Survey {
     ) -> Result<Vec<Sample>, PoseError> {
         let transition = &graph.transitions()[index];
         let (ends, warp) = ((transition.from, transition.to), &transition.warp);
-        let points = &self.ways.points;
+        let points = &self.search_graph.points;
         let mut blend = Blend::begin(timeline, &mut motion, ends, warp, kernels::align::Placement::IDENTITY)?;
         let mut track = vec![(points[transition.from as usize], transition.from)];
         while let Some(next) = blend.next(timeline, &mut motion, warp, graph.contacts())? {
@@ -157,19 +162,20 @@ impl Survey {
         Ok(sampled(&track))
     }
 
-    fn push(&mut self, frame: u32, way: Way, samples: &[Sample]) {
-        let ways = &mut self.ways;
-        let mut point = ways.points[frame as usize];
+    fn push(&mut self, frame: u32, edge: Edge, samples: &[Sample]) {
+        let search_graph = &mut self.search_graph;
+        let mut point = search_graph.points[frame as usize];
         for sample in samples {
             let speed = f64::from(sample.in_space.max(point.distance(sample.point))) / f64::from(sample.steps);
-            ways.best_speed = ways.best_speed.max(speed);
+            search_graph.best_speed = search_graph.best_speed.max(speed);
             point = sample.point;
         }
-        let turn = way.spot.heading() + ways.facings[way.to as usize] - ways.facings[frame as usize];
-        ways.best_turn = ways.best_turn.max(f64::from(half_turn(turn).abs()) / f64::from(way.steps));
-        ways.ways.push(way);
-        ways.samples.extend_from_slice(samples);
-        ways.first_sample.push(ways.samples.len() as u32);
+        let turn =
+            edge.ground_pose.heading() + search_graph.facings[edge.to as usize] - search_graph.facings[frame as usize];
+        search_graph.best_turn = search_graph.best_turn.max(f64::from(half_turn(turn).abs()) / f64::from(edge.steps));
+        search_graph.edges.push(edge);
+        search_graph.samples.extend_from_slice(samples);
+        search_graph.first_sample.push(search_graph.samples.len() as u32);
     }
 }
 

@@ -13,7 +13,7 @@ const BLOCKS: usize = 64;
 
 /// Modes that have arrived and been read.
 #[derive(Debug, Default)]
-pub struct Looks {
+pub struct TextureModes {
     /// The mean and the modes of colours, then those of warps.
     pub modes: [Vec<Mode>; 2],
     decoder: ModeDecoder,
@@ -21,7 +21,7 @@ pub struct Looks {
     section: u32,
 }
 
-impl Looks {
+impl TextureModes {
     /// Reads on until `end` says so. True where there is more to read at once.
     fn refine(&mut self, reader: &BundleReader, of: Textures, end: &dyn Fn() -> bool) -> Result<bool, PlayerError> {
         let Some(appearance) = reader.appearance_of(of) else { return Ok(false) };
