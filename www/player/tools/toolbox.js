@@ -64,6 +64,7 @@ export class Toolbox {
 
   /** Sees to it that the tools come. Never rejects: trouble is told on the page, and whoever needs them next tries again. */
   fetch() {
+    this.search.fetch();
     this.coming ??= loadTools().then(({ Tools }) => this.arrived(Tools)).catch((error) => {
       this.coming = null;
       if (this.core.loop) this.core.fail(error);
@@ -87,15 +88,20 @@ export class Toolbox {
     this.director = director;
     for (const tool of Object.values(this.tools)) tool.opened?.(director);
     this.showTool();
-    const { waiting } = this;
-    this.waiting = null;
-    if (waiting) this.core.attempt(() => this.load(waiting));
+    if (this.waiting) this.takeWaiting();
     else this.ask();
+  }
+
+  takeWaiting() {
+    const { waiting } = this;
+    if (!waiting || !this.director) return;
+    this.waiting = null;
+    this.core.attempt(() => this.load(waiting));
   }
 
   close() {
     this.director = null;
-    this.search.stop();
+    this.search.forget();
     this.answer = null;
     this.history.reset(EMPTY);
     if (this.core.view) this.refresh();
@@ -222,13 +228,15 @@ export class Toolbox {
    * sentence.
    */
   load(outside) {
-    if (!this.director) {
+    if (!this.director || !this.search.module) {
       this.waiting = outside;
+      // Whatever comes last of the two takes it up.
+      this.search.fetch().then((came) => came && this.takeWaiting());
       return;
     }
-    const { player, timeline } = this.director;
+    const { timeline } = this.director;
     const request = outside?.request ?? outside;
-    player.check_request(JSON.stringify(request) ?? 'null');
+    this.search.check(request);
     const { tool, part, queue } = partOf(request, timeline);
     const { frame, placement } = outside?.start ?? {};
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
