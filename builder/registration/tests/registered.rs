@@ -1,0 +1,127 @@
+//! Whole captures whose registration was thrown away are registered, and held against the truth.
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::sync::Mutex;
+
+use fixtures::{captured, scanned};
+use glam::Vec3;
+use job::{Job, Stopped};
+use registration::detail::DetailError;
+use registration::register::{Found, RegisterOptions, Registered, Source, register, survey, template};
+use registration::scan::Scan;
+use registration::template::Template;
+use registration::track::TrackOptions;
+
+struct Deregistered(&'static str, usize);
+
+#[derive(Debug)]
+struct Failed;
+
+impl From<Stopped> for Failed {
+    fn from(_: Stopped) -> Self {
+        Self
+    }
+}
+
+impl From<DetailError> for Failed {
+    fn from(_: DetailError) -> Self {
+        Self
+    }
+}
+
+impl Source for Deregistered {
+    type Extra = ();
+    type Error = Failed;
+
+    fn count(&self) -> usize {
+        self.1
+    }
+
+    fn sequence(&self, _: usize) -> usize {
+        0
+    }
+
+    fn read(&self, frame: usize) -> Result<(Scan, ()), Failed> {
+        let scan = scanned(self.0, frame);
+        let read =
+            Scan { positions: scan.positions, triangles: scan.triangles, uvs: Vec::new(), colours: scan.colours };
+        Ok((read, ()))
+    }
+}
+
+/// The frame of the template, what was registered, and each frame's mean error, 95th percentile and farthest, millimetres.
+fn figures(source: &Deregistered, options: &RegisterOptions) -> (usize, Registered, Vec<[f32; 3]>) {
+    let job = Job::silent();
+    let survey = survey(source, options, &job).unwrap();
+    let tree = survey.tree(options.template);
+    let root = survey.frames[tree.root];
+    let template: Template = template(source, root).unwrap().unwrap();
+    let poses: Mutex<Vec<Option<Vec<Vec3>>>> = Mutex::new(vec![None; source.1]);
+    let emit = |found: Found<()>| {
+        poses.lock().unwrap()[found.tracked.frame] = Some(found.pose.to_vec());
+        Ok(())
+    };
+    let registered = register(source, &survey, &tree, &template, options, &job, &emit).unwrap();
+    // Cleaning may renumber the template's vertices: they are where they were.
+    let scan = scanned(source.0, root);
+    let truth: Vec<usize> = template
+        .surface
+        .mesh
+        .positions
+        .iter()
+        .map(|p| (0..scan.positions.len()).min_by_key(|&k| (scan.positions[k].distance(*p) * 1e7) as u64).unwrap())
+        .collect();
+    let poses = poses.into_inner().unwrap();
+    let of = |frame: usize, pose: &Vec<Vec3>| {
+        let (topology, original) = captured(source.0, &[frame]);
+        let mut errors: Vec<f32> = truth
+            .iter()
+            .zip(pose)
+            .filter(|(k, _)| scan.truth[**k].2 < 0.005)
+            .map(|(&k, place)| {
+                let (face, weights, _) = scan.truth[k];
+                let [a, b, c] = topology.triangles()[face as usize].map(|v| original[0][v as usize]);
+                1000.0 * (a * weights.x + b * weights.y + c * weights.z).distance(*place)
+            })
+            .collect();
+        errors.sort_by(f32::total_cmp);
+        let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+        [mean, errors[errors.len() * 95 / 100], errors[errors.len() - 1]]
+    };
+    let others = poses.iter().enumerate().filter(|(frame, _)| *frame != root);
+    let errors = others.filter_map(|(frame, pose)| pose.as_ref().map(|pose| of(frame, pose))).collect();
+    (root, registered, errors)
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn crane_and_jumping_are_registered() {
+    for (name, count) in [("crane", 60), ("jumping", 30)] {
+        for colour in [1.0, 0.0] {
+            let mut options = RegisterOptions::default();
+            options.track = TrackOptions { colour };
+            let start = std::time::Instant::now();
+            let (root, registered, errors) = figures(&Deregistered(name, count), &options);
+            let seconds = start.elapsed().as_secs_f64();
+            let mean = |k: usize| errors.iter().map(|e| e[k]).sum::<f32>() / errors.len() as f32;
+            let worst = |k: usize| errors.iter().map(|e| e[k]).fold(0.0, f32::max);
+            let fits = || registered.tracked.iter().map(|tracked| tracked.fit);
+            let uncovered = fits().map(|fit| fit.uncovered).fold(0.0, f64::max);
+            let backward = fits().map(|fit| fit.rms_backward).fold(0.0, f64::max);
+            println!(
+                "{name}, colour {colour}: root {root}, lost {}, mean {:.1} (worst {:.1}), p95 {:.1} (worst {:.1}) mm, \
+                 uncovered {:.2} %, backward {:.1} mm, {seconds:.0} s",
+                registered.lost.len(),
+                mean(0),
+                worst(0),
+                mean(1),
+                worst(1),
+                100.0 * uncovered,
+                1000.0 * backward
+            );
+            assert!(registered.lost.is_empty(), "{:?}", registered.lost);
+            assert!(uncovered <= 0.015 && backward <= 0.0035);
+            assert!(mean(0) < if colour > 0.0 { 6.5 } else { 15.0 });
+        }
+    }
+}
