@@ -234,6 +234,10 @@ export class SearchDriver {
   lookAhead() {
     const { state } = this.core.director ?? {};
     if (!this.endless || this.task || !state || state.target === null || state.remaining_seconds > AHEAD) return;
+    this.seekNext();
+  }
+
+  seekNext() {
     this.endless.part += 1;
     const { request, part } = this.endless;
     this.start({ ...request, seed: (request.seed ?? 0) + part }, 'end');
@@ -272,7 +276,7 @@ export class SearchDriver {
   }
 
   happened(type) {
-    // An endless walk is over only where nothing leads on; what is still being searched for comes late.
-    if (type === 'arrive' && !this.task) this.endless = null;
+    // An endless walk is over only where nothing leads on. A page that was away for as long as the walk lasted looks on late.
+    if (type === 'arrive' && this.endless && !this.task) this.seekNext();
   }
 }

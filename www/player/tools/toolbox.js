@@ -64,7 +64,6 @@ export class Toolbox {
 
   /** Sees to it that the tools come. Never rejects: trouble is told on the page, and whoever needs them next tries again. */
   fetch() {
-    this.search.fetch();
     this.coming ??= loadTools().then(({ Tools }) => this.arrived(Tools)).catch((error) => {
       this.coming = null;
       if (this.core.loop) this.core.fail(error);
@@ -121,7 +120,10 @@ export class Toolbox {
 
   choose(name) {
     const tool = this.tools[name] ?? this.tools.pose;
-    if (tool.id !== 'pose') this.fetch();
+    if (tool.id !== 'pose') {
+      this.fetch();
+      this.search.fetch();
+    }
     if (tool === this.tool) {
       if (!this.director) this.showTool();
       return;
