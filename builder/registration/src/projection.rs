@@ -232,7 +232,7 @@ mod tests {
                 assert!(hole, "{p}");
             }
         }
-        assert!(worst < 0.04 && 1000 * missed < projection.atlas.texels.len(), "{worst}, {missed}");
+        assert!(worst < 0.04 && 500 * missed < projection.atlas.texels.len(), "{worst}, {missed}");
         projection.complete(&mut projected, None);
         for (k, _) in &projection.atlas.texels {
             assert_ne!(projected.texels[*k as usize], [0; 3]);

@@ -4,13 +4,14 @@
 use std::sync::Mutex;
 
 use fixtures::{captured, scanned};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use job::{Job, Stopped};
+use registration::checks::{Limits, fit};
 use registration::detail::DetailError;
 use registration::register::{Found, RegisterOptions, Registered, Source, register, survey, template};
 use registration::scan::Scan;
 use registration::template::Template;
-use registration::track::TrackOptions;
+use registration::track::{Target, TrackOptions, track};
 
 struct Deregistered(&'static str, usize);
 
@@ -122,6 +123,26 @@ fn crane_and_jumping_are_registered() {
             assert!(registered.lost.is_empty(), "{:?}", registered.lost);
             assert!(uncovered <= 0.015 && backward <= 0.0035);
             assert!(mean(0) < if colour > 0.0 { 6.5 } else { 15.0 });
+        }
+    }
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn a_wrong_heading_is_a_fault() {
+    let source = Deregistered("crane", 60);
+    for frame in [4, 20, 40] {
+        let template: Template = template(&source, frame).unwrap().unwrap();
+        let target = Target::new(source.read(frame + 1).unwrap().0.cleaned().unwrap().surface, template.scale);
+        let centre = template.surface.centroid();
+        for turn in [0.0_f32, 1.6, 3.1, -2.2] {
+            let turned = |p: &Vec3| Quat::from_rotation_y(turn) * (*p - centre) + target.surface.centroid();
+            let start: Vec<Vec3> = template.surface.mesh.positions.iter().map(turned).collect();
+            let pose = track(&template, &start, &target, &TrackOptions::default());
+            let found = fit(&template, &template.surface.posed(pose), &start, &target.surface);
+            println!("{frame}, {turn}: {found:?}");
+            let fault = found.fault(&Limits::default(), template.scale);
+            assert_eq!(fault.is_some(), turn != 0.0, "frame {frame} turned by {turn}: {found:?}");
         }
     }
 }

@@ -179,6 +179,9 @@ pub struct RegisterArguments {
     /// Width and height of the textures in pixels; as dense as the scan's where not given.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub texture_size: Option<u32>,
+    /// Write a page with figures of all frames, their order, and the worst of them as pictures.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Print an object with figures of all frames on stdout at the end.
     #[arg(long)]
     pub json: bool,

@@ -1,11 +1,13 @@
 //! `builder register`.
 
+use evaluate::html;
+use evaluate::scans::scan_page;
 use job::Job;
 use reprise::scans::{RegisterReport, ScanOptions, register};
 
 use super::args::RegisterArguments;
 use super::failure::Failure;
-use super::output::print_json;
+use super::output::{print_json, write_whole};
 use super::pack::import_options;
 use super::terminal::Terminal;
 use super::work;
@@ -22,6 +24,11 @@ pub fn run(arguments: &RegisterArguments, terminal: &Terminal) -> Result<(), Fai
             Failure::Input(error.into())
         }
     })?;
+    if let Some(path) = &arguments.report {
+        let page = scan_page(&found, &arguments.inputs, &options.import);
+        let page = page.map_err(|error| Failure::Input(error.into()))?;
+        write_whole(path, html::page(&page, false).as_bytes()).map_err(Failure::Input)?;
+    }
     for warning in &found.warnings {
         terminal.log(&format!("warning: {warning}"));
     }

@@ -109,7 +109,7 @@ pub fn scans(inputs: &[String], options: &ImportOptions) -> Result<Scans, Import
         let size = low.distance(high) * scans.axes.unit;
         let assumed = if MILLIMETRES.contains(&size) { Some(("millimetres", 0.001)) } else { None };
         let assumed = assumed.or_else(|| CENTIMETRES.contains(&size).then_some(("centimetres", 0.01)));
-        if let (Some((word, unit)), 1.0) = (assumed, unit) {
+        if let (Some((word, unit)), 1.0, None) = (assumed, unit, options.unit) {
             scans.axes.unit = unit;
             let message = format!(
                 "{}: the subject would measure {size:.0} m: lengths are taken for {word}; --unit says it for certain",
