@@ -146,6 +146,12 @@ pub struct Found<'a, X> {
     pub extra: X,
 }
 
+/// Who is given every frame that is tracked, from many threads at once.
+pub type Emit<'a, S> = &'a (dyn Fn(Found<'_, <S as Source>::Extra>) -> Result<(), <S as Source>::Error> + Sync);
+
+/// What a frame is like, and whether it was turned inside out.
+type Look = (Candidate, bool);
+
 /// What became of all frames.
 #[derive(Clone, Debug)]
 pub struct Registered {
@@ -177,7 +183,7 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
     };
     job.tell("looking at scans", 0, count as u64)?;
     let done = AtomicU64::new(0);
-    let look = |frame: usize| -> Result<Option<(Candidate, bool)>, S::Error> {
+    let look = |frame: usize| -> Result<Option<Look>, S::Error> {
         let (mut scan, _) = source.read(frame)?;
         let found = cleaned(&mut scan).map(|(cleaned, turned)| {
             let surface = &cleaned.surface;
@@ -187,8 +193,8 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
         looked_at("looking at scans", &done)?;
         Ok(found)
     };
-    let seen: Vec<Result<Option<(Candidate, bool)>, S::Error>> = (0..count).into_par_iter().map(look).collect();
-    let seen: Vec<Option<(Candidate, bool)>> = seen.into_iter().collect::<Result<_, _>>()?;
+    let seen: Vec<Result<Option<Look>, S::Error>> = (0..count).into_par_iter().map(look).collect();
+    let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
     let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, _)| candidate.area).collect();
     areas.sort_by(f32::total_cmp);
     let usual = areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12);
@@ -272,7 +278,7 @@ pub fn register<S: Source>(
     template: &Template,
     options: &RegisterOptions,
     job: &Job,
-    emit: &(dyn Fn(Found<S::Extra>) -> Result<(), S::Error> + Sync),
+    emit: Emit<'_, S>,
 ) -> Result<Registered, S::Error>
 where
     S::Error: From<DetailError>,
@@ -331,7 +337,7 @@ struct Registrar<'a, S: Source> {
     detail: Detail,
     options: &'a RegisterOptions,
     job: &'a Job<'a>,
-    emit: &'a (dyn Fn(Found<S::Extra>) -> Result<(), S::Error> + Sync),
+    emit: Emit<'a, S>,
 }
 
 enum Outcome {
