@@ -24,6 +24,7 @@ mod performance;
 pub mod plot;
 mod poses;
 mod scaling;
+pub mod scans;
 mod seams;
 pub mod short;
 pub mod statistics;

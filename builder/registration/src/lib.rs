@@ -13,8 +13,15 @@
 //! measured by the square root of their area ([`template::Template::scale`]).
 
 pub mod checks;
+pub mod descriptor;
+pub mod detail;
+pub mod dissimilarity;
 pub mod energy;
 pub mod graph;
+pub mod projection;
+pub mod register;
+pub mod scan;
 pub mod surface;
 pub mod template;
 pub mod track;
+pub mod tree;

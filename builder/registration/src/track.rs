@@ -60,6 +60,12 @@ impl Target {
         let gradients = gradients(&surface);
         Self { surface, closest, gradients }
     }
+
+    /// The point of the frame's surface closest to `place` with its `normal`, by the finer measure.
+    #[must_use]
+    pub fn closest(&self, place: Vec3, normal: Vec3) -> Option<SurfacePoint> {
+        self.closest[1].find(&self.surface, place, normal)
+    }
 }
 
 /// How much colours count.

@@ -59,6 +59,7 @@ mod options;
 pub mod pack;
 pub mod preflight;
 mod reach;
+pub mod scans;
 
 pub use actor::capture::{Capture, CaptureError, Poses};
 pub use actor::graph::{EssentialGraph, Transition};

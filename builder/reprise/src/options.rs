@@ -9,6 +9,8 @@ use pipeline::graph::{GraphError, GraphOptions};
 use pipeline::transitions::TransitionError;
 use thiserror::Error;
 
+use crate::scans::RegisterError;
+
 /// The frame that the player shows first.
 pub(crate) const FIRST_FRAME: u32 = 0;
 
@@ -50,6 +52,9 @@ pub enum PackError {
     /// The input cannot be read as a capture.
     #[error(transparent)]
     Import(#[from] ImportError),
+    /// Frames have meshes of their own, and cannot be brought onto one.
+    #[error("frames have meshes of their own, and cannot be brought onto one: {0}")]
+    Register(#[from] RegisterError),
     /// The textures of the frames cannot become an appearance.
     #[error(transparent)]
     Appearance(#[from] AppearanceError),
@@ -80,6 +85,9 @@ impl PackError {
     /// Whether it was stopped, in whatever stage.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
+        if let Self::Register(error) = self {
+            return error.is_stopped();
+        }
         matches!(
             self,
             Self::Stopped(_)
@@ -97,6 +105,7 @@ impl PackError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Import(error) => error.code(),
+            Self::Register(error) => error.code(),
             Self::Appearance(_) => "E_APPEARANCE",
             Self::Option(_) | Self::Distance(_) | Self::Encode(_) => "E_OPTION",
             Self::Graph(GraphError::Build(_)) => "E_INTERNAL",

@@ -1,5 +1,6 @@
 //! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use actor::capture::Capture;
@@ -10,7 +11,7 @@ use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
 use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
-use capture_io::import::{self, Warning};
+use capture_io::import::{self, ImportError, ImportOptions, Warning};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
@@ -22,6 +23,7 @@ use crate::options::FIRST_FRAME;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
+use crate::scans::{ScanOptions, register};
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -85,6 +87,8 @@ pub struct GraphSummary {
 /// Wall-clock seconds of each stage.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StageSeconds {
+    /// Bringing frames with meshes of their own onto one.
+    pub registration: f64,
     /// Reading files.
     pub import: f64,
     /// Pose distances.
@@ -103,7 +107,20 @@ pub struct StageSeconds {
 /// Input that cannot be read, options that do not fit it, or stages that contradict each other.
 pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
-    let imported = timed(&mut seconds.import, || import::import(inputs, &options.import, job))?;
+    let start = Instant::now();
+    let imported = match import::import(inputs, &options.import, job) {
+        // Every frame, or some, are meshes of their own.
+        Err(ImportError::VertexCount { .. } | ImportError::FaceList { .. }) => {
+            let registered = registered(inputs, options, job)?;
+            seconds.registration = start.elapsed().as_secs_f64();
+            let (bytes, mut report) = pack(&[registered.input()], &registered.options(options), job)?;
+            report.seconds.registration = seconds.registration;
+            report.warnings.splice(0..0, registered.warnings);
+            return Ok((bytes, report));
+        }
+        imported => imported?,
+    };
+    seconds.import = start.elapsed().as_secs_f64();
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);
@@ -132,6 +149,52 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
     Ok((bytes, pack_report))
+}
+
+/// A scan that was brought onto one mesh, in a folder that vanishes with this.
+struct RegisteredScan {
+    folder: tempfile::TempDir,
+    warnings: Vec<Warning>,
+}
+
+impl RegisteredScan {
+    /// The capture's folder.
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("capture")
+    }
+
+    /// The same as an input.
+    fn input(&self) -> String {
+        self.path().to_string_lossy().into_owned()
+    }
+
+    /// How it is read: what was said of the files is done.
+    fn options(&self, options: &PackOptions) -> PackOptions {
+        let ImportOptions { name, cyclic, weld, .. } = options.import.clone();
+        PackOptions { import: ImportOptions { name, cyclic, weld, ..ImportOptions::default() }, ..options.clone() }
+    }
+}
+
+/// Brings the scan `inputs` onto one mesh; the folder lies in the work folder, where there is one.
+fn registered(inputs: &[String], options: &PackOptions, job: &Job) -> Result<RegisteredScan, PackError> {
+    let root = job.work().map_or_else(std::env::temp_dir, |work| work.root().to_owned());
+    let folder = tempfile::Builder::new().prefix(".registered-").tempdir_in(&root);
+    let folder = folder.map_err(|source| ImportError::Io { path: root, source })?;
+    let scan = ScanOptions { import: options.import.clone(), ..ScanOptions::default() };
+    let mut registered = RegisteredScan { folder, warnings: Vec::new() };
+    let report = register(inputs, &scan, &registered.path(), job)?;
+    registered.warnings.push(Warning::new(
+        "W_SCAN_REGISTERED",
+        format!(
+            "frames have meshes of their own: {} of {} were brought onto that of frame {} first; builder register does it \
+             alone, and tells more",
+            report.registered.len(),
+            report.frames,
+            report.template
+        ),
+    ));
+    registered.warnings.extend(report.warnings);
+    Ok(registered)
 }
 
 /// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.

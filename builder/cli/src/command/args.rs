@@ -28,6 +28,8 @@ pub struct Arguments {
 pub enum Command {
     /// Read a capture, compute its essential graph, and write a bundle.
     Pack(PackArguments),
+    /// Turn a scan, of which every frame has its own mesh, into a capture of one mesh, as files that `pack` reads.
+    Register(RegisterArguments),
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
@@ -145,6 +147,42 @@ pub struct PackArguments {
     #[arg(long)]
     pub appearance_compare: bool,
     /// Print an object with times, sizes and errors on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder register`.
+#[derive(Debug, Args)]
+pub struct RegisterArguments {
+    /// Folders of OBJ, PLY or GLB frames, folders with a capture.toml, globs, or patterns such as `frame_%05d.obj:0:174`.
+    #[arg(required = true, value_name = "SCAN")]
+    pub inputs: Vec<String>,
+    /// The folder to write; it must not exist, or be empty.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Where results of stages last.
+    #[command(flatten)]
+    pub work: WorkFolderArgument,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// The frame whose mesh all frames get, counted over all sequences from 0; chosen where not given.
+    #[arg(long, value_name = "N")]
+    pub template_frame: Option<usize>,
+    /// How much colours count against shape where the template is tracked; 0 not at all. Without colours it may slide along the
+    /// body.
+    #[arg(long, default_value_t = 1.0, value_name = "WEIGHT")]
+    pub colour: f32,
+    /// How smooth the detail is that is added after tracking, in square metres on a person; 0 adds none.
+    #[arg(long, default_value_t = 2e-4, value_name = "AREA")]
+    pub detail: f32,
+    /// Width and height of the textures in pixels; as dense as the scan's where not given.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(64..=8192))]
+    pub texture_size: Option<u32>,
+    /// Write a page with figures of all frames, their order, and the worst of them as pictures.
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Print an object with figures of all frames on stdout at the end.
     #[arg(long)]
     pub json: bool,
 }

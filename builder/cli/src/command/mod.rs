@@ -9,6 +9,7 @@ mod inspect;
 mod output;
 mod pack;
 mod performer;
+mod register;
 mod report;
 mod terminal;
 mod typed;
@@ -55,6 +56,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     let terminal = Terminal::new(arguments.quiet);
     match &arguments.command {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
+        Command::Register(arguments) => register::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),

@@ -10,6 +10,7 @@
 //! (`materials`), each frame's own texture (`textures`, `frame_textures`), and, but for GLB, which has metres and +Y up, the
 //! files' place, unit and axes.
 
+mod capture;
 mod error;
 mod frame_textures;
 mod glb;
@@ -24,6 +25,7 @@ mod ply;
 mod textures;
 mod turntable;
 
+pub use capture::{CaptureWriter, WrittenCapture, WrittenSequence};
 pub use error::ExportError;
 pub use output::Output;
 pub use picture::{Picture, Raster};

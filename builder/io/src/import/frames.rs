@@ -60,6 +60,11 @@ impl First {
         Ok(Self { path: path.to_owned(), frame, looks, main })
     }
 
+    /// The texture that the frame names itself.
+    pub fn named(&self) -> Option<NamedTexture> {
+        self.worn(&self.looks)
+    }
+
     /// Whether other materials than the main one look otherwise in a frame with `looks`, or that one has another colour.
     fn others_differ(&self, looks: &[Look]) -> bool {
         let same = |(k, (a, b)): (usize, (&Look, &Look))| {

@@ -64,6 +64,7 @@ mod plan;
 mod ply;
 mod polygon;
 mod read;
+mod scans;
 mod scratch;
 mod stills;
 mod text;
@@ -81,6 +82,7 @@ use glam::DVec3;
 
 pub use self::error::ImportError;
 pub use self::manifest::UpAxis;
+pub use self::scans::{ScannedFrame, ScannedSequence, ScannedTexture, Scans, scans};
 pub use self::scratch::Scratch;
 pub use self::warning::Warning;
 use job::Job;

@@ -1,0 +1,73 @@
+//! `builder register`.
+
+use evaluate::html;
+use evaluate::scans::scan_page;
+use job::Job;
+use reprise::scans::{RegisterReport, ScanOptions, register};
+
+use super::args::RegisterArguments;
+use super::failure::Failure;
+use super::output::{print_json, write_whole};
+use super::pack::import_options;
+use super::terminal::Terminal;
+use super::work;
+
+/// Registers a scan and says what came out.
+pub fn run(arguments: &RegisterArguments, terminal: &Terminal) -> Result<(), Failure> {
+    let options = options(arguments)?;
+    let (report, work) = (|progress| terminal.progress(progress), work::open(&arguments.work)?);
+    let job = Job::new(&report).with_work(work.as_ref());
+    let found = register(&arguments.inputs, &options, &arguments.output, &job).map_err(|error| {
+        if error.is_stopped() {
+            Failure::Stopped { work: arguments.work.work.clone() }
+        } else {
+            Failure::Input(error.into())
+        }
+    })?;
+    if let Some(path) = &arguments.report {
+        let page = scan_page(&found, &arguments.inputs, &options.import);
+        let page = page.map_err(|error| Failure::Input(error.into()))?;
+        write_whole(path, html::page(&page, false).as_bytes()).map_err(Failure::Input)?;
+    }
+    for warning in &found.warnings {
+        terminal.log(&format!("warning: {warning}"));
+    }
+    terminal.log(&summary(&found));
+    if arguments.json { print_json(&found) } else { Ok(()) }
+}
+
+fn options(arguments: &RegisterArguments) -> Result<ScanOptions, Failure> {
+    for (name, value) in [("--colour", arguments.colour), ("--detail", arguments.detail)] {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(Failure::Usage(format!("{name} must not be negative")));
+        }
+    }
+    let mut options = ScanOptions::default();
+    options.import = import_options(&arguments.import);
+    options.register.template = arguments.template_frame;
+    options.register.track.colour = arguments.colour;
+    options.register.detail = arguments.detail;
+    options.texture_size = arguments.texture_size.map(|size| size as usize);
+    Ok(options)
+}
+
+fn summary(report: &RegisterReport) -> String {
+    let worst = |of: fn(&reprise::scans::FrameReport) -> f64| report.registered.iter().map(of).fold(0.0, f64::max);
+    let sequences: Vec<String> = report.sequences.iter().map(|(name, frames)| format!("{name} {frames}")).collect();
+    let texture = report.texture_size.map_or("no texture".into(), |size| format!("textures of {size} x {size}"));
+    format!(
+        "{}: {} of {} frames on the mesh of frame {}, {} vertices, {} triangles, {texture} ({})\nworst frame: {:.2} % of the \
+         scan uncovered, {:.1} mm off it\nseconds: comparing {:.1}, registering {:.1}",
+        report.manifest.display(),
+        report.registered.len(),
+        report.frames,
+        report.template,
+        report.vertices,
+        report.triangles,
+        sequences.join(", "),
+        100.0 * worst(|frame| frame.uncovered),
+        1000.0 * worst(|frame| frame.rms_backward),
+        report.seconds[0],
+        report.seconds[1]
+    )
+}

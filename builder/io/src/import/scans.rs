@@ -1,0 +1,234 @@
+//! Frames that each have their own mesh: read one by one, whenever they are asked for, and never held against each other.
+
+use std::path::{Path, PathBuf};
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::ImportOptions;
+use super::error::ImportError;
+use super::frames::{Axes, First, check_area, place, shared_mesh};
+use super::gltf::GltfFile;
+use super::images::read_file;
+use super::inputs::Source;
+use super::mesh::{FileMesh, FileTriangle};
+use super::places::{offset_of, recentred};
+use super::plan::{Plan, PlannedSequence, plan};
+use super::warning::Warning;
+use super::worn::NamedTexture;
+
+/// A body of this many units is measured in millimetres, or in centimetres; between them and beyond nothing is assumed.
+const MILLIMETRES: std::ops::Range<f64> = 600.0..6000.0;
+const CENTIMETRES: std::ops::Range<f64> = 60.0..600.0;
+
+/// Sequences of frames of which none is read yet.
+#[derive(Debug)]
+pub struct Scans {
+    /// Name of the subject.
+    pub name: String,
+    /// Frames per second.
+    pub fps: f32,
+    /// The sequences.
+    pub sequences: Vec<ScannedSequence>,
+    /// Sentences about what the user should know.
+    pub warnings: Vec<Warning>,
+    axes: Axes,
+}
+
+/// A sequence of scanned frames.
+#[derive(Clone, Debug)]
+pub struct ScannedSequence {
+    /// Its name.
+    pub name: String,
+    /// Its labels.
+    pub labels: Vec<String>,
+    /// Whether its end meets its beginning, where that is said.
+    pub cyclic: Option<bool>,
+    /// The file of each frame.
+    pub files: Vec<PathBuf>,
+    /// The texture that is named for each frame; empty where none is.
+    textures: Vec<PathBuf>,
+    still: bool,
+}
+
+/// A frame as its file holds it: nothing is welded.
+#[derive(Clone, Debug, Default)]
+pub struct ScannedFrame {
+    /// Vertices in metres, +Y up, near the origin.
+    pub positions: Vec<Vec3>,
+    /// Triangles over them.
+    pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates of each triangle's corners, v downwards; empty where there are none.
+    pub uvs: Vec<[Vec2; 3]>,
+    /// sRGB colours of the vertices; empty where there are none.
+    pub colours: Vec<[u8; 4]>,
+    /// The texture of the first material that has one.
+    pub texture: Option<ScannedTexture>,
+}
+
+/// A texture that is not decoded yet.
+#[derive(Clone, Debug)]
+pub struct ScannedTexture {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+impl ScannedTexture {
+    /// Width, height and texels in sRGB, row by row from the top.
+    ///
+    /// # Errors
+    /// A file that is no image that is read.
+    pub fn decoded(&self) -> Result<(usize, usize, Vec<[u8; 3]>), ImportError> {
+        // The decoder's default limits bound the memory that a header can ask for.
+        let image = image::load_from_memory(&self.bytes)
+            .map_err(|cause| ImportError::Image { path: self.path.clone(), reason: cause.to_string() })?
+            .into_rgb8();
+        let texels = image.pixels().map(|pixel| pixel.0).collect();
+        Ok((image.width() as usize, image.height() as usize, texels))
+    }
+
+    fn read(path: &Path) -> Result<Self, ImportError> {
+        Ok(Self { path: path.to_owned(), bytes: read_file(path)? })
+    }
+}
+
+/// Finds the scanned frames of `inputs`, as [`import`](super::import) finds those of one mesh.
+///
+/// # Errors
+/// Inputs that are not found, and glTF files with clips, whose frames share one mesh.
+pub fn scans(inputs: &[String], options: &ImportOptions) -> Result<Scans, ImportError> {
+    let Plan { name, fps, up, unit, sequences, mut warnings, .. } = plan(inputs, options)?;
+    let axes = Axes { up, unit: unit.to_string().parse().unwrap_or(f64::from(unit)), offset: DVec3::ZERO };
+    let sequences: Vec<ScannedSequence> = sequences.into_iter().map(sequence).collect::<Result<_, _>>()?;
+    let mut scans = Scans { name, fps, sequences, warnings: Vec::new(), axes };
+    if let Some(path) = scans.sequences.first().and_then(|first| first.files.first()) {
+        let pose = scans.recorded(0, 0)?;
+        let (low, high) = pose
+            .iter()
+            .filter(|p| p.is_finite())
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+        let size = low.distance(high) * scans.axes.unit;
+        let assumed = if MILLIMETRES.contains(&size) { Some(("millimetres", 0.001)) } else { None };
+        let assumed = assumed.or_else(|| CENTIMETRES.contains(&size).then_some(("centimetres", 0.01)));
+        if let (Some((word, unit)), 1.0, None) = (assumed, unit, options.unit) {
+            scans.axes.unit = unit;
+            let message = format!(
+                "{}: the subject would measure {size:.0} m: lengths are taken for {word}; --unit says it for certain",
+                path.display()
+            );
+            warnings.push(Warning::new("W_UNIT_ASSUMED", message));
+        }
+        if let Some(offset) = offset_of(pose.iter().map(|&p| scans.axes.metres_from_input(p))) {
+            scans.axes.offset = offset;
+            warnings.push(recentred(offset, path));
+        }
+    }
+    scans.warnings = warnings;
+    Ok(scans)
+}
+
+fn sequence(planned: PlannedSequence) -> Result<ScannedSequence, ImportError> {
+    let PlannedSequence { name, labels, cyclic, source, textures, .. } = planned;
+    let (files, still) = match source {
+        Source::Files(files) => (files, false),
+        Source::Stills(files) => (files, true),
+        Source::Clip { file, .. } => {
+            return Err(ImportError::Option(format!(
+                "{}: frames of a clip share one mesh: pack it as it is, or export one file a frame to have it registered",
+                file.path().display()
+            )));
+        }
+    };
+    let textures = match textures.files {
+        named if named.len() > 1 && named.len() != files.len() => {
+            let input = named.first().map(|path| path.display().to_string()).unwrap_or_default();
+            let (found, expected) = (named.len(), files.len());
+            return Err(ImportError::TextureCount { input, found, expected, sequence: name });
+        }
+        named if named.len() == 1 => vec![named[0].clone(); files.len()],
+        named => named,
+    };
+    Ok(ScannedSequence { name, labels, cyclic, files, textures, still })
+}
+
+impl Scans {
+    /// Frames of all sequences.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.sequences.iter().map(|sequence| sequence.files.len()).sum()
+    }
+
+    /// Sequence of a frame counted over all sequences, and its number there.
+    #[must_use]
+    pub fn place_of(&self, frame: usize) -> Option<(usize, usize)> {
+        let mut rest = frame;
+        for (k, sequence) in self.sequences.iter().enumerate() {
+            if rest < sequence.files.len() {
+                return Some((k, rest));
+            }
+            rest -= sequence.files.len();
+        }
+        None
+    }
+
+    /// Reads a frame, counted over all sequences.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or holds no surface; a texture that is named and missing.
+    pub fn read(&self, frame: usize) -> Result<ScannedFrame, ImportError> {
+        let Some((sequence, number)) = self.place_of(frame) else { return Err(ImportError::NoInput) };
+        let of = &self.sequences[sequence];
+        let path = &of.files[number];
+        let (mesh, recorded, own) = self.file(sequence, number)?;
+        let mut positions = vec![Vec3::ZERO; recorded.len()];
+        place(&recorded, path, number, self.axes, &mut positions)?;
+        check_area(&mesh.faces, path, number, &positions)?;
+        let corners = &mesh.faces.vertices;
+        let triangles = mesh.triangles(&positions);
+        let uvs = if mesh.uvs.is_empty() {
+            Vec::new()
+        } else {
+            let moved = |material: u32| mesh.uv_transforms.get(material as usize).copied().unwrap_or_default();
+            let of = |t: &FileTriangle| t.corners.map(|corner| moved(t.material).apply(mesh.uvs[corner]).into());
+            triangles.iter().map(of).collect()
+        };
+        let texture = match of.textures.get(number) {
+            Some(path) => Some(ScannedTexture::read(path)?),
+            None => own,
+        };
+        let triangles = triangles.iter().map(|t| t.corners.map(|corner| corners[corner])).collect();
+        Ok(ScannedFrame { positions, triangles, uvs, colours: mesh.colours, texture })
+    }
+
+    fn recorded(&self, sequence: usize, number: usize) -> Result<Vec<DVec3>, ImportError> {
+        self.file(sequence, number).map(|(_, positions, _)| positions)
+    }
+
+    /// Mesh, positions as they are recorded, and texture of a frame.
+    fn file(
+        &self,
+        sequence: usize,
+        number: usize,
+    ) -> Result<(FileMesh, Vec<DVec3>, Option<ScannedTexture>), ImportError> {
+        let (of, path) = (&self.sequences[sequence], &self.sequences[sequence].files[number]);
+        if of.still {
+            let file = GltfFile::open(path)?;
+            let pose = file.pose(0, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
+            let mesh = file.mesh().clone();
+            let image = mesh.materials.iter().find_map(|material| material.image);
+            let image = image.and_then(|image| mesh.images.get(image as usize));
+            let texture = image.map(|image| ScannedTexture { path: path.clone(), bytes: image.bytes.clone() });
+            return Ok((mesh, pose, texture));
+        }
+        let first = First::read(path)?;
+        let mesh = shared_mesh(&first, path)?;
+        let named = of.textures.is_empty().then(|| first.named()).flatten();
+        let image = match named {
+            Some(NamedTexture::Found(path)) => Some(ScannedTexture::read(&path)?),
+            Some(NamedTexture::Missing(texture)) => {
+                return Err(ImportError::TextureMissing { path: path.clone(), texture });
+            }
+            None => None,
+        };
+        Ok((mesh, first.frame.positions, image))
+    }
+}

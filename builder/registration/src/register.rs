@@ -1,0 +1,461 @@
+//! All frames of a scan, tracked along the tree: frames whose parents are tracked go side by side; what fails is tried again
+//! from others, and what fails then is lost, with the reason.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{Quat, Vec3};
+use job::work::Key;
+use job::{Job, Stopped};
+use rayon::prelude::*;
+
+use super::checks::{Fault, Fit, Limits, fit};
+use super::descriptor::{Descriptor, DescriptorOptions};
+use super::detail::{Detail, DetailError};
+use super::dissimilarity::Dissimilarity;
+use super::scan::{Cleaned, Scan};
+use super::surface::Surface;
+use super::template::Template;
+use super::track::{Target, TrackOptions, track};
+use super::tree::{Candidate, Tree, choose_root};
+
+/// A frame is tried from so many others.
+const TRIES: usize = 4;
+/// Area of a frame over the usual one, or the other way, beyond which it is no scan of this body.
+const MOST_GROWTH: f32 = 2.0;
+/// Changes whenever tracking finds something else in the same input.
+const VERSION: u32 = 1;
+
+/// How a scan is registered.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RegisterOptions {
+    /// How frames are described.
+    pub descriptor: DescriptorOptions,
+    /// The frame whose mesh is the template; chosen where not given.
+    pub template: Option<usize>,
+    /// How frames are tracked.
+    pub track: TrackOptions,
+    /// When a frame counts as lost.
+    pub limits: Limits,
+    /// How smooth detail is, square metres on a person; 0 without any.
+    pub detail: f32,
+}
+
+impl Default for RegisterOptions {
+    fn default() -> Self {
+        Self {
+            descriptor: DescriptorOptions::default(),
+            template: None,
+            track: TrackOptions::default(),
+            limits: Limits::default(),
+            detail: 2e-4,
+        }
+    }
+}
+
+/// Where frames come from. Frames are counted over all sequences.
+pub trait Source: Sync {
+    /// What a frame holds beside its surface.
+    type Extra: Send;
+    /// Why a frame cannot be read.
+    type Error: From<Stopped> + Send;
+
+    /// Number of frames.
+    fn count(&self) -> usize;
+
+    /// The sequence of a frame.
+    fn sequence(&self, frame: usize) -> usize;
+
+    /// Reads a frame.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn read(&self, frame: usize) -> Result<(Scan, Self::Extra), Self::Error>;
+}
+
+/// Why a frame is not part of the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lost {
+    /// It holds no surface.
+    Empty,
+    /// Its area is so many times that of most frames.
+    Size(f32),
+    /// The template did not cover it, from whichever frame it was tracked.
+    Untracked(Fault, Fit),
+}
+
+impl fmt::Display for Lost {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "no surface is left without crumbs"),
+            Self::Size(times) => write!(f, "its surface is {times:.2} times that of most frames"),
+            Self::Untracked(Fault::Uncovered, fit) => {
+                write!(f, "the template leaves {:.1} % of it uncovered", 100.0 * fit.uncovered)
+            }
+            Self::Untracked(Fault::Loose, fit) => {
+                write!(f, "the template lies {:.1} mm off it", 1000.0 * fit.rms_backward)
+            }
+        }
+    }
+}
+
+/// What is known of all frames before one is tracked.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// The frames that hold a body, in order; what follows is of these.
+    pub frames: Vec<usize>,
+    /// What each is like.
+    pub candidates: Vec<Candidate>,
+    /// How unlike they are.
+    pub dissimilarity: Dissimilarity,
+    /// Frames that hold none, and why.
+    pub lost: Vec<(usize, Lost)>,
+    /// Frames whose triangles were turned, for they faced inwards.
+    pub turned: Vec<usize>,
+}
+
+/// A frame that was tracked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tracked {
+    /// The frame.
+    pub frame: usize,
+    /// The frame that it was tracked from; none for the template's own.
+    pub parent: Option<usize>,
+    /// How the template lies on it, without detail.
+    pub fit: Fit,
+    /// From how many frames it was tried.
+    pub tries: usize,
+}
+
+/// A frame just tracked, for whoever writes it.
+#[derive(Debug)]
+pub struct Found<'a, X> {
+    /// The template.
+    pub template: &'a Template,
+    /// What was found.
+    pub tracked: &'a Tracked,
+    /// The template's pose on the frame, with detail.
+    pub pose: &'a [Vec3],
+    /// The frame's surface, ready for closest points.
+    pub target: &'a Target,
+    /// Texture coordinates of the corners of its triangles; empty where there are none.
+    pub uvs: &'a [[glam::Vec2; 3]],
+    /// What else it holds.
+    pub extra: X,
+}
+
+/// Who is given every frame that is tracked, from many threads at once.
+pub type Emit<'a, S> = &'a (dyn Fn(Found<'_, <S as Source>::Extra>) -> Result<(), <S as Source>::Error> + Sync);
+
+/// What a frame is like, and whether it was turned inside out.
+type Look = (Candidate, bool);
+
+/// What became of all frames.
+#[derive(Clone, Debug)]
+pub struct Registered {
+    /// The frames that were tracked, in order.
+    pub tracked: Vec<Tracked>,
+    /// The frames that were lost, in order, and why.
+    pub lost: Vec<(usize, Lost)>,
+}
+
+/// A frame, cleaned; whether it was turned inside out.
+fn cleaned(scan: &mut Scan) -> Option<(Cleaned, bool)> {
+    let cleaned = scan.cleaned()?;
+    if cleaned.surface.mesh.volume() >= 0.0 {
+        return Some((cleaned, false));
+    }
+    scan.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    scan.uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
+    scan.cleaned().map(|cleaned| (cleaned, true))
+}
+
+/// Looks at all frames of `source` and compares them.
+///
+/// # Errors
+/// What `source` says, or being told to stop.
+pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Result<Survey, S::Error> {
+    let count = source.count();
+    let looked_at = |what: &'static str, done: &AtomicU64| -> Result<(), Stopped> {
+        job.tell(what, done.fetch_add(1, Ordering::Relaxed) + 1, count as u64)
+    };
+    job.tell("looking at scans", 0, count as u64)?;
+    let done = AtomicU64::new(0);
+    let look = |frame: usize| -> Result<Option<Look>, S::Error> {
+        let (mut scan, _) = source.read(frame)?;
+        let found = cleaned(&mut scan).map(|(cleaned, turned)| {
+            let surface = &cleaned.surface;
+            let handles = handles_of(surface, cleaned.parts);
+            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, turned)
+        });
+        looked_at("looking at scans", &done)?;
+        Ok(found)
+    };
+    let seen: Vec<Result<Option<Look>, S::Error>> = (0..count).into_par_iter().map(look).collect();
+    let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
+    let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, _)| candidate.area).collect();
+    areas.sort_by(f32::total_cmp);
+    let usual = areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12);
+    let (mut frames, mut candidates, mut lost, mut turned) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (frame, seen) in seen.into_iter().enumerate() {
+        match seen {
+            None => lost.push((frame, Lost::Empty)),
+            Some((candidate, _)) if !(usual / MOST_GROWTH..=usual * MOST_GROWTH).contains(&candidate.area) => {
+                lost.push((frame, Lost::Size(candidate.area / usual)));
+            }
+            Some((candidate, inside_out)) => {
+                frames.push(frame);
+                candidates.push(candidate);
+                turned.extend(inside_out.then_some(frame));
+            }
+        }
+    }
+    let scale = (usual / 2.2).sqrt();
+    let done = AtomicU64::new(lost.len() as u64);
+    let describe = |&frame: &usize| -> Result<Option<Descriptor>, S::Error> {
+        let (mut scan, _) = source.read(frame)?;
+        let found = cleaned(&mut scan);
+        let found = found.map(|(cleaned, _)| Descriptor::new(&cleaned.surface, scale, &options.descriptor));
+        looked_at("describing scans", &done)?;
+        Ok(found)
+    };
+    let described: Vec<Result<Option<Descriptor>, S::Error>> = frames.par_iter().map(describe).collect();
+    let described: Vec<Option<Descriptor>> = described.into_iter().collect::<Result<_, _>>()?;
+    let descriptors: Vec<Descriptor> = described.into_iter().flatten().collect();
+    job.begin("comparing scans")?;
+    let dissimilarity = Dissimilarity::new(&descriptors);
+    Ok(Survey { frames, candidates, dissimilarity, lost, turned })
+}
+
+/// Handles by the Euler number, rounded up; what is open counts as handles, too.
+fn handles_of(surface: &Surface, parts: usize) -> i64 {
+    let mesh = &surface.mesh;
+    let edges: BTreeSet<[u32; 2]> = mesh
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    let euler = mesh.positions.len() as i64 - edges.len() as i64 + mesh.triangles.len() as i64;
+    (2 * parts as i64 - euler + 1).div_euclid(2).abs()
+}
+
+impl Survey {
+    /// The frame that is the template, as a number among [`Self::frames`]: `wanted`, if it is one of them.
+    #[must_use]
+    pub fn root(&self, wanted: Option<usize>) -> usize {
+        let wanted = wanted.and_then(|wanted| self.frames.iter().position(|&frame| frame == wanted));
+        wanted.unwrap_or_else(|| choose_root(&self.candidates, &self.dissimilarity))
+    }
+
+    /// The order in which frames are tracked.
+    #[must_use]
+    pub fn tree(&self, wanted: Option<usize>) -> Tree {
+        Tree::new(&self.dissimilarity, self.root(wanted))
+    }
+}
+
+/// The template from frame `frame` of `source`; `None` where it has no surface.
+///
+/// # Errors
+/// What `source` says.
+pub fn template<S: Source>(source: &S, frame: usize) -> Result<Option<Template>, S::Error> {
+    let (mut scan, _) = source.read(frame)?;
+    Ok(cleaned(&mut scan).and_then(|(cleaned, _)| Template::new(cleaned.manifold())))
+}
+
+/// Tracks `template` through all frames of `survey` along `tree`. `emit` is given every frame that is tracked, from many threads
+/// at once, a parent always before its children.
+///
+/// # Errors
+/// What `source` or `emit` say, or being told to stop.
+pub fn register<S: Source>(
+    source: &S,
+    survey: &Survey,
+    tree: &Tree,
+    template: &Template,
+    options: &RegisterOptions,
+    job: &Job,
+    emit: Emit<'_, S>,
+) -> Result<Registered, S::Error>
+where
+    S::Error: From<DetailError>,
+{
+    let detail = Detail::new(&template.surface, template.scale)?;
+    let registrar = Registrar { source, survey, template, detail, options, job, emit };
+    let count = survey.frames.len();
+    let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
+    let done = AtomicU64::new(0);
+    job.tell("registering", 0, count as u64)?;
+    registrar.work(&[(tree.root, None)], &mut state, &done)?;
+    loop {
+        // First along the tree; what is left, from whatever else is near.
+        let waits = |k: usize, state: &[State]| state[k].pose.is_none() && state[k].tried.len() < TRIES;
+        let mut open: Vec<(usize, Option<usize>)> = (0..count)
+            .filter(|&k| waits(k, &state))
+            .filter_map(|k| tree.parents[k].map(|parent| (k, Some(parent))))
+            .filter(|&(k, parent)| parent.is_some_and(|p| state[p].pose.is_some() && !state[k].tried.contains(&p)))
+            .collect();
+        if open.is_empty() {
+            let next = |k: usize| registrar.nearest(k, &state).map(|parent| (k, Some(parent)));
+            open = (0..count).filter(|&k| waits(k, &state)).filter_map(next).collect();
+        }
+        if open.is_empty() {
+            break;
+        }
+        registrar.work(&open, &mut state, &done)?;
+    }
+    let mut lost = survey.lost.clone();
+    let mut tracked = Vec::new();
+    for (k, state) in state.into_iter().enumerate() {
+        match (state.tracked, state.failed) {
+            (Some(found), _) => tracked.push(found),
+            (None, Some((fault, fit))) => lost.push((survey.frames[k], Lost::Untracked(fault, fit))),
+            (None, None) => lost.push((survey.frames[k], Lost::Empty)),
+        }
+    }
+    lost.sort_by_key(|&(frame, _)| frame);
+    Ok(Registered { tracked, lost })
+}
+
+/// What is known of a frame so far.
+#[derive(Clone, Debug, Default)]
+struct State {
+    /// The template's pose without detail, which children are tracked from.
+    pose: Option<Vec<Vec3>>,
+    tracked: Option<Tracked>,
+    tried: Vec<usize>,
+    failed: Option<(Fault, Fit)>,
+}
+
+struct Registrar<'a, S: Source> {
+    source: &'a S,
+    survey: &'a Survey,
+    template: &'a Template,
+    detail: Detail,
+    options: &'a RegisterOptions,
+    job: &'a Job<'a>,
+    emit: Emit<'a, S>,
+}
+
+enum Outcome {
+    Good(Vec<Vec3>, Fit),
+    Bad(Fault, Fit),
+}
+
+impl<S: Source> Registrar<'_, S>
+where
+    S::Error: From<DetailError>,
+{
+    /// Another tracked frame to try `k` from: one beside it in time, else the most alike.
+    fn nearest(&self, k: usize, state: &[State]) -> Option<usize> {
+        let frames = &self.survey.frames;
+        let able = |p: &usize| state[*p].pose.is_some() && !state[k].tried.contains(p);
+        let beside = |p: &usize| {
+            frames[*p].abs_diff(frames[k]) == 1 && self.source.sequence(frames[*p]) == self.source.sequence(frames[k])
+        };
+        let of = |p: usize| self.survey.dissimilarity.get(k, p);
+        let nearest = |a: &usize, b: &usize| of(*a).total_cmp(&of(*b)).then(a.cmp(b));
+        let all = || (0..frames.len()).filter(able);
+        all().filter(beside).min_by(nearest).or_else(|| all().min_by(nearest))
+    }
+
+    /// Tracks frames side by side.
+    fn work(&self, open: &[(usize, Option<usize>)], state: &mut [State], done: &AtomicU64) -> Result<(), S::Error> {
+        let total = self.survey.frames.len() as u64;
+        let before: &[State] = state;
+        let one = |&(k, parent): &(usize, Option<usize>)| -> Result<Outcome, S::Error> {
+            let found = self.frame(k, parent, before)?;
+            if matches!(found, Outcome::Good(..)) {
+                self.job.tell("registering", done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
+            } else {
+                self.job.tell("registering", done.load(Ordering::Relaxed), total)?;
+            }
+            Ok(found)
+        };
+        let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
+        for (&(k, parent), found) in open.iter().zip(found) {
+            let (frame, state) = (self.survey.frames[k], &mut state[k]);
+            state.tried.extend(parent);
+            match found? {
+                Outcome::Good(pose, fit) => {
+                    let parent = parent.map(|parent| self.survey.frames[parent]);
+                    state.pose = Some(pose);
+                    state.tracked = Some(Tracked { frame, parent, fit, tries: state.tried.len() });
+                }
+                // The first failure, along the tree, is the one to tell of.
+                Outcome::Bad(fault, fit) => {
+                    state.failed.get_or_insert((fault, fit));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn frame(&self, k: usize, parent: Option<usize>, state: &[State]) -> Result<Outcome, S::Error> {
+        let frame = self.survey.frames[k];
+        let (mut scan, extra) = self.source.read(frame)?;
+        let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
+        let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
+        let target = Target::new(cleaned.surface, template.scale);
+        let (pose, fit) = match parent.and_then(|p| state[p].pose.as_ref().map(|pose| (p, pose))) {
+            None => {
+                let own = template.surface.mesh.positions.clone();
+                let fit = fit(template, &template.surface, &own, &target.surface);
+                (own, fit)
+            }
+            Some((p, from)) => {
+                let start = moved(template, from, &target.surface, self.survey.dissimilarity.turn(p, k));
+                let pose = self.tracked(&start, &target);
+                let fit = fit(template, &template.surface.posed(pose.clone()), &start, &target.surface);
+                (pose, fit)
+            }
+        };
+        if let Some(fault) = fit.fault(&self.options.limits, template.scale).filter(|_| parent.is_some()) {
+            return Ok(Outcome::Bad(fault, fit));
+        }
+        let detailed = if self.options.detail > 0.0 && parent.is_some() {
+            self.detail.add(&template.surface, &pose, &target, self.options.detail)?
+        } else {
+            pose.clone()
+        };
+        let parent = parent.map(|parent| self.survey.frames[parent]);
+        let tracked = Tracked { frame, parent, fit, tries: state[k].tried.len() + 1 };
+        (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &cleaned.uvs, extra })?;
+        Ok(Outcome::Good(pose, fit))
+    }
+
+    /// The pose tracked from `start`, or what the work folder holds of it.
+    fn tracked(&self, start: &[Vec3], target: &Target) -> Vec<Vec3> {
+        let find = || track(self.template, start, target, &self.options.track);
+        let Some(work) = self.job.work() else { return find() };
+        let bytes = |surface: &Surface| -> Vec<u8> {
+            let mesh = &surface.mesh;
+            let mut bytes = bytemuck::cast_slice(&mesh.positions).to_vec();
+            bytes.extend_from_slice(bytemuck::cast_slice(&mesh.triangles));
+            bytes.extend_from_slice(bytemuck::cast_slice(surface.colours.as_deref().unwrap_or_default()));
+            bytes
+        };
+        let key = Key::new("registered", VERSION)
+            .told(&self.options.track)
+            .of(&bytes(&self.template.surface))
+            .of(&bytes(&target.surface))
+            .of(bytemuck::cast_slice(start));
+        if let Some(kept) = work.get(&key).filter(|kept| kept.len() == size_of_val(start)) {
+            return bytemuck::pod_collect_to_vec(&kept);
+        }
+        let pose = find();
+        // A result that cannot be kept is found again another time.
+        let _ = work.put(&key, bytemuck::cast_slice(&pose));
+        pose
+    }
+}
+
+/// `pose` turned about +Y and moved so that its centroid is that of `target`.
+fn moved(template: &Template, pose: &[Vec3], target: &Surface, turn: f32) -> Vec<Vec3> {
+    let mesh = geometry::mesh::Mesh { positions: pose.to_vec(), triangles: template.surface.mesh.triangles.clone() };
+    let (from, to, turn) = (Surface::new(mesh, None).centroid(), target.centroid(), Quat::from_rotation_y(turn));
+    pose.iter().map(|&p| turn * (p - from) + to).collect()
+}

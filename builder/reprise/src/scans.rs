@@ -1,0 +1,450 @@
+//! `builder register`: a scan, of which every frame has its own mesh, becomes a capture of one mesh and one atlas.
+//!
+//! ```text
+//! Scans -> survey -> tree, template -> register -> CaptureWriter -> a folder that import reads
+//!                                         |-> projection of textures -^
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use capture_io::export::{CaptureWriter, ExportError, WrittenCapture, WrittenSequence};
+use capture_io::import::{ImportError, ImportOptions, ScannedTexture, Scans, Warning, scans};
+use glam::{Vec2, Vec3};
+use job::{Job, Stopped};
+use registration::detail::DetailError;
+use registration::projection::{Projection, Texture};
+use registration::register::{Found, Lost, RegisterOptions, Registered, Source, Survey, Tracked};
+use registration::register::{register as register_frames, survey, template};
+use registration::scan::Scan;
+use registration::template::Template;
+use registration::tree::Tree;
+use serde::Serialize;
+use thiserror::Error;
+
+/// Of the frames at most this share may be lost.
+const MOST_LOST: f64 = 0.5;
+/// Width of the template's texture: a power of two from and to.
+const SIZES: (usize, usize) = (256, 4096);
+/// Share of an atlas that charts cover, roughly.
+const COVERED: f32 = 0.5;
+/// Holes of a smaller share of the texels are as good as seen, once they are filled: webs and folds make some in every frame.
+const SMALL_HOLES: f64 = 0.02;
+/// A model of textures needs so many that were seen in full; with fewer, what was filled in stands for what was seen.
+const LEAST_SEEN: usize = 2;
+/// Texels for each vertex of a scan whose colours are those of its vertices.
+const TEXELS_OF_VERTEX: f32 = 6.0;
+
+/// How a scan becomes a capture.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct ScanOptions {
+    /// How the input is read.
+    pub import: ImportOptions,
+    /// How it is registered.
+    pub register: RegisterOptions,
+    /// Width and height of the textures; as dense as the scan's own where not given.
+    pub texture_size: Option<usize>,
+}
+
+/// Why there is no capture.
+#[derive(Debug, Error)]
+pub enum RegisterError {
+    /// A scan cannot be read.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The capture cannot be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The template's equations cannot be set up.
+    #[error("the template cannot be deformed: {0}. Choose another frame with --template-frame")]
+    Detail(#[from] DetailError),
+    /// No frame holds a body.
+    #[error("none of the {0} frames holds a surface of more than crumbs: are they meshes of one subject?")]
+    Nothing(usize),
+    /// The frame that is to be the template is none.
+    #[error("frame {wanted} cannot be the template: {reason}; the scan has frames 0 to {last}")]
+    Template {
+        /// The frame.
+        wanted: usize,
+        /// Why not.
+        reason: String,
+        /// The last frame.
+        last: usize,
+    },
+    /// Most frames were lost.
+    #[error(
+        "{lost} of {frames} frames could not be brought onto the mesh of frame {root}; the first of them is {place}: {why}. \
+         Choose another template with --template-frame, or leave out what shows something else"
+    )]
+    MostLost {
+        /// Frames that were lost.
+        lost: usize,
+        /// All frames.
+        frames: usize,
+        /// The template's frame.
+        root: usize,
+        /// The first one that was lost.
+        place: String,
+        /// Why.
+        why: Lost,
+    },
+    /// It was asked to stop: nothing was written.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+impl RegisterError {
+    /// Whether it was stopped, in whatever stage.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        matches!(self, Self::Stopped(_) | Self::Import(ImportError::Stopped(_)) | Self::Export(ExportError::Stopped(_)))
+    }
+
+    /// A name for the kind of error that never changes.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Import(error) => error.code(),
+            Self::Export(_) => "E_IO",
+            Self::Detail(_) | Self::Template { .. } => "E_TEMPLATE",
+            Self::Nothing(_) => "E_NO_TRIANGLES",
+            Self::MostLost { .. } => "E_SCANS_LOST",
+            Self::Stopped(_) => "E_STOPPED",
+        }
+    }
+}
+
+/// What became of a scan; what `--json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct RegisterReport {
+    /// The manifest that `pack` reads.
+    pub manifest: PathBuf,
+    /// Name of the subject.
+    pub name: String,
+    /// Frames of the scan.
+    pub frames: usize,
+    /// The frame whose mesh is the template, counted over all sequences.
+    pub template: usize,
+    /// Vertices of the template.
+    pub vertices: usize,
+    /// Triangles of the template.
+    pub triangles: usize,
+    /// Width and height of the textures; none where the scan has no colours.
+    pub texture_size: Option<usize>,
+    /// Names of the sequences that were written, with their numbers of frames.
+    pub sequences: Vec<(String, usize)>,
+    /// The frames that were registered.
+    pub registered: Vec<FrameReport>,
+    /// The frames that are not part of the capture.
+    pub lost: Vec<LostReport>,
+    /// How unlike frames are, row by row, square metres on a person; of the frames `compared`.
+    #[serde(skip)]
+    pub dissimilarity: Vec<f32>,
+    /// Frames that hold a body.
+    #[serde(skip)]
+    pub compared: Vec<usize>,
+    /// What the user should know about the input.
+    pub warnings: Vec<Warning>,
+    /// Wall-clock seconds: comparing frames, and registering them.
+    pub seconds: [f64; 2],
+}
+
+/// A frame that was registered. Frames are counted over all sequences; lengths are metres.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameReport {
+    /// The frame.
+    pub frame: usize,
+    /// The frame that it was tracked from; none for the template's own.
+    pub parent: Option<usize>,
+    /// Share of the scan that is farther than a centimetre from the template.
+    pub uncovered: f64,
+    /// Root of the mean square distance from the scan to the template.
+    pub rms_backward: f64,
+    /// Share of the template that is farther than a centimetre from the scan.
+    pub beyond: f64,
+    /// Root of the mean square distance from the template to the scan.
+    pub rms_forward: f64,
+    /// The largest distance of either.
+    pub hausdorff: f64,
+    /// How much longer an edge is than in the parent's pose: the 99th percentile.
+    pub stretch: f64,
+    /// From how many frames it was tried.
+    pub tries: usize,
+}
+
+/// A frame that was lost.
+#[derive(Clone, Debug, Serialize)]
+pub struct LostReport {
+    /// The frame, counted over all sequences.
+    pub frame: usize,
+    /// The same as its user counts.
+    pub place: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// Scans as registration reads them.
+struct Frames<'a>(&'a Scans);
+
+impl Source for Frames<'_> {
+    type Extra = Option<ScannedTexture>;
+    type Error = RegisterError;
+
+    fn count(&self) -> usize {
+        self.0.frame_count()
+    }
+
+    fn sequence(&self, frame: usize) -> usize {
+        self.0.place_of(frame).map_or(0, |(sequence, _)| sequence)
+    }
+
+    fn read(&self, frame: usize) -> Result<(Scan, Self::Extra), RegisterError> {
+        let read = self.0.read(frame)?;
+        let colour = |c: &[u8; 4]| Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 255.0;
+        let colours = read.colours.iter().map(colour).collect();
+        let scan = Scan { positions: read.positions, triangles: read.triangles, uvs: read.uvs, colours };
+        Ok((scan, read.texture))
+    }
+}
+
+/// Registers the scan that `inputs` name, and writes it as the folder `out`.
+///
+/// # Errors
+/// Scans that cannot be read, or of which most cannot be brought onto one mesh; a folder that cannot be written. Nothing is
+/// half-written.
+pub fn register(
+    inputs: &[String],
+    options: &ScanOptions,
+    out: &Path,
+    job: &Job,
+) -> Result<RegisterReport, RegisterError> {
+    let mut scans = scans(inputs, &options.import)?;
+    let mut warnings = std::mem::take(&mut scans.warnings);
+    let source = Frames(&scans);
+    let start = Instant::now();
+    let survey = survey(&source, &options.register, job)?;
+    let tree = tree(&scans, &survey, options)?;
+    let root = survey.frames[tree.root];
+    let template = template(&source, root)?.ok_or(RegisterError::Nothing(scans.frame_count()))?;
+    let compared = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let writer = Writer::new(&scans, &template, root, out, options)?;
+    let emit = |found: Found<Option<ScannedTexture>>| writer.take(found);
+    let registered = register_frames(&source, &survey, &tree, &template, &options.register, job, &emit)?;
+    check_lost(&scans, &registered, root)?;
+    let (sequences, alone) = parts(&scans, &registered);
+    warnings.extend(told(&scans, &survey, &registered, &alone));
+    let named = sequences.iter().map(|s| (s.name.clone(), s.frames.1 - s.frames.0 + 1)).collect();
+    let textures = writer.projection.is_some();
+    let texture_size = writer.projection.as_ref().map(|projection| projection.atlas.size);
+    let [whole, masked] = writer.seen.each_ref().map(|count| count.load(Ordering::Relaxed));
+    let masks = masked > 0 && whole >= LEAST_SEEN;
+    let capture = WrittenCapture { name: scans.name.clone(), fps: scans.fps, textures, masks, sequences };
+    let manifest = writer.files.finish(&capture)?;
+    let lost = registered.lost.iter().map(|&(frame, why)| LostReport {
+        frame,
+        place: place(&scans, frame),
+        reason: why.to_string(),
+    });
+    let count = survey.frames.len();
+    Ok(RegisterReport {
+        manifest,
+        name: scans.name.clone(),
+        frames: scans.frame_count(),
+        template: root,
+        vertices: template.surface.mesh.positions.len(),
+        triangles: template.surface.mesh.triangles.len(),
+        texture_size,
+        sequences: named,
+        registered: registered.tracked.iter().map(frame_report).collect(),
+        lost: lost.collect(),
+        dissimilarity: (0..count * count).map(|k| survey.dissimilarity.get(k / count, k % count)).collect(),
+        compared: survey.frames,
+        warnings,
+        seconds: [compared, start.elapsed().as_secs_f64()],
+    })
+}
+
+fn tree(scans: &Scans, survey: &Survey, options: &ScanOptions) -> Result<Tree, RegisterError> {
+    if survey.frames.is_empty() {
+        return Err(RegisterError::Nothing(scans.frame_count()));
+    }
+    let last = scans.frame_count() - 1;
+    if let Some(wanted) = options.register.template.filter(|wanted| !survey.frames.contains(wanted)) {
+        let lost = survey.lost.iter().find(|(frame, _)| *frame == wanted);
+        let reason = lost.map_or_else(|| "there is no such frame".into(), |(_, why)| why.to_string());
+        return Err(RegisterError::Template { wanted, reason, last });
+    }
+    Ok(survey.tree(options.register.template))
+}
+
+fn frame_report(tracked: &Tracked) -> FrameReport {
+    let fit = &tracked.fit;
+    FrameReport {
+        frame: tracked.frame,
+        parent: tracked.parent,
+        uncovered: fit.uncovered,
+        rms_backward: fit.rms_backward,
+        beyond: fit.beyond,
+        rms_forward: fit.rms_forward,
+        hausdorff: fit.hausdorff,
+        stretch: fit.stretch,
+        tries: tracked.tries,
+    }
+}
+
+/// A frame of the scan, as its user counts.
+fn place(scans: &Scans, frame: usize) -> String {
+    match scans.place_of(frame).and_then(|(sequence, number)| {
+        let sequence = &scans.sequences[sequence];
+        sequence.files.get(number).map(|file| (sequence, number, file))
+    }) {
+        Some((sequence, number, file)) => {
+            format!("frame {number} of sequence \"{}\" ({})", sequence.name, file.display())
+        }
+        None => format!("frame {frame}"),
+    }
+}
+
+fn check_lost(scans: &Scans, registered: &Registered, root: usize) -> Result<(), RegisterError> {
+    let (lost, frames) = (registered.lost.len(), scans.frame_count());
+    match registered.lost.first() {
+        Some(&(first, why)) if lost as f64 > MOST_LOST * frames as f64 => {
+            Err(RegisterError::MostLost { lost, frames, root, place: place(scans, first), why })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The sequences without the frames that were lost: each is cut there. Frames that stand alone between two lost ones go, too.
+fn parts(scans: &Scans, registered: &Registered) -> (Vec<WrittenSequence>, Vec<usize>) {
+    let mut runs: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
+    for tracked in &registered.tracked {
+        let Some((sequence, number)) = scans.place_of(tracked.frame) else { continue };
+        let runs = runs.entry(sequence).or_default();
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == number => *last = number,
+            _ => runs.push((number, number)),
+        }
+    }
+    let (mut parts, mut alone) = (Vec::new(), Vec::new());
+    let first_of = |sequence: usize| scans.sequences[..sequence].iter().map(|s| s.files.len()).sum::<usize>();
+    for (number, runs) in runs {
+        let sequence = &scans.sequences[number];
+        let whole = runs.first() == Some(&(0, sequence.files.len() - 1));
+        let mut count = 0;
+        for frames in runs {
+            if frames.0 == frames.1 && sequence.files.len() > 1 {
+                alone.push(first_of(number) + frames.0);
+                continue;
+            }
+            count += 1;
+            let name = if count == 1 { sequence.name.clone() } else { format!("{} part {count}", sequence.name) };
+            let (labels, cyclic) = (sequence.labels.clone(), if whole { sequence.cyclic } else { Some(false) });
+            parts.push(WrittenSequence { name, labels, cyclic, number, frames });
+        }
+    }
+    (parts, alone)
+}
+
+/// What the user should know of the frames.
+fn told(scans: &Scans, survey: &Survey, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let mut tell = |code, frames: Vec<usize>, what: &dyn Fn(usize) -> String| {
+        if let Some(&first) = frames.first() {
+            let more = match frames.len() {
+                1 => String::new(),
+                more => format!("; so it is with {} more frames", more - 1),
+            };
+            warnings.push(Warning::new(code, format!("{}: {}{more}", place(scans, first), what(first))));
+        }
+    };
+    tell("W_SCAN_INSIDE_OUT", survey.turned.clone(), &|_| "its triangles face inwards: they were turned".into());
+    let why = |frame: usize| {
+        let found = registered.lost.iter().find(|(lost, _)| *lost == frame);
+        let why = found.map(|(_, why)| why.to_string()).unwrap_or_default();
+        format!("{why}: it is left out, and its sequence cut there")
+    };
+    tell("W_SCAN_LOST", registered.lost.iter().map(|lost| lost.0).collect(), &why);
+    tell("W_SCAN_ALONE", alone.to_vec(), &|_| "it stands alone between lost frames, and is left out".into());
+    let stretched = registered.tracked.iter().filter(|tracked| tracked.fit.stretch > 1.3 || tracked.fit.beyond > 0.06);
+    tell("W_SCAN_DOUBTFUL", stretched.map(|tracked| tracked.frame).collect(), &|frame| {
+        let found = registered.tracked.iter().find(|tracked| tracked.frame == frame).map(|tracked| tracked.fit);
+        let fit = found.unwrap_or_default();
+        format!(
+            "{:.1} % of the template lies off the scan, and edges are {:.2} times as long as before: look at it",
+            100.0 * fit.beyond,
+            fit.stretch
+        )
+    });
+    warnings
+}
+
+/// Writes frames as they are tracked.
+struct Writer<'a> {
+    scans: &'a Scans,
+    files: CaptureWriter,
+    projection: Option<Projection>,
+    /// Frames whose textures were seen in full, and frames with masks.
+    seen: [AtomicUsize; 2],
+}
+
+impl<'a> Writer<'a> {
+    fn new(
+        scans: &'a Scans,
+        template: &Template,
+        root: usize,
+        out: &Path,
+        options: &ScanOptions,
+    ) -> Result<Self, RegisterError> {
+        let read = scans.read(root)?;
+        let wanted = match &read.texture {
+            Some(texture) if !read.uvs.is_empty() => {
+                let (width, height, _) = texture.decoded()?;
+                let area: f32 = read.uvs.iter().map(|[a, b, c]| (*b - *a).perp_dot(*c - *a).abs() * 0.5).sum();
+                Some(area * width as f32 * height as f32)
+            }
+            _ if !read.colours.is_empty() => Some(read.positions.len() as f32 * TEXELS_OF_VERTEX),
+            _ => None,
+        };
+        let mesh = &template.surface.mesh;
+        let projection = wanted.map(|texels| {
+            let size = (texels / COVERED).sqrt() as usize;
+            let size = options.texture_size.unwrap_or(size.next_power_of_two().clamp(SIZES.0, SIZES.1));
+            Projection::new(&template.surface, template.scale, size)
+        });
+        let plain = vec![[Vec2::ZERO; 3]; mesh.triangles.len()];
+        let uvs = projection.as_ref().map_or(&plain, |projection| &projection.atlas.uvs);
+        let files = CaptureWriter::new(out, &mesh.triangles, uvs, scans.sequences.len())?;
+        Ok(Self { scans, files, projection, seen: Default::default() })
+    }
+
+    fn take(&self, found: Found<Option<ScannedTexture>>) -> Result<(), RegisterError> {
+        let Some((sequence, number)) = self.scans.place_of(found.tracked.frame) else { return Ok(()) };
+        self.files.frame(sequence, number, found.pose)?;
+        let Some(projection) = &self.projection else { return Ok(()) };
+        let texture = match &found.extra {
+            Some(texture) => {
+                let (width, height, texels) = texture.decoded()?;
+                Some(Texture { width, height, texels })
+            }
+            None => None,
+        };
+        let posed = found.template.surface.posed(found.pose.to_vec());
+        let mut projected = projection.project(&posed, found.target, found.uvs, texture.as_ref());
+        let parent = found.tracked.parent.and_then(|parent| self.scans.place_of(parent));
+        let other = match parent {
+            Some((sequence, number)) => Some(self.files.written_texture(sequence, number)?),
+            None => None,
+        };
+        projection.complete(&mut projected, other.as_deref());
+        let large = projected.holes.len() as f64 > SMALL_HOLES * projection.atlas.texels.len() as f64;
+        self.seen[usize::from(large)].fetch_add(1, Ordering::Relaxed);
+        let unseen = if large { projected.holes.as_slice() } else { &[] };
+        self.files.texture(sequence, number, projection.atlas.size, &projected.texels, unseen)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,157 @@
+//! A small scan, every frame polygonised anew, through registration: whole, stopped, with faults, and packed by itself.
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use geometry::mesh::Mesh;
+use geometry::polygonise::polygonise;
+use geometry::sdf::{blend, cone, ellipsoid};
+use glam::Vec3;
+use reprise::pack::{AppearanceChoice, PackOptions, pack};
+use reprise::scans::{RegisterError, RegisterReport, ScanOptions, register};
+use reprise::{Job, Progress, WorkFolder};
+
+/// A body with two arms, of which one is raised by `angle`.
+fn body(angle: f32, cell: f32, size: f32) -> Mesh {
+    let distance = |p: Vec3| {
+        let p = p / size;
+        let trunk = ellipsoid(p, Vec3::new(0.0, 0.9, 0.0), Vec3::new(0.28, 0.8, 0.2));
+        let shoulder = Vec3::new(0.2, 1.3, 0.0);
+        let hand = shoulder + 0.6 * Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let raised = cone(p, shoulder, hand, 0.1, 0.07);
+        let other = cone(p, Vec3::new(-0.2, 1.3, 0.0), Vec3::new(-0.55, 0.75, 0.2), 0.1, 0.07);
+        size * blend(blend(trunk, raised, 0.05), other, 0.05)
+    };
+    polygonise(Vec3::new(-1.0, 0.0, -0.5) * size, Vec3::new(1.0, 2.2, 0.5) * size, cell * size, distance)
+}
+
+fn write(path: &Path, mesh: &Mesh, unit: f32) {
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar \
+         red\nproperty uchar green\nproperty uchar blue\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.positions.len(),
+        mesh.triangles.len()
+    );
+    for p in &mesh.positions {
+        // Height on the body says the colour, wherever the arm is.
+        let [r, g, b] = [p.y * 110.0, 200.0 - p.y * 60.0, 90.0].map(|c| c.clamp(0.0, 255.0) as u8);
+        let p = *p * unit;
+        text.push_str(&format!("{} {} {} {r} {g} {b}\n", p.x, p.y, p.z));
+    }
+    for [a, b, c] in &mesh.triangles {
+        text.push_str(&format!("3 {a} {b} {c}\n"));
+    }
+    fs::write(path, text).unwrap();
+}
+
+/// A scan of `count` frames in `folder`; no two have the same mesh.
+fn scan(folder: &Path, count: usize, unit: f32) -> Vec<String> {
+    fs::create_dir_all(folder).unwrap();
+    for k in 0..count {
+        let mesh = body(-0.3 + 0.12 * k as f32, 0.052 + 0.001 * k as f32, 1.0);
+        write(&folder.join(format!("frame_{k:03}.ply")), &mesh, unit);
+    }
+    vec![folder.to_string_lossy().into_owned()]
+}
+
+fn whole(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(at) = open.pop() {
+        for entry in fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().to_string_lossy().into_owned();
+                files.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    files
+}
+
+fn registered(inputs: &[String], out: &Path) -> RegisterReport {
+    register(inputs, &ScanOptions::default(), out, &Job::silent()).unwrap()
+}
+
+#[test]
+fn a_scan_becomes_a_capture_with_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = scan(&folder.path().join("scan"), 8, 1.0);
+    let on = |threads: usize, out: &str| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| registered(&inputs, &folder.path().join(out)))
+    };
+    let report = on(1, "one");
+    assert_eq!((report.registered.len(), report.lost.len(), report.sequences.len()), (8, 0, 1));
+    assert!(report.registered.iter().all(|frame| frame.uncovered < 0.015 && frame.rms_backward < 0.006));
+    on(3, "three");
+    let (one, three) = (whole(&folder.path().join("one")), whole(&folder.path().join("three")));
+    assert_eq!(one.keys().collect::<Vec<_>>(), three.keys().collect::<Vec<_>>());
+    assert!(one == three, "bytes differ with the number of threads");
+    let again = register(&inputs, &ScanOptions::default(), &folder.path().join("one"), &Job::silent());
+    assert!(again.unwrap_err().to_string().contains("not empty"));
+}
+
+#[test]
+fn a_scan_that_is_stopped_leaves_nothing_and_goes_on_in_its_work_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = scan(&folder.path().join("scan"), 6, 1.0);
+    let work = WorkFolder::open(&folder.path().join("work")).unwrap();
+    let out = folder.path().join("made/capture");
+    let report = |progress: Progress| {
+        let late = progress.what == "registering" && progress.done >= 4;
+        if late { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let job = Job::new(&report).with_work(Some(&work));
+    let stopped = register(&inputs, &ScanOptions::default(), &out, &job).unwrap_err();
+    assert!(stopped.is_stopped(), "{stopped}");
+    assert_eq!(fs::read_dir(folder.path().join("made")).unwrap().count(), 0);
+    let kept = work.entries().unwrap().len();
+    assert!(kept >= 2, "{kept} poses are kept");
+    let job = Job::silent().with_work(Some(&work));
+    register(&inputs, &ScanOptions::default(), &out, &job).unwrap();
+    registered(&inputs, &folder.path().join("without"));
+    assert!(whole(&out) == whole(&folder.path().join("without")), "resumed work gives other bytes");
+}
+
+#[test]
+fn what_is_no_frame_of_the_body_is_named_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = scan(&folder.path().join("scan"), 8, 1.0);
+    let frame = |k: usize| folder.path().join(format!("scan/frame_{k:03}.ply"));
+    // Twice the size, and inside out.
+    write(&frame(3), &body(0.1, 0.05, 2.0), 1.0);
+    let mut mesh = body(0.42, 0.0545, 1.0);
+    mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+    write(&frame(6), &mesh, 1.0);
+    let report = registered(&inputs, &folder.path().join("capture"));
+    assert_eq!(report.lost.iter().map(|lost| lost.frame).collect::<Vec<_>>(), [3]);
+    assert!(report.lost[0].reason.contains("times that of most frames"), "{:?}", report.lost);
+    assert_eq!(report.sequences.iter().map(|s| s.1).collect::<Vec<_>>(), [3, 4]);
+    let codes: Vec<&str> = report.warnings.iter().map(|warning| warning.code).collect();
+    assert!(codes.contains(&"W_SCAN_LOST") && codes.contains(&"W_SCAN_INSIDE_OUT"), "{codes:?}");
+    // Where every other frame is another body, most are lost.
+    (0..8).filter(|k| k % 2 == 0).for_each(|k| write(&frame(k), &body(0.1, 0.05, 1.0 + 3.0 * k as f32), 1.0));
+    let out = folder.path().join("refused");
+    let refused = register(&inputs, &ScanOptions::default(), &out, &Job::silent()).unwrap_err();
+    assert!(matches!(refused, RegisterError::MostLost { .. }), "{refused}");
+    assert!(!out.exists());
+}
+
+#[test]
+fn millimetres_are_found_and_a_scan_is_packed_by_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = scan(&folder.path().join("scan"), 8, 1000.0);
+    let mut options = PackOptions::default();
+    options.appearance = AppearanceChoice::Static;
+    let (bytes, report) = pack(&inputs, &options, &Job::silent()).unwrap();
+    assert!(!bytes.is_empty());
+    assert_eq!(report.capture.frames, 8);
+    let codes: Vec<&str> = report.warnings.iter().map(|warning| warning.code).collect();
+    assert!(codes.contains(&"W_SCAN_REGISTERED") && codes.contains(&"W_UNIT_ASSUMED"), "{codes:?}");
+}
