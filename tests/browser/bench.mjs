@@ -64,8 +64,9 @@ async function deviceLoss(element) {
  * Five standard paths, each searched for during two seconds in slices of 4 ms: milliseconds until the first whole walk, the
  * longest slice, and how far off in centimetres the best walk then is on average and at most. The worst path counts.
  */
-function searching(element) {
-  const { player: inner } = element.testing;
+async function searching(element) {
+  const { player } = element.testing;
+  const { Searcher } = await element.testing.searching();
   const around = (count, point) => Array.from({ length: count + 1 }, (_, at) => point((at / count) * 2 * Math.PI));
   const paths = {
     line: [[0, 0], [0, 10]],
@@ -80,31 +81,39 @@ function searching(element) {
   };
   let ready = false;
   const figures = { search_prepared: 0, search_first: 0, search_slice: 0 };
+  let known;
+  while (!known) {
+    const [told, taken] = timed(() => player.known(4));
+    known = told;
+    figures.search_prepared += taken;
+  }
+  const [searcher, taken] = timed(() => new Searcher(known));
+  figures.search_prepared += taken;
   while (!ready) {
-    const [done, taken] = timed(() => inner.prepare_search([], 4));
+    const [done, taken] = timed(() => searcher.prepare(4));
     ready = done;
     figures.search_prepared += taken;
   }
   for (const [name, points] of Object.entries(paths)) {
     const shape = name === 'line' || name === 'right angles' ? 'polyline' : 'spline';
     const request = { version: 1, target: { path: { points, shape, free_start: true } } };
-    let [, spent] = timed(() => inner.search(JSON.stringify(request), 'anywhere'));
+    let [, spent] = timed(() => searcher.begin(JSON.stringify(request), 'anywhere', []));
     let first = null;
     let progress = 'running';
     figures.search_slice = Math.max(figures.search_slice, spent);
     while (progress === 'running' && spent < 2000) {
-      const [now, taken] = timed(() => inner.search_on(4));
+      const [now, taken] = timed(() => searcher.advance(4));
       progress = now;
       spent += taken;
       figures.search_slice = Math.max(figures.search_slice, taken);
-      if (first === null && JSON.parse(inner.answer()).legs.length > 0) first = spent;
+      if (first === null && JSON.parse(searcher.answer()).legs.length > 0) first = spent;
     }
-    const { path } = JSON.parse(inner.answer()).parts[0].goal;
+    const { path } = JSON.parse(searcher.answer()).parts[0].goal;
     figures.search_first = Math.max(figures.search_first, first ?? Infinity);
     figures[`path_${name.replace(' ', '_')}_mean`] = 100 * path.mean;
     figures[`path_${name.replace(' ', '_')}_most`] = 100 * path.max;
   }
-  inner.stop_search();
+  searcher.free();
   return figures;
 }
 

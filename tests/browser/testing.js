@@ -76,6 +76,12 @@ class Testing {
     return { ...search.slices, running: Boolean(search.task && !search.task.done) };
   }
 
+  /** The module that searches, once it is there. */
+  async searching() {
+    await this.core.toolbox.search.fetch();
+    return this.core.toolbox.search.module;
+  }
+
   /** Searches on without the page's rests, so many slices at most: where others have the processor, rests are all that there is. */
   searchOn(slices) {
     const { search } = this.core.toolbox;

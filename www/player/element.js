@@ -231,7 +231,8 @@ export class ReprisePlayer extends AttributeElement {
 
   direct(request, { anywhere = false } = {}) {
     try {
-      this.#ready().player.check_request(JSON.stringify(request) ?? 'null');
+      this.#ready();
+      this.#core.toolbox.search.check(request);
     } catch (error) {
       // Whoever is promised an answer hears of trouble in one way.
       return Promise.reject(error);

@@ -1,4 +1,4 @@
-/** Loads what is not in the first script, once for all players of a page: the WebAssembly module, and the tools. */
+/** Loads what is not in the first script, once for all players of a page: the WebAssembly modules, and the tools. */
 
 import { PlayerError } from './errors.js';
 
@@ -20,6 +20,13 @@ export const loadEngine = once(async () => {
   await engine.default({ module_or_path: new URL('../pkg/web_bg.wasm', import.meta.url) });
   return engine;
 }, 'The player’s WebAssembly module could not be loaded.');
+
+/** The module that searches: `Searcher` and `check_request`. It has a memory of its own. */
+export const loadSearch = once(async () => {
+  const search = await import('../pkg/searcher.js');
+  await search.default({ module_or_path: new URL('../pkg/searcher_bg.wasm', import.meta.url) });
+  return search;
+}, 'The WebAssembly module that searches could not be loaded.');
 
 /** The module `tools/tools.js`, a script of its own once it is built. */
 export const loadTools = once(async () => {

@@ -6,13 +6,13 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use miniz_oxide::deflate::compress_to_vec;
 
-use crate::web::LATER;
+use crate::web::is_later;
 
-/// What a page may fetch at most before anybody takes a tool: WebAssembly and JavaScript, gzipped, in bytes. The mark is
-/// [`MARK`]: directing, appearance and wandering brought more than that leaves room for.
-const LIMIT: usize = 329_000;
-/// The same with the script of the tools, which a page with controls fetches as well.
-const LIMIT_WITH_TOOLS: usize = 349_000;
+/// What a page may fetch at most before anybody takes a tool: WebAssembly and JavaScript, gzipped, in bytes. It is far below
+/// [`MARK`], so that what is new shows here first.
+const LIMIT: usize = 262_000;
+/// The same with the script of the tools and the module that searches.
+const LIMIT_WITH_TOOLS: usize = 394_000;
 
 /// What they should weigh.
 pub const MARK: usize = 300_000;
@@ -30,7 +30,7 @@ pub fn check(dist: &Path) -> Result<()> {
     let Weight { at_once, later } = weigh(dist)?;
     let all = at_once + later;
     println!(
-        "wasm + JavaScript: {:.1} KB gzip (mark {} KB, stretch 200 KB), {:.1} KB with the tools",
+        "wasm + JavaScript: {:.1} KB gzip (mark {} KB, stretch 200 KB), {:.1} KB with tools and search",
         at_once as f32 / 1e3,
         MARK / 1000,
         all as f32 / 1e3
@@ -50,7 +50,7 @@ pub fn weigh(dist: &Path) -> Result<Weight> {
         let packed = compress_to_vec(&bytes, 9).len() + 18;
         let name = file.strip_prefix(dist).unwrap_or(&file);
         println!("{:>9} B {packed:>9} B gzip  {}", bytes.len(), name.display());
-        if name == Path::new(LATER) {
+        if is_later(name) {
             weight.later += packed;
         } else {
             weight.at_once += packed;

@@ -17,24 +17,47 @@ const TARGET: &str = "wasm32-unknown-unknown";
 const PLAYER: &str = "reprise-player.js";
 const PARTS: &str = "player";
 /// What a page fetches only when the first tool is needed.
-pub const LATER: &str = "reprise-tools.js";
+const LATER: &str = "reprise-tools.js";
+
+/// A WebAssembly module: the crate that it is made of, its features, and the name of its files.
+struct Module {
+    package: &'static str,
+    features: &'static str,
+    name: &'static str,
+}
+
+const MODULE: Module = Module { package: "reprise-web", features: "", name: "web" };
+/// The module that a page fetches only when something is first searched for.
+const LATER_MODULE: Module = Module { package: "reprise-searcher", features: "bindings", name: "searcher" };
+
+/// Whether a page fetches a file of the build only when it is needed; `name` is its path in the folder.
+pub fn is_later(name: &Path) -> bool {
+    let stem = name.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    name == Path::new(LATER) || name.starts_with("pkg") && stem.starts_with(LATER_MODULE.name)
+}
 
 /// Builds the page and returns the folder that holds it.
 pub fn build() -> Result<PathBuf> {
     add_wasm_target()?;
-    let mut command = cargo();
-    command.args(["rustc", "-p", "reprise-web", "--lib", "--target", TARGET, "--profile", "wasm"]);
-    // The library for native tests, beside it, would keep the crates from being optimised as one.
-    command.args(["--crate-type", "cdylib"]);
-    // Flags from the environment would replace the ones in .cargo/config.toml, and with them SIMD.
-    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
-    run("player to WebAssembly", &mut command)?;
-
     let package = dist().join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
-    let wasm = target().join(TARGET).join("wasm/web.wasm");
-    bind(&wasm, &package).with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
+    for module in [MODULE, LATER_MODULE] {
+        compile(&module)?;
+        let wasm = target().join(TARGET).join(format!("wasm/{}.wasm", module.name));
+        bind(&wasm, &package, module.name)
+            .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;
+    }
     scripts()
+}
+
+fn compile(module: &Module) -> Result<()> {
+    let mut command = cargo();
+    command.args(["rustc", "-p", module.package, "--lib", "--target", TARGET, "--profile", "wasm"]);
+    // The library for native tests, beside it, would keep the crates from being optimised as one.
+    command.args(["--crate-type", "cdylib", "--features", module.features]);
+    // Flags from the environment would replace the ones in .cargo/config.toml, and with them SIMD.
+    command.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    run(&format!("{} to WebAssembly", module.name), &mut command)
 }
 
 /// Copies the page into the folder and joins its scripts; WebAssembly and bindings stay what they are.
@@ -62,7 +85,7 @@ pub fn dist() -> PathBuf {
 }
 
 /// Writes the WebAssembly that browsers load and its bindings.
-fn bind(wasm: &Path, package: &Path) -> Result<()> {
+fn bind(wasm: &Path, package: &Path, name: &str) -> Result<()> {
     let mut output = Bindgen::new()
         .input_path(wasm)
         .web(true)?
@@ -74,7 +97,7 @@ fn bind(wasm: &Path, package: &Path) -> Result<()> {
     let names = output.wasm_mut().imports.iter_mut().map(|import| &mut import.name);
     let script = shorten(names, &strip(&script));
     output.emit(package)?;
-    let bindings = package.join("web.js");
+    let bindings = package.join(format!("{name}.js"));
     fs::write(&bindings, script).with_context(|| format!("cannot write {}", bindings.display()))
 }
 

@@ -1,8 +1,7 @@
 //! What behaviours a capture has, and which sequences show them. Everybody asks here: searches, links and the page.
 
 use actor::timeline::Timeline;
-
-use super::request::RequestError;
+use thiserror::Error;
 
 /// A behaviour by name, and for every sequence whether it shows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,6 +10,16 @@ pub struct Behaviour {
     pub name: String,
     /// By sequence.
     pub shown_by: Vec<bool>,
+}
+
+/// A behaviour that the capture does not have.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("there is no behaviour {name:?}; there are: {}", known.join(", "))]
+pub struct UnknownBehaviour {
+    /// The name asked for.
+    pub name: String,
+    /// The names that there are.
+    pub known: Vec<String>,
 }
 
 /// All behaviours: the labels, then the sequences whose name is no label. A label wins over a sequence of the same name.
@@ -36,8 +45,8 @@ pub fn behaviours(timeline: &Timeline) -> Vec<Behaviour> {
 ///
 /// # Errors
 /// There is none; the error lists those that there are.
-pub fn find_behaviour(behaviours: &[Behaviour], name: &str) -> Result<usize, RequestError> {
-    behaviours.iter().position(|behaviour| behaviour.name == name).ok_or_else(|| RequestError::UnknownBehaviour {
+pub fn find_behaviour(behaviours: &[Behaviour], name: &str) -> Result<usize, UnknownBehaviour> {
+    behaviours.iter().position(|behaviour| behaviour.name == name).ok_or_else(|| UnknownBehaviour {
         name: name.into(),
         known: behaviours.iter().map(|behaviour| behaviour.name.clone()).collect(),
     })

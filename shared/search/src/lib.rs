@@ -43,7 +43,7 @@ mod work;
 pub use answer::{Answer, Goal, KeyRow, Part};
 pub use anytime::{Anytime, Progress};
 pub use behaviour::{Hold, LoopSearch, holding_loop, walk_to_any, walk_to_behaviour};
-pub use behaviours::{Behaviour, behaviours, find_behaviour, frames_of};
+pub use behaviours::{Behaviour, UnknownBehaviour, behaviours, find_behaviour, frames_of};
 pub use components::{MainComponent, main_component, main_component_of, reached, reaching};
 pub use curve::{Curve, Shape};
 pub use depth_first::{Exhausted, depth_first};

@@ -1,87 +1,48 @@
-//! Directing, as more methods of the class `Player`.
+//! Directing, as more methods of the class `Player`: what the module that searches needs, and the walks that it finds.
 
-use js_sys::Float32Array;
-use search::Progress;
+use js_sys::{Float32Array, Uint32Array};
+use searcher::page::{error, json};
+use searcher::walk::from_numbers;
 use wasm_bindgen::prelude::*;
 
-use super::error::{ErrorKind, error, json};
-use super::player::Player;
-use super::request::parse;
-use crate::player::direct::Origin;
+use super::player::{Player, array};
 
 #[wasm_bindgen]
 impl Player {
-    /// Gets ready for searches in which `vertices` follow paths (the centre of mass, where there are none), for about
-    /// `milliseconds`; whether that is done.
+    /// Works for about `milliseconds` on what a `Searcher` needs to know of the actor; that, once it is all there.
     ///
     /// # Errors
-    /// The graph or a frame has not arrived, or there is no such vertex.
-    pub fn prepare_search(&mut self, vertices: &[u32], milliseconds: f64) -> Result<bool, JsValue> {
-        Ok(self.inner.prepare_search(vertices, milliseconds)?)
+    /// The graph or a frame has not arrived.
+    pub fn known(&mut self, milliseconds: f64) -> Result<Option<Uint32Array>, JsValue> {
+        let words = self.inner.known(milliseconds)?;
+        Ok(words.map(|words| Uint32Array::from(words.as_slice())))
     }
 
-    /// Checks of a request what can be checked without the actor.
+    /// Works for about `milliseconds` on where the middle of `vertices` is in every frame; that, once it is all there.
     ///
     /// # Errors
-    /// What is wrong with it, in a sentence.
-    pub fn check_request(&self, text: &str) -> Result<(), JsValue> {
-        parse(text).map(|_| ())
+    /// A frame has not arrived, or there is no such vertex.
+    pub fn middles(&mut self, vertices: &[u32], milliseconds: f64) -> Result<Option<Float32Array>, JsValue> {
+        let middles = self.inner.middles(vertices, milliseconds)?;
+        Ok(middles.map(|points| array(&points)))
     }
 
-    /// Begins a search for what the request asks, `here`, `anywhere` or from the `end` of the last answer.
-    ///
-    /// # Errors
-    /// The request makes no sense for this actor, or the search is not prepared.
-    pub fn search(&mut self, text: &str, from: &str) -> Result<(), JsValue> {
-        let from = match from {
-            "here" => Origin::Here,
-            "anywhere" => Origin::Anywhere,
-            "end" => Origin::End,
-            _ => return Err(error(ErrorKind::BadArgument, "a search begins here, anywhere, or at the end")),
-        };
-        Ok(self.inner.search(&parse(text)?, from)?)
-    }
-
-    /// Searches on for about `milliseconds`: `running`, `ended`, or `proven` to be the best.
-    ///
-    /// # Errors
-    /// No search is under way.
-    pub fn search_on(&mut self, milliseconds: f64) -> Result<String, JsValue> {
-        let word = match self.inner.search_on(milliseconds)? {
-            Progress::Running => "running",
-            Progress::Ended => "ended",
-            Progress::Proven => "proven",
-        };
-        Ok(word.into())
-    }
-
-    /// Drops the search under way.
-    pub fn stop_search(&mut self) {
-        self.inner.stop_search();
-    }
-
-    /// The best answer so far, as JSON.
-    ///
-    /// # Errors
-    /// No search is under way.
-    pub fn answer(&self) -> Result<String, JsValue> {
-        json(&self.inner.answer_report()?)
-    }
-
-    /// Sets off on the best walk so far; the walk as JSON. With `anywhere` the actor is put where the walk begins.
+    /// Sets off on a walk that a `Searcher` has found; the walk as JSON. With `anywhere` the actor is put where the walk begins.
     ///
     /// # Errors
     /// There is no walk, or the actor has moved on since the search began.
-    pub fn set_off(&mut self, anywhere: bool) -> Result<String, JsValue> {
-        json(&self.inner.set_off(anywhere)?)
+    pub fn set_off(&mut self, walk: &[f64], anywhere: bool) -> Result<String, JsValue> {
+        let (start, legs) = from_numbers(walk).ok_or_else(no_walk)?;
+        json(&self.inner.set_off(&start, legs, anywhere)?)
     }
 
-    /// Goes on with the best walk so far where the walk under way ends; whether it could.
+    /// Goes on with a walk that a `Searcher` has found where the walk under way ends; whether it could.
     ///
     /// # Errors
-    /// No search is under way.
-    pub fn go_on(&mut self) -> Result<bool, JsValue> {
-        Ok(self.inner.go_on()?)
+    /// It is no walk of this actor.
+    pub fn go_on(&mut self, walk: &[f64]) -> Result<bool, JsValue> {
+        let (start, legs) = from_numbers(walk).ok_or_else(no_walk)?;
+        Ok(self.inner.go_on(&start, legs)?)
     }
 
     /// Where a walk would leave from now: the frame, and its placement as heading, x and z.
@@ -102,4 +63,8 @@ impl Player {
         let translation = glam::Vec2::new(x, z);
         Ok(self.inner.stand_in(frame, kernels::align::Placement { heading, translation })?)
     }
+}
+
+fn no_walk() -> JsValue {
+    error("bad-argument", "these numbers are no walk")
 }

@@ -2,7 +2,5 @@
 
 pub mod direct;
 pub mod error;
-mod numbers;
 pub mod player;
-pub mod request;
 pub mod stage;

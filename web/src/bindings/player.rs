@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 use js_sys::{Float32Array, Uint8Array};
+use searcher::page::{json, now};
 use wasm_bindgen::prelude::*;
 
-use super::error::{ErrorKind, bundle_error, error, json};
+use super::error::{ErrorKind, bundle_error, error};
 use crate::player::Player as Inner;
 use crate::player::loading::Loading;
 
@@ -16,20 +17,13 @@ pub struct Player {
     pub inner: Inner,
 }
 
-#[wasm_bindgen]
-extern "C" {
-    /// Milliseconds since the page was opened.
-    #[wasm_bindgen(js_namespace = performance, js_name = now)]
-    pub(super) fn now() -> f64;
-}
-
 impl Default for Player {
     fn default() -> Self {
         Self::new()
     }
 }
 
-fn array(points: &[Vec3]) -> Float32Array {
+pub(super) fn array(points: &[Vec3]) -> Float32Array {
     Float32Array::from(bytemuck::cast_slice::<Vec3, f32>(points))
 }
 

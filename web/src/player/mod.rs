@@ -5,7 +5,6 @@
 
 pub mod bench;
 pub mod clock;
-pub mod direct;
 mod directing;
 pub mod events;
 mod follow;
@@ -26,7 +25,7 @@ use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
 use bundle::BundleError;
 use kernels::align::Placement;
-use search::{cheapest_walk, main_component};
+use search::{UnknownBehaviour, cheapest_walk, main_component};
 use synthesis::Synthesiser;
 use thiserror::Error;
 
@@ -52,6 +51,12 @@ pub enum PlayerError {
     /// No such frame.
     #[error("the actor has no frame {0}")]
     NoFrame(u32),
+    /// No such vertex.
+    #[error("the actor has no vertex {0}")]
+    NoVertex(u32),
+    /// No such behaviour.
+    #[error(transparent)]
+    Behaviour(#[from] UnknownBehaviour),
     /// No walk leads there.
     #[error("nothing recorded leads from frame {from} to frame {to}")]
     Unreachable {

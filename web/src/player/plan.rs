@@ -8,7 +8,6 @@ use glam::Vec3;
 use kernels::align::Placement;
 use search::{behaviours, find_behaviour, frames_of, plan_walk};
 
-use super::direct::DirectError;
 use super::loading::Actor;
 use super::report::PlanReport;
 use super::{Player, PlayerError};
@@ -27,7 +26,7 @@ impl Player {
     ///
     /// # Errors
     /// No such behaviour, no walk to it, or the graph has not arrived.
-    pub fn nearest(&mut self, behaviour: &str) -> Result<u32, DirectError> {
+    pub fn nearest(&mut self, behaviour: &str) -> Result<u32, PlayerError> {
         let (actor, graph) = self.ready(0)?;
         let behaviours = behaviours(&actor.timeline);
         let number = find_behaviour(&behaviours, behaviour)?;
@@ -36,7 +35,7 @@ impl Player {
         let walk = self.plans.search(|| plan_walk(&graph, &actor.timeline, from, &frames));
         let Some(walk) = walk else {
             let to = frames.first().copied().unwrap_or(from);
-            return Err(PlayerError::Unreachable { from, to }.into());
+            return Err(PlayerError::Unreachable { from, to });
         };
         let to = walk.end(&graph).unwrap_or(from);
         // It is the cheapest one there, too: who goes there need not search again.

@@ -2,38 +2,9 @@
 
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
-use actor::walk::{Leg, Walk, steps_of};
+use actor::walk::Walk;
+use searcher::report::{LegReport, report_legs};
 use serde::Serialize;
-
-/// A leg as the page reads it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum LegReport {
-    /// Recorded frames; backwards where `last` is before `first` in a sequence that is not cyclic.
-    Recorded {
-        /// First frame.
-        first: u32,
-        /// Last frame.
-        last: u32,
-        /// Steps between them.
-        steps: u32,
-        /// Whether it is walked backwards.
-        back: bool,
-    },
-    /// A synthesised transition.
-    Synthetic {
-        /// Frame left.
-        from: u32,
-        /// Frame reached.
-        to: u32,
-        /// Steps that it takes.
-        frames: u32,
-        /// Its surface deformation cost.
-        deformation: f32,
-        /// Its index in the graph.
-        edge: u32,
-    },
-}
 
 /// A plan as the page reads it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -52,23 +23,6 @@ pub struct PlanReport {
     pub transitions: usize,
     /// Its legs.
     pub legs: Vec<LegReport>,
-}
-
-/// `legs` as the page reads them.
-#[must_use]
-pub fn report_legs(legs: &[Leg], graph: &EssentialGraph) -> Vec<LegReport> {
-    let report = |leg: &Leg| match *leg {
-        Leg::Back { first, last, steps } => Some(LegReport::Recorded { first, last, steps, back: true }),
-        Leg::Recorded { first, last, steps } => Some(LegReport::Recorded { first, last, steps, back: false }),
-        Leg::Synthetic(edge) => graph.transitions().get(edge as usize).map(|transition| LegReport::Synthetic {
-            from: transition.from,
-            to: transition.to,
-            frames: steps_of(transition),
-            deformation: transition.deformation,
-            edge,
-        }),
-    };
-    legs.iter().filter_map(report).collect()
 }
 
 impl PlanReport {

@@ -4,11 +4,11 @@ use bundle::Textures;
 use glam::{Vec2, Vec3};
 use kernels::sort::{key, numbers, sort};
 use search::behaviours;
+use searcher::report::{LegReport, report_legs};
 use serde::Serialize;
 use synthesis::FrameKind;
 
 use super::produce::ShownFrame;
-use super::report::{LegReport, report_legs};
 use super::{Goal, Player, PlayerError};
 use crate::trail::TrailPoint;
 

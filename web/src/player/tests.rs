@@ -12,11 +12,12 @@ use bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, 
 use glam::{Quat, Vec3};
 use kernels::align::Placement;
 use kernels::topology::Topology;
-use search::{Goal, PathRequest, Progress, Request, RequestError, Target};
+use search::{Goal, PathRequest, Progress, Request, RequestError, Start, Target};
+use searcher::scene::Known;
+use searcher::searcher::{Origin, SearchError, Searcher};
 use synthesis::FrameKind;
 use texture::TextureModel;
 
-use super::direct::{DirectError, Origin};
 use super::events::Event;
 use super::loading::{Loading, Phase};
 use super::{Player, PlayerError};
@@ -472,12 +473,17 @@ fn paths_are_followed_by_the_vertices_asked_for() {
         let points = vec![vec![0.0, 0.0], vec![0.15, 0.0]];
         Request::new(Target::Path(PathRequest { points, vertices: vertices.to_vec(), ..PathRequest::default() }))
     };
-    assert_eq!(player.prepare_search(&[2, 4], 1e9), Err(DirectError::Request(RequestError::UnknownVertex(4))));
+    let known = Known::from_words(&player.known(1e9).unwrap().unwrap()).unwrap();
+    let mut searcher = Searcher::new(known).unwrap();
+    assert_eq!(searcher.follows(&[2, 4]), Err(SearchError::Request(RequestError::UnknownVertex(4))));
+    assert_eq!(player.middles(&[2, 4], 1e9), Err(PlayerError::NoVertex(4)));
+    let (frame, placement) = player.leaves().unwrap();
     for group in [&[][..], &[3], &[0, 1], &[]] {
-        assert!(player.prepare_search(group, 1e9).unwrap());
-        player.search(&path(group), Origin::Here).unwrap();
-        while player.search_on(1e9).unwrap() == Progress::Running {}
-        let report = player.answer_report().unwrap();
+        searcher.follow(group, player.middles(group, 1e9).unwrap().unwrap()).unwrap();
+        assert!(searcher.prepare(|| false).unwrap());
+        searcher.begin(&path(group), Origin::Here(Start { frame, placement })).unwrap();
+        while searcher.advance(|| false).unwrap() == Progress::Running {}
+        let report = searcher.report().unwrap();
         let Goal::Path(found) = &report.answer.parts[0].goal else { panic!("{report:?}") };
         let [_, x, _, z] = found.track[0];
         // Where they are in the second frame, as the capture was made.
@@ -489,7 +495,8 @@ fn paths_are_followed_by_the_vertices_asked_for() {
         } + 0.01 * Vec3::X;
         assert!((x - middle.x).abs() + (z - middle.z).abs() < 1e-3, "{group:?}: {x} {z} {middle}");
         // Prepared for one group, no other can be asked for.
-        assert!(player.search(&path(&[1]), Origin::Here).is_err());
+        assert!(searcher.begin(&path(&[1]), Origin::Anywhere).is_err());
+        assert_eq!(searcher.report().err(), Some(SearchError::Nothing));
     }
 }
 

@@ -1,7 +1,7 @@
 /** The search's answers, as the page and its pages read them. */
 
 /**
- * @param {string} text from `Player.answer`
+ * @param {string} text from `Searcher.answer`
  * @returns {import('../../reprise-player').Answer}
  */
 export function readAnswer(text, fps) {

@@ -3,6 +3,7 @@
  * slice a display frame, and more where the display is slow.
  */
 
+import { loadSearch } from '../engine.js';
 import { PlayerError } from '../errors.js';
 import { readAnswer } from './answer.js';
 import { followersOf } from './request.js';
@@ -41,6 +42,10 @@ export class SearchDriver {
     this.task = null;
     this.waiting = null;
     this.endless = null;
+    /** The module that searches once it is there, its searcher, and the player that told it what it knows. */
+    this.module = null;
+    this.searcher = null;
+    this.knows = null;
     /** For tests: slices of work, and the milliseconds of the longest. */
     this.slices = { count: 0, longest: 0 };
   }
@@ -49,11 +54,33 @@ export class SearchDriver {
     return this.core.director?.player;
   }
 
+  /** Sees to it that the module comes. @returns {Promise<boolean>} whether it came; trouble is told on the page */
+  fetch() {
+    return loadSearch().then((module) => Boolean(this.module = module), (error) => this.core.loop && this.failed(error));
+  }
+
+  /**
+   * Whether a request makes sense without knowing the actor. Before the module is there nobody can tell.
+   * @throws what is wrong with it
+   */
+  check(request) {
+    this.module?.check_request(JSON.stringify(request) ?? 'null');
+  }
+
+  /** The actor is gone. */
+  forget() {
+    this.stop();
+    this.searcher?.free();
+    this.searcher = null;
+    this.knows = null;
+  }
+
   /** @param {object} request @param {'here' | 'anywhere' | 'end'} origin */
   start(request, origin = 'here') {
     this.drop();
     this.task = { request, origin, text: JSON.stringify(request), followers: Uint32Array.from(followersOf(request)), begun: 0, looked: 0, answer: null, done: false };
-    this.pump();
+    if (this.module) this.pump();
+    else this.fetch().then((came) => came && this.task && this.pump());
   }
 
   pump() {
@@ -79,7 +106,7 @@ export class SearchDriver {
     this.task = null;
     clearTimeout(this.timer);
     this.timer = null;
-    if (!this.endless) this.player?.stop_search();
+    if (!this.endless) this.searcher?.stop();
   }
 
   /** One slice. @returns whether there is more to do */
@@ -101,23 +128,43 @@ export class SearchDriver {
   work(task, player, now) {
     if (task.done) return false;
     if (!task.begun) {
-      if (!player.prepare_search(task.followers, SLICE)) return true;
-      player.search(task.text, task.origin);
-      task.begun = now;
+      if (this.isReadyFor(task, player)) this.begin(task, player, now);
       return true;
     }
-    const running = player.search_on(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running';
+    const running = this.searcher.advance(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running';
     task.done = !running;
     const looks = task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
-    if (task.done || looks) this.look(task, player, now);
+    if (task.done || looks) this.look(task, now);
     if (this.waiting && isReady(task, now)) this.leave();
     else if (task.done && task.origin === 'end') this.goOn();
     return !task.done;
   }
 
-  look(task, player, now) {
+  /** Tells the searcher what it has to know, a slice at a time. */
+  isReadyFor({ followers }, player) {
+    if (this.knows !== player) {
+      const known = player.known(SLICE);
+      if (!known) return false;
+      this.searcher?.free();
+      this.searcher = new this.module.Searcher(known);
+      this.knows = player;
+    }
+    if (!this.searcher.follows(followers)) {
+      const middles = player.middles(followers, SLICE);
+      if (!middles) return false;
+      this.searcher.follow(followers, middles);
+    }
+    return this.searcher.prepare(SLICE);
+  }
+
+  begin(task, player, now) {
+    this.searcher.begin(task.text, task.origin, task.origin === 'here' ? player.leaves() : []);
+    task.begun = now;
+  }
+
+  look(task, now) {
     task.looked = now;
-    const answer = readAnswer(player.answer(), this.core.director.info.fps);
+    const answer = readAnswer(this.searcher.answer(), this.core.director.info.fps);
     // To stay may be the best walk in the end, but is none to show on the way; nor is a walk whose odds are being evened out.
     if (!task.done && (answer.legs.length === 0 || answer.wander?.objective === null)) return;
     task.answer = answer;
@@ -166,7 +213,7 @@ export class SearchDriver {
     }
     let walk;
     try {
-      walk = JSON.parse(player.set_off(task.origin === 'anywhere'));
+      walk = JSON.parse(player.set_off(this.searcher.walk(), task.origin === 'anywhere'));
     } catch (error) {
       if (error.kind !== 'unreachable') throw error;
       // The actor has moved on since the search began.
@@ -187,6 +234,10 @@ export class SearchDriver {
   lookAhead() {
     const { state } = this.core.director ?? {};
     if (!this.endless || this.task || !state || state.target === null || state.remaining_seconds > AHEAD) return;
+    this.seekNext();
+  }
+
+  seekNext() {
     this.endless.part += 1;
     const { request, part } = this.endless;
     this.start({ ...request, seed: (request.seed ?? 0) + part }, 'end');
@@ -204,14 +255,14 @@ export class SearchDriver {
     this.task = null;
     core.director.known = null;
     if (task.answer === null || task.answer.legs.length === 0) this.endless = null;
-    else if (!player.go_on()) this.goOnLate(task);
+    else if (!player.go_on(this.searcher.walk())) this.goOnLate(task);
   }
 
   /** The actor has arrived before the next part was found, and waits where that begins. */
   goOnLate({ answer }) {
     const { core, player, endless } = this;
     try {
-      core.left(JSON.parse(player.set_off(false)), answer);
+      core.left(JSON.parse(player.set_off(this.searcher.walk(), false)), answer);
     } catch (error) {
       if (error.kind !== 'unreachable') throw error;
       this.go(endless.request);
@@ -225,7 +276,7 @@ export class SearchDriver {
   }
 
   happened(type) {
-    // An endless walk is over only where nothing leads on; what is still being searched for comes late.
-    if (type === 'arrive' && !this.task) this.endless = null;
+    // An endless walk is over only where nothing leads on. A page that was away for as long as the walk lasted looks on late.
+    if (type === 'arrive' && this.endless && !this.task) this.seekNext();
   }
 }

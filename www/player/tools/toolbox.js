@@ -87,15 +87,20 @@ export class Toolbox {
     this.director = director;
     for (const tool of Object.values(this.tools)) tool.opened?.(director);
     this.showTool();
-    const { waiting } = this;
-    this.waiting = null;
-    if (waiting) this.core.attempt(() => this.load(waiting));
+    if (this.waiting) this.takeWaiting();
     else this.ask();
+  }
+
+  takeWaiting() {
+    const { waiting } = this;
+    if (!waiting || !this.director) return;
+    this.waiting = null;
+    this.core.attempt(() => this.load(waiting));
   }
 
   close() {
     this.director = null;
-    this.search.stop();
+    this.search.forget();
     this.answer = null;
     this.history.reset(EMPTY);
     if (this.core.view) this.refresh();
@@ -115,7 +120,10 @@ export class Toolbox {
 
   choose(name) {
     const tool = this.tools[name] ?? this.tools.pose;
-    if (tool.id !== 'pose') this.fetch();
+    if (tool.id !== 'pose') {
+      this.fetch();
+      this.search.fetch();
+    }
     if (tool === this.tool) {
       if (!this.director) this.showTool();
       return;
@@ -222,13 +230,15 @@ export class Toolbox {
    * sentence.
    */
   load(outside) {
-    if (!this.director) {
+    if (!this.director || !this.search.module) {
       this.waiting = outside;
+      // Whatever comes last of the two takes it up.
+      this.search.fetch().then((came) => came && this.takeWaiting());
       return;
     }
-    const { player, timeline } = this.director;
+    const { timeline } = this.director;
     const request = outside?.request ?? outside;
-    player.check_request(JSON.stringify(request) ?? 'null');
+    this.search.check(request);
     const { tool, part, queue } = partOf(request, timeline);
     const { frame, placement } = outside?.start ?? {};
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));

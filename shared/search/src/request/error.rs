@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::VERSION;
+use crate::behaviours::UnknownBehaviour;
 
 /// Why a request cannot be worked on.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -43,13 +44,8 @@ pub enum RequestError {
     #[error("the path has no length: its points are all in one place; draw it longer, or ask for a place instead")]
     NoLength,
     /// A behaviour that the capture does not have.
-    #[error("there is no behaviour {name:?}; there are: {}", known.join(", "))]
-    UnknownBehaviour {
-        /// The name asked for.
-        name: String,
-        /// The names that there are.
-        known: Vec<String>,
-    },
+    #[error(transparent)]
+    UnknownBehaviour(#[from] UnknownBehaviour),
     /// A frame that the capture does not have.
     #[error("there is no frame {0}")]
     UnknownFrame(String),

@@ -1,6 +1,7 @@
 //! Frames of a capture that a request names.
 
 use super::{FrameRef, RequestError};
+use crate::behaviours::UnknownBehaviour;
 use actor::timeline::Timeline;
 
 impl FrameRef {
@@ -15,7 +16,7 @@ impl FrameRef {
             Self::Within(within) => {
                 let wrong = |what: String| RequestError::UnknownFrame(format!("{what} of {:?}", within.sequence));
                 let named = timeline.sequences().iter().find(|sequence| sequence.name == within.sequence);
-                let sequence = named.ok_or_else(|| RequestError::UnknownBehaviour {
+                let sequence = named.ok_or_else(|| UnknownBehaviour {
                     name: within.sequence.clone(),
                     known: timeline.sequences().iter().map(|sequence| sequence.name.clone()).collect(),
                 })?;

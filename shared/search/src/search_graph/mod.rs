@@ -138,7 +138,7 @@ impl SearchGraph {
     /// # Errors
     /// There is none.
     pub fn behaviour(&self, name: &str) -> Result<usize, RequestError> {
-        find_behaviour(&self.behaviours, name)
+        Ok(find_behaviour(&self.behaviours, name)?)
     }
 
     /// Whether `frame` shows a behaviour.

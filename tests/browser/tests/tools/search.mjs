@@ -11,8 +11,8 @@ const STATES = 20;
  * Runs in the page: asks for a direction, and notes what every slice of the search does, with the turn of the page that it
  * is in. The clock counts looks instead of time, so that no machine is too slow for this.
  */
-function countSlices(element, direction) {
-  const { player: inner } = element.testing;
+async function countSlices(element, direction) {
+  const { Searcher } = await element.testing.searching();
   let [looks, turn] = [0, 0];
   performance.now = () => (looks += 1) * 0.25;
   // Another part of the page that always has something to do.
@@ -23,13 +23,13 @@ function countSlices(element, direction) {
   };
   port2.postMessage(null);
   window.slices = [];
-  for (const method of ['prepare_search', 'search_on']) {
-    const work = inner[method];
+  for (const [worker, method] of [[element.testing.player, 'known'], [Searcher.prototype, 'prepare'], [Searcher.prototype, 'advance']]) {
+    const work = worker[method];
     let before = 0;
-    inner[method] = function (...values) {
+    worker[method] = function (...values) {
       const start = looks;
       const result = work.apply(this, values);
-      const expanded = method === 'search_on' ? JSON.parse(inner.answer()).expanded : 0;
+      const expanded = method === 'advance' ? JSON.parse(this.answer()).expanded : 0;
       window.slices.push({ method, milliseconds: values.at(-1), looks: looks - start, states: Math.max(0, expanded - before), turn });
       before = expanded;
       return result;
@@ -70,7 +70,7 @@ export const tests = {
     const player = await using(browser, 'path');
     const target = { path: { points: [[0, 0], [2, 1], [0, 3], [-2, 1], [0, 0], [3, 3]], shape: 'spline' } };
     await player.run(countSlices, { version: 1, target });
-    await player.until('many slices', () => window.slices.filter(({ method }) => method === 'search_on').length >= 60);
+    await player.until('many slices', () => window.slices.filter(({ method }) => method === 'advance').length >= 60);
     const slices = await player.run((element) => {
       element.direction = null;
       return window.slices;
@@ -81,7 +81,9 @@ export const tests = {
       assert.ok(states <= looks * STATES, `${method} has expanded ${states} states between ${looks} looks`);
     }
     assert.ok(slices.some(({ states }) => states > 0), 'nothing was searched');
-    slices.slice(1).forEach(({ turn }, at) => assert.ok(turn > slices[at].turn, `slices ${at} and ${at + 1} in one turn of the page`));
+    // What is known of the motion and of the ways is told once, then the searching begins.
+    const worked = slices.filter(({ method }) => method === 'advance');
+    worked.slice(1).forEach(({ turn }, at) => assert.ok(turn > worked[at].turn, `slices ${at} and ${at + 1} in one turn of the page`));
     await player.close();
   },
 };

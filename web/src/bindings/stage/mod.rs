@@ -10,11 +10,12 @@ mod view;
 pub use open::create_stage;
 
 use bundle::Textures;
+use searcher::page::{json, now};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
-use super::error::{ErrorKind, error, json};
-use super::player::{Player, now};
+use super::error::{ErrorKind, error};
+use super::player::Player;
 use crate::camera::Camera;
 use crate::gpu::pose::Numbered;
 use crate::gpu::scene::{Moment, Scene};

@@ -6,12 +6,13 @@ use web_sys::HtmlCanvasElement;
 
 use super::Stage;
 use crate::bindings::error::{ErrorKind, error};
-use crate::bindings::player::{Player, now};
+use crate::bindings::player::Player;
 use crate::camera::Camera;
 use crate::gpu::context::Gpu;
 use crate::gpu::scene::Scene;
 use crate::gpu::target::Target;
 use crate::gpu::thumbnail::Thumbnails;
+use searcher::page::now;
 
 /// Prepares `canvas` for the actor of `player`, whose first pose has arrived.
 ///

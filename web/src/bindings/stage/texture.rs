@@ -5,10 +5,11 @@ use wasm_bindgen::prelude::*;
 use web_sys::ImageBitmap;
 
 use super::Stage;
-use crate::bindings::player::{Player, now};
+use crate::bindings::player::Player;
 use crate::gpu::appearance::{Setting, TextureRebuild, Wanted};
 use crate::gpu::context::{Gpu, extent};
 use crate::gpu::mesh::Mesh;
+use searcher::page::now;
 
 #[wasm_bindgen]
 impl Stage {

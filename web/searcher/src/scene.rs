@@ -1,0 +1,109 @@
+//! What a search needs of the actor, handed from the player's memory to the searcher's.
+
+use actor::contacts::{Contact, Contacts};
+use actor::graph::{EssentialGraph, Transition};
+use actor::motion::Motion;
+use actor::temporal_warp::{Move, TemporalWarp};
+use actor::timeline::{Sequence, Timeline};
+use glam::Vec2;
+
+use crate::words::{Reader, Writer};
+
+/// Everything that searches know of an actor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Known {
+    /// Its sequences.
+    pub timeline: Timeline,
+    /// Its essential graph, with its contacts.
+    pub graph: EssentialGraph,
+    /// Where it is and which way it faces in every frame.
+    pub motion: Motion,
+    /// Number of welded vertices: those that may be followed.
+    pub vertex_count: u32,
+}
+
+/// Moves of a temporal warp in a word.
+const MOVES_A_WORD: usize = 16;
+
+/// What is known of an actor as words, for [`Known::from_words`].
+#[must_use]
+pub fn words(timeline: &Timeline, graph: &EssentialGraph, motion: &Motion, vertex_count: u32) -> Vec<u32> {
+    let mut writer = Writer::default();
+    writer.number(vertex_count);
+    writer.float(timeline.fps());
+    writer.list(timeline.sequences(), |writer, sequence| {
+        writer.name(&sequence.name);
+        writer.list(&sequence.labels, |writer, label| writer.name(label));
+        writer.0.extend([sequence.first_frame, sequence.frame_count, u32::from(sequence.cyclic)]);
+    });
+    writer.double(graph.alpha());
+    writer.list(graph.transitions(), write_transition);
+    let contacts = graph.contacts();
+    writer.number(contacts.parts() as u32);
+    let frames: Vec<u32> = (0..timeline.frame_count()).collect();
+    writer.list(&frames, |writer, &frame| {
+        for contact in contacts.of(frame) {
+            writer.floats([contact.point.x, contact.point.y, contact.weight]);
+        }
+    });
+    writer.list(&motion.centres, |writer, &centre| writer.point(centre));
+    writer.list(&motion.facings, |writer, &facing| writer.float(facing));
+    writer.list(&motion.wraps, |writer, wrap| writer.placement(wrap));
+    writer.0
+}
+
+fn write_transition(writer: &mut Writer, transition: &Transition) {
+    writer.number(transition.from);
+    writer.number(transition.to);
+    writer.float(transition.deformation);
+    writer.placement(&transition.placement);
+    let moves = transition.warp.moves();
+    writer.number(moves.len() as u32);
+    for chunk in moves.chunks(MOVES_A_WORD) {
+        writer.number(chunk.iter().rev().fold(0, |word, &step| word << 2 | step as u32));
+    }
+}
+
+fn read_transition(reader: &mut Reader) -> Option<Transition> {
+    let (from, to, deformation, placement) = (reader.number()?, reader.number()?, reader.float()?, reader.placement()?);
+    let count = reader.number()? as usize;
+    let mut moves = Vec::new();
+    while moves.len() < count {
+        let word = reader.number()?;
+        for place in 0..MOVES_A_WORD.min(count - moves.len()) {
+            let mut steps = [Move::Both, Move::Source, Move::Destination].into_iter();
+            moves.push(steps.find(|&step| step as u32 == word >> (2 * place) & 3)?);
+        }
+    }
+    Some(Transition { from, to, deformation, warp: TemporalWarp::new(moves), placement })
+}
+
+impl Known {
+    /// What [`words`] was told; `None` where that does not fit together.
+    #[must_use]
+    pub fn from_words(words: &[u32]) -> Option<Self> {
+        let reader = &mut Reader(words);
+        let vertex_count = reader.number()?;
+        let fps = reader.float()?;
+        let sequences = reader.list(|reader| {
+            let (name, labels) = (reader.name()?, reader.list(Reader::name)?);
+            let (first_frame, frame_count, cyclic) = (reader.number()?, reader.number()?, reader.number()? == 1);
+            Some(Sequence { name, labels, first_frame, frame_count, cyclic })
+        })?;
+        let timeline = Timeline::new(fps, sequences).ok()?;
+        let alpha = reader.double()?;
+        let graph = EssentialGraph::new(alpha, reader.list(read_transition)?, &timeline).ok()?;
+        let parts = reader.number()? as usize;
+        let contacts = reader.list(|reader| {
+            let of_part = |_| {
+                let point = Vec2::new(reader.float()?, reader.float()?);
+                Some(Contact { point, weight: reader.float()? })
+            };
+            (0..parts).map(of_part).collect::<Option<Vec<_>>>()
+        })?;
+        let graph = graph.with_contacts(Contacts::new(parts, contacts.concat(), &timeline)?);
+        let (centres, facings) = (reader.list(Reader::point)?, reader.list(Reader::float)?);
+        let motion = Motion { centres, facings, wraps: reader.list(Reader::placement)? };
+        (motion.fits(&timeline) && reader.0.is_empty()).then_some(Self { timeline, graph, motion, vertex_count })
+    }
+}
