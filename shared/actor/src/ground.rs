@@ -70,8 +70,8 @@ pub struct Next {
 impl Next {
     /// Moves `out`, the frame before as it was recorded, towards `pose`, the next one as it was recorded, vertex by vertex.
     ///
-    /// Between neighbouring frames straight lines are as good as arcs: a limb that turns by a tenth of a radian a frame
-    /// loses a thousandth of its length half way.
+    /// A straight line is no arc: half way, what turns by an angle a in the step is short by 1 - cos(a / 2) of its length. On
+    /// captures that is a thousandth to a two-hundredth of an edge on average (`docs/results/2026-11-28-motion.md`).
     pub fn approach(&self, pose: &[Vec3], out: &mut [Vec3]) {
         for (out, &point) in out.iter_mut().zip(pose) {
             let point = if self.step == Placement::IDENTITY { point } else { self.step.apply(point) };
