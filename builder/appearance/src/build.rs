@@ -11,6 +11,7 @@ use super::model::{AppearanceSummary, Learner, split};
 use super::reach::reach;
 use super::stored;
 use super::textures::TextureSource;
+use super::warp::WarpMethod;
 
 use job::Job;
 
@@ -41,7 +42,7 @@ impl Default for AppearanceOptions {
             components: DEFAULT_COMPONENTS,
             ssim: None,
             any_components: true,
-            align: AlignOptions::default(),
+            align: AlignOptions { warping: WarpMethod::Direct, ..AlignOptions::default() },
             compare: false,
         }
     }

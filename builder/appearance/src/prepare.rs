@@ -21,8 +21,7 @@ pub fn prepare(texture: &Texture, labels: &[u32]) -> Vec<f32> {
     let counts = |texel: usize| labels[texel] != 0 && texture.seen(texel);
     let mut values: Vec<f32> = texture.colours.iter().map(|&colour| brightness(colour)).collect();
     equalise(&mut values, &counts);
-    let filtered = bilateral(&values, texture.width as usize, &counts);
-    filtered.into_iter().zip(labels).map(|(value, &label)| if label == 0 { 0.0 } else { value }).collect()
+    bilateral(&values, texture.width as usize, labels, &counts)
 }
 
 /// Luma of an encoded colour (Rec. 709), 0 to 1.
@@ -57,8 +56,8 @@ fn equalise(values: &mut [f32], counts: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// Means of what lies near in space and in value.
-fn bilateral(values: &[f32], width: usize, counts: &dyn Fn(usize) -> bool) -> Vec<f32> {
+/// Means of what lies near in space and in value; 0 where `labels` are 0.
+fn bilateral(values: &[f32], width: usize, labels: &[u32], counts: &dyn Fn(usize) -> bool) -> Vec<f32> {
     let height = values.len() / width.max(1);
     let cell = (SPACE * width.max(height) as f32).max(1.0);
     // A margin of one cell on all sides, and room for interpolation.
@@ -76,6 +75,9 @@ fn bilateral(values: &[f32], width: usize, counts: &dyn Fn(usize) -> bool) -> Ve
         grid.blur(step, count);
     }
     let slice = |(texel, &value): (usize, &f32)| {
+        if labels[texel] == 0 {
+            return 0.0;
+        }
         let [sum, weight] = grid.at(place(texel % width, texel / width, value));
         if weight > 1e-6 { sum / weight } else { value }
     };
@@ -144,7 +146,7 @@ mod tests {
         let (width, height) = (64, 64);
         let noise = |k: usize| ((k * 7919) % 17) as f32 / 17.0 * 0.04 - 0.02;
         let values: Vec<f32> = (0..width * height).map(|k| if k % width < 32 { 0.2 } else { 0.8 } + noise(k)).collect();
-        let filtered = bilateral(&values, width, &|_| true);
+        let filtered = bilateral(&values, width, &vec![1; values.len()], &|_| true);
         let spread = |values: &[f32]| {
             let row = &values[32 * width..32 * width + 28];
             row.iter().fold(0.0_f32, |most, v| most.max((v - 0.2).abs()))

@@ -142,13 +142,17 @@ impl TextureWarper {
     pub fn inverse(&self, warp: &[f32]) -> Vec<f32> {
         let plane = self.places.spread::<2>(&self.level, warp, 2);
         let mut inverse: Vec<f32> = warp.iter().map(|w| -w).collect();
-        for _ in 0..INVERSE_STEPS {
-            self.places.each(|number, place, [x, y]| {
-                let way = &mut inverse[2 * number..2 * number + 2];
-                let there = sample(&self.level, &plane, place, [x + way[0], y + way[1]]);
-                way.copy_from_slice(&there.map(|there| -there));
-            });
-        }
+        self.places.each(|number, place, [x, y]| {
+            let way = &mut inverse[2 * number..2 * number + 2];
+            for _ in 0..INVERSE_STEPS {
+                let there = sample(&self.level, &plane, place, [x + way[0], y + way[1]]).map(|there| -there);
+                // Where a step changes nothing, none after it does.
+                if there == *way {
+                    break;
+                }
+                way.copy_from_slice(&there);
+            }
+        });
         inverse
     }
 

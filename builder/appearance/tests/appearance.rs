@@ -152,7 +152,8 @@ fn a_similarity_after_storing_is_reached_in_few_bytes() {
     });
     let plain = plain.unwrap();
     println!("plain: {plain:?}");
-    assert!(bytes[1] < 1.01 * plain.bytes_per_frame, "{plain:?} {bytes:?}");
+    // Similarities are reached within a tolerance, which is worth up to three hundredths of the bytes.
+    assert!(bytes[1] < 1.03 * plain.bytes_per_frame, "{plain:?} {bytes:?}");
 }
 
 #[test]
