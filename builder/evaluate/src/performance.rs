@@ -65,6 +65,18 @@ impl<'a> Recordings<'a> {
         Ok(blends)
     }
 
+    /// A side of a node, placed.
+    #[must_use]
+    pub fn side(&self, blend: &Blend, side: usize) -> Vec<Vec3> {
+        let next = &blend.next[side];
+        let mut pose = self.poses.frame(blend.frames[side]).to_vec();
+        if next.share > 0.0 {
+            next.approach(self.poses.frame(next.frame), &mut pose);
+        }
+        blend.placements[side].apply_all(&mut pose);
+        pose
+    }
+
     /// A recorded frame, placed.
     #[must_use]
     pub fn placed(&self, frame: u32, placement: Placement) -> Vec<Vec3> {
@@ -117,7 +129,10 @@ impl<'a> Performance<'a> {
         if lambda >= 1.0 {
             return Ok(self.recordings.placed(destination, blend.placements[1]));
         }
-        let poses = [0, 1].map(|side| self.recordings.placed(blend.frames[side], blend.placements[side]));
+        for frame in blend.frames {
+            self.interpolator.weigh(KeyedPose { frame, pose: self.recordings.poses.frame(frame) });
+        }
+        let poses = [0, 1].map(|side| self.recordings.side(blend, side));
         self.between((source, &poses[0]), (destination, &poses[1]), lambda)
     }
 

@@ -36,8 +36,8 @@ pub struct Subject {
     pub(super) centres: Vec<Vec2>,
     /// What its transitions keep still.
     pub(super) contacts: Contacts,
-    total: OnceLock<TransitionMatrix>,
-    mean: OnceLock<TransitionMatrix>,
+    /// By the choice of lengths.
+    transitions: [OnceLock<TransitionMatrix>; LengthChoice::ALL.len()],
 }
 
 impl Subject {
@@ -81,8 +81,7 @@ impl Subject {
             options,
             measured,
             centres,
-            total: OnceLock::new(),
-            mean: OnceLock::new(),
+            transitions: Default::default(),
         })
     }
 
@@ -94,9 +93,9 @@ impl Subject {
         self.timeline().frame_count() as usize
     }
 
-    /// Transitions with lengths by the least sum or the least mean.
+    /// Transitions with lengths by `choice`.
     pub(super) fn transitions(&self, choice: LengthChoice, job: &Job) -> Result<&TransitionMatrix, EvaluateError> {
-        let slot = if choice == LengthChoice::Total { &self.total } else { &self.mean };
+        let slot = &self.transitions[choice as usize];
         if let Some(known) = slot.get() {
             return Ok(known);
         }
@@ -109,7 +108,7 @@ impl Subject {
         Ok(optimal_transitions(&self.measured.distances, self.timeline(), options, job)?)
     }
 
-    /// The essential graph with lengths by the least sum or the least mean.
+    /// The essential graph with lengths by `choice`.
     pub(super) fn graph(&self, choice: LengthChoice, job: &Job) -> Result<EssentialGraph, EvaluateError> {
         let mut options = GraphOptions::default();
         options.transition = TransitionOptions { choice, ..self.options.transition };

@@ -14,7 +14,7 @@ use fixtures::{Captured, Random, crane_and_jumping};
 use job::{Job, Progress};
 use pipeline::distance::{DistanceMatrix, DistanceOptions, pose_distances};
 use pipeline::transitions::{
-    LengthChoice, TransitionCost, TransitionMatrix, TransitionOptions, WarpFinder, optimal_transitions,
+    HASTE_SPEED, LengthChoice, TransitionCost, TransitionMatrix, TransitionOptions, WarpFinder, optimal_transitions,
 };
 
 /// A path's sum of distances and number of nodes. Distances in the tests are small multiples of 2^-20, so sums are exact.
@@ -34,10 +34,17 @@ fn random_distances(frames: usize, levels: usize, random: &mut Random) -> Distan
     DistanceMatrix::from_fn(frames, |_, _| random.below(levels) as f32 * unit)
 }
 
+/// d^2 / (w^2 T) + T, in frames; a path of one node is all haste.
+fn haste((sum, nodes): Cost, fps: f32) -> f64 {
+    let (mean, steps) = (sum / nodes as f64, (nodes - 1) as f64);
+    let hurry = f64::from(fps) / HASTE_SPEED;
+    if nodes > 1 { mean * mean * (hurry * hurry) / steps + steps } else { f64::INFINITY }
+}
+
 /// The transition (i, j) chosen among all lengths, where `cost(li, lj)` is the cost of the best path.
 fn choose(
     lengths: impl Iterator<Item = (usize, usize)>,
-    choice: LengthChoice,
+    (choice, fps): (LengthChoice, f32),
     cost: impl Fn(usize, usize) -> Option<Cost>,
 ) -> Option<TransitionCost> {
     let mut best: Option<(Cost, usize, usize)> = None;
@@ -47,6 +54,7 @@ fn choose(
             let (a, b) = match choice {
                 LengthChoice::Total => (new.0, old.0),
                 LengthChoice::Mean => (new.0 * old.1 as f64, old.0 * new.1 as f64),
+                LengthChoice::Haste => (haste(new, fps), haste(old, fps)),
             };
             a < b || (a == b && (new.0, new.1, li, lj) < (old.0, old.1, old_li, old_lj))
         });
@@ -169,7 +177,7 @@ fn check(
     let found = transitions(distances, timeline, options);
     for (i, j) in pairs {
         let lengths = (shortest..=longest).flat_map(|li| (shortest..=longest).map(move |lj| (li, lj)));
-        let want = choose(lengths, options.choice, |li, lj| {
+        let want = choose(lengths, (options.choice, timeline.fps()), |li, lj| {
             best_path(&window(distances, timeline, i, j, li, lj)?, options.slope)
         });
         assert_eq!(found.get(i as usize, j as usize), want, "{i} to {j}, {options:?}");
@@ -193,7 +201,7 @@ fn matches_every_path_of_small_grids() {
     let mut random = Random::new(1);
     let timeline = common::timeline(1.0, &[(9, false), (6, true), (4, false), (1, false)]);
     for slope in SLOPES {
-        for choice in [LengthChoice::Total, LengthChoice::Mean] {
+        for choice in LengthChoice::ALL {
             // Few levels make many ties.
             for levels in [3, 1_000_000] {
                 let distances = random_distances(20, levels, &mut random);
@@ -210,7 +218,7 @@ fn matches_a_plain_programme_on_larger_grids() {
     let timeline = common::timeline(1.0, &[(170, false), (31, true), (23, false), (12, true)]);
     let distances = random_distances(236, 1_000_000, &mut random);
     for slope in SLOPES {
-        for choice in [LengthChoice::Total, LengthChoice::Mean] {
+        for choice in LengthChoice::ALL {
             let pairs: Vec<_> = (0..30).map(|_| (random.below(236) as u32, random.below(236) as u32)).collect();
             check(&distances, &timeline, (6, 25), &options(6, 25, slope, choice), pairs.into_iter(), plain_programme);
         }
@@ -226,7 +234,7 @@ fn matches_a_plain_programme_on_a_real_capture() {
         (distances.get(i, j) * 1_048_576.0).round() / 1_048_576.0
     });
     let mut random = Random::new(3);
-    for choice in [LengthChoice::Total, LengthChoice::Mean] {
+    for choice in LengthChoice::ALL {
         let options = TransitionOptions { shortest_seconds: 0.6, longest_seconds: 3.0, choice, ..Default::default() };
         let pairs: Vec<_> = (0..200).map(|_| (random.below(65) as u32, random.below(65) as u32)).collect();
         check(&multiples, &timeline, (3, 15), &options, pairs.into_iter(), plain_programme);

@@ -3,11 +3,12 @@
 
 use glam::Vec2;
 
-use super::ground::{Ground, recorded_step};
-use crate::contacts::Contacts;
+use super::ground::{Ground, Next, recorded_step};
+use crate::contacts::{Contact, Contacts};
 use crate::graph::{EssentialGraph, Transition};
 use crate::pose_source::PoseError;
-use crate::temporal_warp::TemporalWarp;
+pub use crate::temporal_warp::ease;
+use crate::temporal_warp::{PLACES_A_FRAME, Pace, TemporalWarp};
 use crate::timeline::Timeline;
 use crate::walk::Leg;
 use kernels::align::{Placement, rotate};
@@ -18,21 +19,27 @@ use kernels::scalar::half_turn;
 /// The actor's centre of mass follows the blended displacements of both sides. Source and destination are re-aligned
 /// about the vertical axis at each node; the rotations act on all that remains of their segments, so headings
 /// accumulate. Heights are not touched: interpolation blends them. What stands on the ground on both sides stays where it
-/// is, and the centre of mass moves over it ([`Contacts`]; not in the papers).
+/// is, and the centre of mass moves over it ([`Contacts`]; not in the papers). Both sides are gone through at a smooth
+/// [`Pace`], so that they stand between frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
     /// Index t of the node, from 0.
     pub node: usize,
-    /// Frames n and m that the node blends.
+    /// Frames n and m that the node blends, or those right before.
     pub frames: [u32; 2],
+    /// The frames after them, and how far the node is on the way there.
+    pub next: [Next; 2],
     /// Where both are to be placed.
     pub placements: [Placement; 2],
     /// Weight of the destination: [`ease`] of `t / (L - 1)`.
     pub lambda: f32,
     /// Centre of mass P in metres along (X, Z).
     pub centre: Vec2,
-    /// Centres of mass of both frames as they were recorded.
+    /// Centres of mass of both sides as they were recorded.
     recorded: [Vec2; 2],
+    /// Frames of each segment that lie behind.
+    places: [u32; 2],
+    paces: [Pace; 2],
 }
 
 impl Blend {
@@ -54,7 +61,17 @@ impl Blend {
         let heading = placement.heading + ground.heading(from, first)?;
         let destination = Placement::turning(heading, recorded[1], centre);
         let lambda = if warp.moves().is_empty() { 1.0 } else { 0.0 };
-        Ok(Self { node: 0, frames: [from, first], placements: [placement, destination], lambda, centre, recorded })
+        Ok(Self {
+            node: 0,
+            frames: [from, first],
+            next: [from, first].map(none_after),
+            placements: [placement, destination],
+            lambda,
+            centre,
+            recorded,
+            places: [0; 2],
+            paces: [0, 1].map(|side| Pace::of(warp, side, timeline.fps())),
+        })
     }
 
     /// The node after this one; `None` at the end of the warp.
@@ -68,38 +85,83 @@ impl Blend {
         warp: &TemporalWarp,
         contacts: &Contacts,
     ) -> Result<Option<Self>, PoseError> {
-        let Some(step) = warp.moves().get(self.node) else { return Ok(None) };
-        let mut frames = self.frames;
-        let mut placements = self.placements;
-        let mut centres = [Vec2::ZERO; 2];
-        let mut displacements = [Vec2::ZERO; 2];
-        for (side, advances) in [step.advances_source(), step.advances_destination()].into_iter().enumerate() {
-            if advances {
-                let (frame, recorded) =
-                    recorded_step(timeline, ground, frames[side])?.ok_or(PoseError::OutOfRange(frames[side]))?;
-                frames[side] = frame;
-                placements[side] = placements[side].after(&recorded);
-            }
-            centres[side] = ground.centre(frames[side])?;
-            if advances {
-                displacements[side] = ground_point(placements[side], centres[side]) - self.centre;
-            }
-        }
         let node = self.node + 1;
-        let lambda = ease(node as f32 / warp.moves().len() as f32);
-        let apart = placements[0].heading + ground.heading(frames[0], frames[1])? - placements[1].heading;
-        let apart = half_turn(apart);
-        let headings = [placements[0].heading - lambda * apart, placements[1].heading + (1.0 - lambda) * apart];
+        if node > warp.moves().len() {
+            return Ok(None);
+        }
+        let mut next = Self { node, lambda: ease(node as f32 / warp.moves().len() as f32), ..*self };
+        for side in 0..2 {
+            next.advance(timeline, ground, warp, side)?;
+        }
+        let lambda = next.lambda;
+        let displacements = [0, 1].map(|side| ground_point(next.placements[side], next.recorded[side]) - self.centre);
+        let apart = half_turn(next.placements[0].heading + next.turn(ground)? - next.placements[1].heading);
+        let headings =
+            [next.placements[0].heading - lambda * apart, next.placements[1].heading + (1.0 - lambda) * apart];
         let free = displacements[0].lerp(displacements[1], self.lambda);
-        let mut next = Self { node, frames, placements, lambda, centre: self.centre, recorded: centres };
         for (placement, heading) in next.placements.iter_mut().zip(headings) {
             placement.heading = heading;
         }
         next.centre += self.held(&next, contacts, free);
         for side in 0..2 {
-            next.placements[side] = Placement::turning(headings[side], centres[side], next.centre);
+            next.placements[side] = Placement::turning(headings[side], next.recorded[side], next.centre);
         }
         Ok(Some(next))
+    }
+
+    /// The recorded frame that a side is nearest to.
+    #[must_use]
+    pub fn nearest(&self, side: usize) -> u32 {
+        if self.next[side].share < 0.5 { self.frames[side] } else { self.next[side].frame }
+    }
+
+    /// Moves a side on to where it is at the node, where it stands being left as it was.
+    fn advance(
+        &mut self,
+        timeline: &Timeline,
+        ground: &mut impl Ground,
+        warp: &TemporalWarp,
+        side: usize,
+    ) -> Result<(), PoseError> {
+        let place = self.paces[side].place(warp, side, self.node);
+        let after =
+            |frame: u32, ground: &mut _| recorded_step(timeline, ground, frame)?.ok_or(PoseError::OutOfRange(frame));
+        while self.places[side] < place / PLACES_A_FRAME {
+            let (frame, recorded) = after(self.frames[side], ground)?;
+            self.frames[side] = frame;
+            self.placements[side] = self.placements[side].after(&recorded);
+            self.places[side] += 1;
+        }
+        let share = (place % PLACES_A_FRAME) as f32 / PLACES_A_FRAME as f32;
+        self.recorded[side] = ground.centre(self.frames[side])?;
+        self.next[side] = none_after(self.frames[side]);
+        if share > 0.0 {
+            let (frame, step) = after(self.frames[side], ground)?;
+            self.next[side] = Next { frame, step, share };
+            self.recorded[side] = self.recorded[side].lerp(ground_point(step, ground.centre(frame)?), share);
+        }
+        Ok(())
+    }
+
+    /// The angle by which the destination must be turned to lie best on the source, both as they were recorded: between
+    /// frames from those around, each counting as much as it is near.
+    fn turn(&self, ground: &mut impl Ground) -> Result<f32, PoseError> {
+        let [source, destination] = self.next;
+        let first = ground.heading(self.frames[0], self.frames[1])?;
+        let mut turn = first;
+        for (beyond, there) in [(false, true), (true, false), (true, true)] {
+            let of = |next: &Next, is_beyond: bool| if is_beyond { next.share } else { 1.0 - next.share };
+            let share = of(&source, beyond) * of(&destination, there);
+            if share > 0.0 {
+                let fixed = if beyond { source.frame } else { self.frames[0] };
+                let moving = if there { destination.frame } else { self.frames[1] };
+                // How the next frames stand beside those that they follow.
+                let turned = f32::from(u8::from(beyond)) * source.step.heading
+                    - f32::from(u8::from(there)) * destination.step.heading;
+                turn += share * half_turn(ground.heading(fixed, moving)? + turned - first);
+            }
+        }
+        Ok(turn)
     }
 
     /// The step of the centre of mass from here to `next` that keeps still, as well as one step can, what stands on both
@@ -118,21 +180,36 @@ impl Blend {
     /// Where a part of the blended surface is, seen from the centre of mass, and how firmly it stands on both sides.
     fn standing(&self, part: usize, contacts: &Contacts) -> (Vec2, f32) {
         let side = |side: usize| {
-            let contact = contacts.of(self.frames[side]).get(part).copied().unwrap_or_default();
+            let contact = self.contact(side, part, contacts);
             (rotate(self.placements[side].heading, contact.point - self.recorded[side]), contact.weight)
         };
         let ((source, stands), (destination, as_well)) = (side(0), side(1));
         (source.lerp(destination, self.lambda), stands * as_well)
     }
+
+    /// A part of one side, between frames.
+    fn contact(&self, side: usize, part: usize, contacts: &Contacts) -> Contact {
+        let of = |frame: u32| contacts.of(frame).get(part).copied().unwrap_or_default();
+        let (here, next) = (of(self.frames[side]), self.next[side]);
+        if next.share <= 0.0 {
+            return here;
+        }
+        let mut there = of(next.frame);
+        there.point = ground_point(next.step, there.point);
+        let weight = here.weight + (there.weight - here.weight) * next.share;
+        // What does not stand has no point.
+        let point = match (here.weight > 0.0, there.weight > 0.0) {
+            (true, true) => here.point.lerp(there.point, next.share),
+            (true, false) => here.point,
+            _ => there.point,
+        };
+        Contact { point, weight }
+    }
 }
 
-/// `3 t^2 - 2 t^3`: from 0 to 1, at rest at both ends.
-///
-/// The papers' weight grows evenly (thesis algorithm 2): at the first node of a blend the surface then takes on the
-/// velocity (destination - source) / (L - 1) at once, and loses it at the last, which is seen where L is small.
-#[must_use]
-pub fn ease(t: f32) -> f32 {
-    t * t * (3.0 - 2.0 * t)
+/// Nothing is looked at after `frame`.
+fn none_after(frame: u32) -> Next {
+    Next { frame, step: Placement::IDENTITY, share: 0.0 }
 }
 
 /// Placement of the destination's recorded frames after a transition whose source frames stand as they were recorded:

@@ -56,6 +56,30 @@ pub fn recorded_step(
     Ok(Some((to, Placement::turning(heading, first, last + (arriving + leaving) / 2.0))))
 }
 
+/// The frame after a recorded one, and how much of the step to it is done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Next {
+    /// The frame.
+    pub frame: u32,
+    /// Its placement once the frame before stands as it was recorded ([`recorded_step`]).
+    pub step: Placement,
+    /// From 0 to 1; 0 where no next frame is looked at.
+    pub share: f32,
+}
+
+impl Next {
+    /// Moves `out`, the frame before as it was recorded, towards `pose`, the next one as it was recorded, vertex by vertex.
+    ///
+    /// A straight line is no arc: half way, what turns by an angle a in the step is short by 1 - cos(a / 2) of its length. On
+    /// captures that is a thousandth to a two-hundredth of an edge on average (`docs/results/2026-11-28-motion.md`).
+    pub fn approach(&self, pose: &[Vec3], out: &mut [Vec3]) {
+        for (out, &point) in out.iter_mut().zip(pose) {
+            let point = if self.step == Placement::IDENTITY { point } else { self.step.apply(point) };
+            *out += (point - *out) * self.share;
+        }
+    }
+}
+
 /// Recorded poses read last.
 pub struct PoseMemory {
     kept: LruCache<ReadPose>,
@@ -67,8 +91,8 @@ struct ReadPose {
     centre: Vec2,
 }
 
-/// Poses kept: both sides of a node, and their neighbours at a wrap.
-const KEPT_POSES: usize = 4;
+/// Poses kept: on both sides of a node the two frames that it lies between, and their neighbours at a wrap.
+const KEPT_POSES: usize = 8;
 
 impl Default for PoseMemory {
     fn default() -> Self {
@@ -96,6 +120,13 @@ impl<'a> PosesOnGround<'a> {
         if placement != Placement::IDENTITY {
             placement.apply_all(out);
         }
+        Ok(())
+    }
+
+    /// Moves `out`, which holds a frame as it was recorded, on towards the next one.
+    pub fn approach(&mut self, next: &Next, out: &mut [Vec3]) -> Result<(), PoseError> {
+        let slot = self.read(next.frame)?;
+        next.approach(&self.memory.kept.get(slot).pose, out);
         Ok(())
     }
 

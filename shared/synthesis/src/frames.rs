@@ -186,9 +186,10 @@ impl FrameMaker {
         if is_last(&blend, to) {
             return Ok(false);
         }
+        let Some(interpolator) = &self.interpolator else { return Err(PoseError::NotLoaded(to.from)) };
+        let before = interpolator.memory();
         self.place(over.source, &blend)?;
         let Some(interpolator) = &mut self.interpolator else { return Err(PoseError::NotLoaded(to.from)) };
-        let before = interpolator.memory();
         interpolator.restart();
         interpolator.begin(keyed(&self.placed, &blend), blend.lambda);
         let pose = vec![Vec3::ZERO; self.weights.len()];
@@ -252,8 +253,16 @@ impl FrameMaker {
     fn place(&mut self, source: &mut dyn PoseSource, blend: &Blend) -> Result<(), PoseError> {
         let mut ground = PosesOnGround::new(source, &self.weights, &mut self.memory);
         for (side, placed) in self.placed.iter_mut().enumerate() {
+            let (frame, next) = (blend.frames[side], &blend.next[side]);
             placed.resize(self.weights.len(), Vec3::ZERO);
-            ground.place(blend.frames[side], blend.placements[side], placed)?;
+            ground.place(frame, Placement::IDENTITY, placed)?;
+            if next.share > 0.0 {
+                if let Some(interpolator) = &mut self.interpolator {
+                    interpolator.weigh(KeyedPose { frame, pose: placed });
+                }
+                ground.approach(next, placed)?;
+            }
+            blend.placements[side].apply_all(placed);
         }
         Ok(())
     }

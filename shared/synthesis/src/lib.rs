@@ -381,8 +381,8 @@ impl Synthesiser {
                 transition,
                 node: blend.node as u32,
                 lambda: blend.lambda,
-                source_frame: blend.frames[0],
-                destination_frame: blend.frames[1],
+                source_frame: blend.nearest(0),
+                destination_frame: blend.nearest(1),
             },
         };
         FrameInfo { kind, placement, leg: self.walker.leg(), effort }

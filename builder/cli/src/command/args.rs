@@ -241,6 +241,8 @@ pub enum TransitionLength {
     Total,
     /// The least mean of pose distances.
     Mean,
+    /// The least haste: what the blend adds to the motion, with the time it takes.
+    Haste,
 }
 
 /// Arguments of `builder performer`.

@@ -83,6 +83,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         choice: match arguments.transition_length {
             TransitionLength::Total => LengthChoice::Total,
             TransitionLength::Mean => LengthChoice::Mean,
+            TransitionLength::Haste => LengthChoice::Haste,
         },
     };
     options.graph.alpha = arguments.alpha;

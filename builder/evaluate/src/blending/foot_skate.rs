@@ -126,7 +126,7 @@ pub(super) fn skate_table(
     let still = add("recorded", "standing", &recorded.standing);
     let mut sliding = Vec::new();
     for (choice, _, Skate { held, free }) in skates {
-        let lengths = if *choice == LengthChoice::Total { "lengths by the sum" } else { "lengths by the mean" };
+        let lengths = format!("lengths by the {}", choice.word());
         for (slides, way) in [(held, "contacts held"), (free, "as in the papers")] {
             let name = format!("synthetic, {way}, {lengths}");
             add(&name, "touching", &slides.touching);

@@ -39,7 +39,7 @@ impl Added {
             let Leg::Synthetic(index) = *leg else { continue };
             let transition = &graph.transitions()[index as usize];
             let blends = recordings.blends(transition)?;
-            let apart = |blend: &Blend| f64::from(distances.get(blend.frames[0] as usize, blend.frames[1] as usize));
+            let apart = |blend: &Blend| f64::from(distances.get(blend.nearest(0) as usize, blend.nearest(1) as usize));
             let velocity =
                 |pair: &[Blend]| f64::from(pair[1].lambda - pair[0].lambda) * (apart(&pair[0]) + apart(&pair[1])) / 2.0;
             let velocities: Vec<f64> = blends.windows(2).map(velocity).collect();

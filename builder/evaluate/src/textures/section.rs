@@ -87,7 +87,8 @@ fn seams(transitions: &[Vec<Blend>]) -> Vec<[Moment; 2]> {
     for blends in transitions {
         // A transition without a node of its own has no synthetic frame.
         let [first, second, .., before_last, last] = blends.as_slice() else { continue };
-        let moment = |blend: &Blend| Moment { frames: blend.frames.map(|frame| frame as usize), lambda: blend.lambda };
+        let moment =
+            |blend: &Blend| Moment { frames: [0, 1].map(|side| blend.nearest(side) as usize), lambda: blend.lambda };
         seams.push([Moment::recorded(first.frames[0] as usize), moment(second)]);
         seams.push([moment(before_last), Moment::recorded(last.frames[1] as usize)]);
     }

@@ -5,7 +5,7 @@
 //! `D 2^b + L`, an integer below 2^53, so an `f64` holds it and adds it without rounding. Then the smaller key is the
 //! path of the smaller sum, and of two equal sums the shorter path; no result depends on the order of additions.
 
-use super::options::{Lengths, TransitionError};
+use super::options::{HASTE_SPEED, Lengths, TransitionError};
 use crate::distance::DistanceMatrix;
 
 /// How distances are turned into keys and back.
@@ -17,11 +17,13 @@ pub(super) struct Keys {
     nodes: f64,
     /// 2^-b.
     inverse_nodes: f64,
+    /// What the square of the sum of multiples is times for [`Self::haste`].
+    hurry: f64,
 }
 
 impl Keys {
     /// Keys for paths through grids of `lengths` over `distances`.
-    pub(super) fn new(distances: &DistanceMatrix, lengths: Lengths) -> Result<Self, TransitionError> {
+    pub(super) fn new(distances: &DistanceMatrix, lengths: Lengths, fps: f32) -> Result<Self, TransitionError> {
         let mut largest = 0.0_f32;
         for i in 0..distances.frame_count() {
             let row = distances.row(i);
@@ -33,10 +35,13 @@ impl Keys {
         let most_nodes = (2 * lengths.longest) as f64;
         let node_bits = exponent_above(most_nodes);
         let sum_bits = exponent_above(most_nodes * f64::from(largest.max(f32::MIN_POSITIVE)));
+        let multiples = 2.0_f64.powi((53 - node_bits - sum_bits).min(64));
+        let hurry = f64::from(fps) / (HASTE_SPEED * multiples);
         Ok(Self {
-            multiples: 2.0_f64.powi((53 - node_bits - sum_bits).min(64)),
+            multiples,
             nodes: 2.0_f64.powi(node_bits),
             inverse_nodes: 2.0_f64.powi(-node_bits),
+            hurry: hurry * hurry,
         })
     }
 
@@ -77,6 +82,25 @@ impl Keys {
         // No path has an infinite key, and no mean: neither comparison of products holds then.
         left < right || (a < b && (left == right || b == f64::INFINITY))
     }
+
+    /// The haste of a path, in frames: (D / (L w))^2 fps^2 / (L - 1) + L - 1. A path of one node is all haste; no path is
+    /// infinitely hasty.
+    #[inline(always)]
+    pub(super) fn haste(self, key: f64) -> f64 {
+        let multiples = self.multiples_of(key);
+        let nodes = self.nodes_of(key, multiples);
+        // The key of no path leaves no number of nodes.
+        let steps = if key < f64::INFINITY { nodes - 1.0 } else { 0.0 };
+        let mean = multiples / nodes;
+        if steps > 0.0 { mean * mean * self.hurry / steps + steps } else { f64::INFINITY }
+    }
+
+    /// Whether key `a` has the smaller haste, or the same and a smaller sum.
+    #[inline(always)]
+    pub(super) fn smaller_haste(self, a: f64, b: f64) -> bool {
+        let (hastes_a, hastes_b) = (self.haste(a), self.haste(b));
+        hastes_a < hastes_b || (hastes_a == hastes_b && a < b)
+    }
 }
 
 /// The least e with 2^e > x > 0.
@@ -92,7 +116,7 @@ mod tests {
     fn keys_come_apart_again() {
         let lengths = Lengths { shortest: 15, longest: 100 };
         let distances = DistanceMatrix::from_fn(3, |i, j| 0.3 + 0.9 * (i + j) as f32);
-        let keys = Keys::new(&distances, lengths).unwrap();
+        let keys = Keys::new(&distances, lengths, 25.0).unwrap();
         let node = keys.of_distance(3.0);
         let sum: f64 = (0..199).map(|_| node).sum();
         assert_eq!(keys.split(sum), (597.0, 199.0));
@@ -104,6 +128,6 @@ mod tests {
         }
         assert!(keys.smaller_mean(node, f64::INFINITY));
         let bad = DistanceMatrix::from_fn(3, |_, j| if j == 2 { f32::NAN } else { 1.0 });
-        assert!(matches!(Keys::new(&bad, lengths), Err(TransitionError::Distance(0, 2))));
+        assert!(matches!(Keys::new(&bad, lengths, 25.0), Err(TransitionError::Distance(0, 2))));
     }
 }

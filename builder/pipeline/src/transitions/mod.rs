@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use self::grid::{Columns, Diagonal, Slope, Unlimited};
 use self::keys::Keys;
 pub use self::matrix::{TransitionCost, TransitionMatrix};
-pub use self::options::{LengthChoice, Lengths, TransitionError, TransitionOptions};
+pub use self::options::{HASTE_SPEED, LengthChoice, Lengths, TransitionError, TransitionOptions};
 use self::search::{Scratch, SearchRow};
 pub use self::warp::{WarpFinder, warp_of};
 use crate::distance::DistanceMatrix;
@@ -75,7 +75,7 @@ fn keys_of(
     if distances.frame_count() != frames {
         return Err(TransitionError::FrameCount { distances: distances.frame_count(), frames });
     }
-    Keys::new(distances, lengths)
+    Keys::new(distances, lengths, timeline.fps())
 }
 
 /// A search for all transitions, row by row.
@@ -185,7 +185,7 @@ mod tests {
         };
         let timeline = Timeline::new(10.0, vec![sequence(0, 150, false), sequence(150, 37, true)]).unwrap();
         let distances = DistanceMatrix::from_fn(187, |i, j| (0.1 * (i as f32 - 1.3 * j as f32)).sin().abs());
-        for choice in [LengthChoice::Total, LengthChoice::Mean] {
+        for choice in LengthChoice::ALL {
             let options = TransitionOptions { choice, ..Default::default() };
             let run = |level| transitions_at(level, &distances, &timeline, &options, &Job::silent()).unwrap();
             let first = run(Level::best());

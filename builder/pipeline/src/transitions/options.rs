@@ -13,11 +13,22 @@ pub enum LengthChoice {
     Total,
     /// Those of the least mean, the sum over the number of nodes (thesis equation 2.50). Ties as above, after the sum.
     Mean,
+    /// Those of the least haste: what the blend adds to the motion, with the time it takes ([`HASTE_SPEED`]). Ties: the
+    /// smaller sum, then as above. Not in the papers.
+    Haste,
 }
+
+/// The speed w in radians a second by which a blend may move the surface from one side to the other: with d the mean
+/// distance along a warp and T its seconds, [`LengthChoice::Haste`] takes the least d^2 / (w^2 T) + T, so that T is d / w
+/// where d does not depend on the length.
+///
+/// With the weight's derivative lambda', what a blend adds to the motion is lambda' d radians a second (`docs/method.md`).
+/// Its square over the whole transition is 6/5 d^2 / T.
+pub const HASTE_SPEED: f64 = 0.7;
 
 impl LengthChoice {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Total, Self::Mean];
+    pub const ALL: [Self; 3] = [Self::Total, Self::Mean, Self::Haste];
 
     /// A word for it.
     #[must_use]
@@ -25,6 +36,7 @@ impl LengthChoice {
         match self {
             Self::Total => "sum",
             Self::Mean => "mean",
+            Self::Haste => "haste",
         }
     }
 }

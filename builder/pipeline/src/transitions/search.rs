@@ -16,6 +16,11 @@ use kernels::simd::Kernel;
 /// Start cells whose nodes are laid out together, so that they stay in a core's cache.
 const GROUP: usize = 16 * LANES;
 
+/// [`LengthChoice`]s, as paths are compared by them.
+const TOTAL: u8 = 0;
+const MEAN: u8 = 1;
+const HASTE: u8 = 2;
+
 /// What one thread needs, kept from one row to the next.
 #[derive(Default)]
 pub(super) struct Scratch<S> {
@@ -67,8 +72,9 @@ impl<S: Slope> SearchRow<'_, S> {
             for block in (0..GROUP.min(starts - first)).step_by(LANES).rev() {
                 let columns = if destination.cyclic { longest } else { longest.min(starts - first - block) };
                 match self.choice {
-                    LengthChoice::Total => self.search_block::<false>(rows, columns, width, first, block),
-                    LengthChoice::Mean => self.search_block::<true>(rows, columns, width, first, block),
+                    LengthChoice::Total => self.search_block::<TOTAL>(rows, columns, width, first, block),
+                    LengthChoice::Mean => self.search_block::<MEAN>(rows, columns, width, first, block),
+                    LengthChoice::Haste => self.search_block::<HASTE>(rows, columns, width, first, block),
                 }
             }
         }
@@ -100,26 +106,19 @@ impl<S: Slope> SearchRow<'_, S> {
 
     /// Searches the grids of the start cells `first + block ..`, of `columns` columns at most.
     #[inline(always)]
-    fn search_block<const MEAN: bool>(
-        &mut self,
-        rows: usize,
-        columns: usize,
-        width: usize,
-        first: usize,
-        block: usize,
-    ) {
+    fn search_block<const BY: u8>(&mut self, rows: usize, columns: usize, width: usize, first: usize, block: usize) {
         let Scratch { slope, keys, best } = &mut *self.scratch;
         let (numbers, shortest) = (self.keys, self.lengths.shortest);
         let nodes = Nodes { keys, width, rows };
         slope.reset(rows);
         for column in 0..columns {
-            let mut low = Low::<MEAN>::new(numbers);
+            let mut low = Low::<BY>::new(numbers);
             // Columns of too short segments only lead to the others.
             let from = if column + 1 < shortest { rows } else { shortest - 1 };
             slope.fill(&nodes, block, column, from, &mut low);
             if column + 1 >= shortest {
                 let ends = &slope.least()[shortest - 1..];
-                best.offer::<MEAN>(numbers, first + block + column, column + 1, low.keys, ends, shortest);
+                best.offer::<BY>(numbers, first + block + column, column + 1, low.keys, ends, shortest);
             }
         }
     }
@@ -132,8 +131,9 @@ impl<S: Slope> SearchRow<'_, S> {
         if destination.cyclic {
             for wrapped in count..best.keys.len() {
                 match self.choice {
-                    LengthChoice::Total => best.fold::<false>(self.keys, wrapped, wrapped % count),
-                    LengthChoice::Mean => best.fold::<true>(self.keys, wrapped, wrapped % count),
+                    LengthChoice::Total => best.fold::<TOTAL>(self.keys, wrapped, wrapped % count),
+                    LengthChoice::Mean => best.fold::<MEAN>(self.keys, wrapped, wrapped % count),
+                    LengthChoice::Haste => best.fold::<HASTE>(self.keys, wrapped, wrapped % count),
                 }
             }
         }
@@ -154,27 +154,27 @@ impl<S: Slope> SearchRow<'_, S> {
 }
 
 /// The best key of a column for each lane.
-struct Low<const MEAN: bool> {
+struct Low<const BY: u8> {
     keys: Lanes,
-    /// The keys' sums and numbers of nodes, where means are compared.
+    /// The keys' sums and numbers of nodes, where means are compared; their hastes in place of sums, where those are.
     multiples: Lanes,
     nodes: Lanes,
     numbers: Keys,
 }
 
-impl<const MEAN: bool> Low<MEAN> {
+impl<const BY: u8> Low<BY> {
     #[inline(always)]
     fn new(numbers: Keys) -> Self {
         Self { keys: [f64::INFINITY; LANES], multiples: [f64::INFINITY; LANES], nodes: [1.0; LANES], numbers }
     }
 }
 
-impl<const MEAN: bool> Lowest for Low<MEAN> {
+impl<const BY: u8> Lowest for Low<BY> {
     #[inline(always)]
     fn visit(&mut self, least: Lanes) {
         for lane in 0..LANES {
             let (old, new) = (self.keys[lane], least[lane]);
-            if MEAN {
+            if BY == MEAN {
                 // As `Keys::smaller_mean`, without taking the old key apart again.
                 let multiples = self.numbers.multiples_of(new);
                 let nodes = self.numbers.nodes_of(new, multiples);
@@ -183,6 +183,11 @@ impl<const MEAN: bool> Lowest for Low<MEAN> {
                 self.keys[lane] = if smaller { new } else { old };
                 self.multiples[lane] = if smaller { multiples } else { self.multiples[lane] };
                 self.nodes[lane] = if smaller { nodes } else { self.nodes[lane] };
+            } else if BY == HASTE {
+                let (before, haste) = (self.multiples[lane], self.numbers.haste(new));
+                let smaller = (haste < before) | ((haste == before) & (new < old));
+                self.keys[lane] = if smaller { new } else { old };
+                self.multiples[lane] = if smaller { haste } else { before };
             } else {
                 self.keys[lane] = if new < old { new } else { old };
             }
@@ -192,8 +197,12 @@ impl<const MEAN: bool> Lowest for Low<MEAN> {
 
 /// Whether key `a` is better than key `b`.
 #[inline(always)]
-fn better<const MEAN: bool>(keys: Keys, a: f64, b: f64) -> bool {
-    if MEAN { keys.smaller_mean(a, b) } else { a < b }
+fn better<const BY: u8>(keys: Keys, a: f64, b: f64) -> bool {
+    match BY {
+        MEAN => keys.smaller_mean(a, b),
+        HASTE => keys.smaller_haste(a, b),
+        _ => a < b,
+    }
 }
 
 /// The best path to each destination so far, by place in the sequence; places beyond its end are wrapped at the end.
@@ -215,7 +224,7 @@ impl Best {
     /// Takes the paths of keys `low` to the places `place ..` where they are better; their destination segments have
     /// `lj` frames, and their source segments `shortest` frames and so on in the rows of `column`.
     #[inline(always)]
-    fn offer<const MEAN: bool>(
+    fn offer<const BY: u8>(
         &mut self,
         numbers: Keys,
         place: usize,
@@ -227,7 +236,7 @@ impl Best {
         let old: &[f64] = &self.keys[place..place + LANES];
         let mut improves = false;
         for lane in 0..LANES {
-            improves |= low[lane] < f64::INFINITY && !better::<MEAN>(numbers, old[lane], low[lane]);
+            improves |= low[lane] < f64::INFINITY && !better::<BY>(numbers, old[lane], low[lane]);
         }
         if !improves {
             return;
@@ -241,23 +250,23 @@ impl Best {
         for lane in 0..LANES {
             if low[lane] < f64::INFINITY {
                 let lengths = (shortest as u16 + row[lane] as u16, lj as u16);
-                self.take::<MEAN>(numbers, place + lane, low[lane], lengths);
+                self.take::<BY>(numbers, place + lane, low[lane], lengths);
             }
         }
     }
 
-    fn take<const MEAN: bool>(&mut self, numbers: Keys, place: usize, key: f64, lengths: (u16, u16)) {
+    fn take<const BY: u8>(&mut self, numbers: Keys, place: usize, key: f64, lengths: (u16, u16)) {
         let old = self.keys[place];
-        if better::<MEAN>(numbers, key, old) || (key == old && lengths < self.lengths[place]) {
+        if better::<BY>(numbers, key, old) || (key == old && lengths < self.lengths[place]) {
             self.keys[place] = key;
             self.lengths[place] = lengths;
         }
     }
 
-    fn fold<const MEAN: bool>(&mut self, numbers: Keys, from: usize, to: usize) {
+    fn fold<const BY: u8>(&mut self, numbers: Keys, from: usize, to: usize) {
         let (key, lengths) = (self.keys[from], self.lengths[from]);
         if key.is_finite() {
-            self.take::<MEAN>(numbers, to, key, lengths);
+            self.take::<BY>(numbers, to, key, lengths);
         }
     }
 }

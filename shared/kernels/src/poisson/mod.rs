@@ -194,6 +194,12 @@ impl PoissonInterpolator {
         Ok(self.finish(out))
     }
 
+    /// Makes the Laplacian of a recorded pose: poses of the same frame that follow are weighed by it, wherever they are
+    /// placed, those between this frame and the next one, too.
+    pub fn weigh(&mut self, recorded: KeyedPose<'_>) {
+        self.laplacian(recorded);
+    }
+
     /// Begins an interpolation that is worked on a piece at a time: as [`Self::interpolate`] does it all at once, for a
     /// `lambda` between 0 and 1.
     pub fn begin(&mut self, [source, destination]: [KeyedPose<'_>; 2], lambda: f32) {

@@ -146,8 +146,11 @@ impl SearchGraphBuilder {
         let mut track = vec![(points[transition.from as usize], transition.from)];
         while let Some(next) = blend.next(timeline, &mut motion, warp, graph.contacts())? {
             blend = next;
-            let side = |side: usize| blend.placements[side].apply(points[blend.frames[side] as usize]);
-            let looks_like = blend.frames[usize::from(blend.lambda >= 0.5)];
+            let side = |side: usize| {
+                let (next, point) = (&blend.next[side], points[blend.frames[side] as usize]);
+                blend.placements[side].apply(point.lerp(next.step.apply(points[next.frame as usize]), next.share))
+            };
+            let looks_like = blend.nearest(usize::from(blend.lambda >= 0.5));
             track.push((side(0).lerp(side(1), blend.lambda), looks_like));
         }
         let end = transition.placement.apply(points[transition.to as usize]);
