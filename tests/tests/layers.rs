@@ -17,9 +17,9 @@ const FLOORS: [&[&str]; 12] = [
     &["builder/reprise"],
     &["builder/evaluate"],
     &["builder/cli"],
-    // The player: the engine and nothing of the builder.
+    // The player and what searches for it: the engine and nothing of the builder.
+    &["web/searcher"],
     &["web"],
-    &[],
     &["tests/fixtures"],
     &["tests"],
     &["xtask"],
@@ -56,7 +56,8 @@ fn package(folder: &str) -> String {
 
 /// Folders of all crates of the workspace.
 fn crates() -> Vec<String> {
-    let mut folders = vec!["web".to_owned(), "tests".into(), "tests/fixtures".into(), "xtask".into()];
+    let mut folders =
+        vec!["web".to_owned(), "web/searcher".into(), "tests".into(), "tests/fixtures".into(), "xtask".into()];
     for parent in ["shared", "builder"] {
         for entry in fs::read_dir(root().join(parent)).unwrap() {
             let name = entry.unwrap().file_name().into_string().unwrap();

@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod clock;
+mod direct;
 mod directing;
 pub mod events;
 mod follow;

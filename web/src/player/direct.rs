@@ -1,0 +1,119 @@
+//! Directing: what the module that searches needs to know of the actor, and setting off on the walks that it finds.
+//!
+//! That module has a memory of its own. The motion of all frames is in the bundle, or measured from the poses, some frames at
+//! a time; so is the middle of other vertices that are to follow a path.
+
+use std::rc::Rc;
+
+use actor::motion::{Motion, MotionMeter, measure_group};
+use actor::walk::{Leg, Walk};
+use glam::Vec3;
+use search::Start;
+use searcher::scene::words;
+
+use super::loading::{Actor, Source};
+use super::report::PlanReport;
+use super::{Player, PlayerError};
+
+/// Frames measured between two looks at the clock.
+const FRAMES: u32 = 2;
+/// Metres and radians by which the actor may have moved since the search began.
+const SAME: f32 = 1e-3;
+
+impl Player {
+    /// Works for about `milliseconds` on what searches need to know; that as words, once it is all there.
+    ///
+    /// # Errors
+    /// The graph or a frame has not arrived.
+    pub fn known(&mut self, milliseconds: f64) -> Result<Option<Vec<u32>>, PlayerError> {
+        let (actor, graph) = self.ready(0)?;
+        let end = (self.now)() + milliseconds;
+        let motion = loop {
+            match self.measure_more(&actor)? {
+                Some(motion) => break motion,
+                None if (self.now)() >= end => return Ok(None),
+                None => {}
+            }
+        };
+        Ok(Some(words(&actor.timeline, &graph, &motion, actor.topology.vertex_count() as u32)))
+    }
+
+    /// Learns the motion: the bundle knows it, or some more poses are measured.
+    fn measure_more(&mut self, actor: &Actor) -> Result<Option<Rc<Motion>>, PlayerError> {
+        let directing = &mut self.directing;
+        if let Source::Bundle(reader) = &self.loading.source
+            && let Some(motion) = reader.motion()
+        {
+            directing.motion.get_or_insert_with(|| Rc::new(motion.clone()));
+        }
+        if directing.motion.is_none() {
+            let (timeline, source) = (&actor.timeline, &mut self.loading.source);
+            let meter = directing.meter.get_or_insert_with(|| Box::new(MotionMeter::new(actor.topology.weights())));
+            if meter.advance(timeline, source, FRAMES)?
+                && let Some(meter) = directing.meter.take()
+            {
+                directing.motion = Some(Rc::new(meter.finish(timeline, source)?));
+            }
+        }
+        Ok(directing.motion.clone())
+    }
+
+    /// Works for about `milliseconds` on where the middle of `vertices` is in every frame as it was recorded; that, once it is
+    /// all there.
+    ///
+    /// # Errors
+    /// A frame has not arrived, or there is no such vertex.
+    pub fn middles(&mut self, vertices: &[u32], milliseconds: f64) -> Result<Option<Vec<Vec3>>, PlayerError> {
+        let (actor, _) = self.ready(0)?;
+        let directing = &mut self.directing;
+        let count = actor.topology.vertex_count();
+        if let Some(&vertex) = vertices.iter().find(|&&vertex| vertex as usize >= count) {
+            return Err(PlayerError::NoVertex(vertex));
+        }
+        if directing.group != vertices {
+            (directing.group, directing.middles) = (vertices.to_vec(), Vec::new());
+        }
+        let end = (self.now)() + milliseconds;
+        let source = &mut self.loading.source;
+        while !measure_group(&actor.timeline, source, count, vertices, &mut directing.middles, FRAMES)? {
+            if (self.now)() >= end {
+                return Ok(None);
+            }
+        }
+        Ok(Some(std::mem::take(&mut directing.middles)))
+    }
+
+    /// Sets off on a walk of `legs` that a search has found from `start`. Where it may begin `anywhere`, the actor is put there
+    /// first.
+    ///
+    /// # Errors
+    /// The walk is empty or none of this actor, or the actor is not where it begins any more.
+    pub fn set_off(&mut self, start: &Start, legs: Vec<Leg>, anywhere: bool) -> Result<PlanReport, PlayerError> {
+        let (frame, placement) = self.leaves()?;
+        let wanted = start.placement;
+        let walk = self.walk_of(start, legs)?;
+        let off = (placement.heading - wanted.heading).abs() + placement.translation.distance(wanted.translation);
+        if frame != start.frame || off > SAME {
+            if !anywhere {
+                return Err(PlayerError::Unreachable { from: frame, to: start.frame });
+            }
+            self.stand_in(start.frame, wanted)?;
+        }
+        self.follow(start.frame, &walk)
+    }
+
+    /// Goes on with a walk of `legs` from `start` where the walk under way ends; whether it could.
+    ///
+    /// # Errors
+    /// It is no walk of this actor.
+    pub fn go_on(&mut self, start: &Start, legs: Vec<Leg>) -> Result<bool, PlayerError> {
+        let walk = self.walk_of(start, legs)?;
+        Ok(self.extend(start.frame, &walk))
+    }
+
+    fn walk_of(&mut self, start: &Start, legs: Vec<Leg>) -> Result<Walk, PlayerError> {
+        let (_, graph) = self.ready(start.frame)?;
+        let unreachable = PlayerError::Unreachable { from: start.frame, to: start.frame };
+        Walk::of_legs(legs, &graph).map_err(|_| unreachable)
+    }
+}
