@@ -134,7 +134,7 @@ pub enum ImportError {
     /// A frame has another number of vertices than the first one.
     #[error(
         "{path}, frame {frame}: {found} vertices, but {reference} has {expected}{more}. All frames need the same mesh: \
-         track one mesh through the capture, or pack only frames that share one"
+         make one of them with `builder register`, or pack only frames that share one"
     )]
     VertexCount {
         /// The file.
@@ -153,7 +153,7 @@ pub enum ImportError {
     /// A frame has other faces than the first one.
     #[error(
         "{path}, frame {frame}: face {face} differs from {reference}{more}. All frames need the same faces in the same \
-         order: track one mesh through the capture, or pack only frames that share one"
+         order: make one mesh of them with `builder register`, or pack only frames that share one"
     )]
     FaceList {
         /// The file.
