@@ -26,7 +26,7 @@ pub(super) const WARP_RANGE: f32 = 128.0;
 pub struct AlignOptions {
     /// How flows are found.
     pub flow: FlowOptions,
-    /// How textures are moved. [`build`](super::build) moves them directly: what Poisson reconstruction keeps of their detail, the
+    /// How textures are moved. [`build`](fn@super::build) moves them directly: what Poisson reconstruction keeps of their detail, the
     /// fit that follows brings back, too (docs/appearance.md), and it took two thirds of the time of aligning.
     pub warping: WarpMethod,
 }
