@@ -230,15 +230,21 @@ export class ReprisePlayer extends AttributeElement {
   }
 
   direct(request, { anywhere = false } = {}) {
+    const begin = () => {
+      this.#ready();
+      const { queue, toolbox: { search } } = this.#core;
+      search.check(request);
+      queue.clear();
+      return search.go(request, anywhere ? 'anywhere' : 'here');
+    };
     try {
       this.#ready();
-      this.#core.toolbox.search.check(request);
+      const { search } = this.#core.toolbox;
+      return search.module ? begin() : search.fetch().then(begin);
     } catch (error) {
       // Whoever is promised an answer hears of trouble in one way.
       return Promise.reject(error);
     }
-    this.#core.queue.clear();
-    return this.#core.toolbox.search.go(request, anywhere ? 'anywhere' : 'here');
   }
 
   wander({ seed = 1, weights = {} } = {}) {

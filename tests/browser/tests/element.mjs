@@ -145,6 +145,8 @@ export const tests = {
       element.addEventListener('answer', ({ detail }) => window.answers.push(detail.answer === element.answer));
       element.direction = { version: 1, target: { place: { x: 0.5, z: 0.5 } } };
     });
+    // It is taken up once the module that searches is there to check it.
+    await player.event('change');
     assert.deepEqual((await player.heard('change')).map(({ tool }) => tool), ['place']);
     await player.untilFound('an answer', () => window.answers.length > 0);
     assert.equal((await player.page.evaluate(() => window.answers)).at(-1), true);

@@ -54,17 +54,28 @@ export class SearchDriver {
     return this.core.director?.player;
   }
 
-  /** Sees to it that the module comes. @returns {Promise<boolean>} whether it came; trouble is told on the page */
+  /** Sees to it that the module comes. @returns {Promise<void>} rejected where it does not; that is told on the page, too */
   fetch() {
-    return loadSearch().then((module) => Boolean(this.module = module), (error) => this.core.loop && this.failed(error));
+    const coming = loadSearch().then(
+      (module) => {
+        this.module = module;
+      },
+      (error) => {
+        if (this.core.loop) this.failed(error);
+        throw error;
+      },
+    );
+    // Not everybody waits for it.
+    coming.catch(() => {});
+    return coming;
   }
 
   /**
-   * Whether a request makes sense without knowing the actor. Before the module is there nobody can tell.
+   * Whether a request makes sense without knowing the actor; the module has to be there.
    * @throws what is wrong with it
    */
   check(request) {
-    this.module?.check_request(JSON.stringify(request) ?? 'null');
+    this.module.check_request(JSON.stringify(request) ?? 'null');
   }
 
   /** The actor is gone. */
@@ -80,7 +91,7 @@ export class SearchDriver {
     this.drop();
     this.task = { request, origin, text: JSON.stringify(request), followers: Uint32Array.from(followersOf(request)), begun: 0, looked: 0, answer: null, done: false };
     if (this.module) this.pump();
-    else this.fetch().then((came) => came && this.task && this.pump());
+    else this.fetch().then(() => this.task && this.pump(), () => {});
   }
 
   pump() {
@@ -111,8 +122,8 @@ export class SearchDriver {
 
   /** One slice. @returns whether there is more to do */
   step() {
-    const { task, player } = this;
-    if (!task || !player) return false;
+    const { task, player, module } = this;
+    if (!task || !player || !module) return false;
     try {
       const begin = performance.now();
       const more = this.work(task, player, begin);

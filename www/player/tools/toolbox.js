@@ -233,7 +233,7 @@ export class Toolbox {
     if (!this.director || !this.search.module) {
       this.waiting = outside;
       // Whatever comes last of the two takes it up.
-      this.search.fetch().then((came) => came && this.takeWaiting());
+      this.search.fetch().then(() => this.takeWaiting(), () => {});
       return;
     }
     const { timeline } = this.director;

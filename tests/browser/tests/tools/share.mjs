@@ -43,6 +43,10 @@ export const tests = {
       'a wrapped nothing': encode({ request: null, start: { frame: 'x' } }),
     };
     const player = await using(browser, 'pose');
+    // Before the module that searches is there, what is wrong is said as soon as it comes.
+    await player.run((element, address) => element.openLink(address), links['a path without length']);
+    await player.untilFound('a sentence on the path', (element) => /no length/.test(element.shadowRoot.querySelector('.status').textContent));
+    await player.run((element) => element.testing.searching().then(() => null));
     for (const [name, link] of Object.entries(links)) {
       await player.run((element) => element.seek(5));
       const used = await player.run((element, address) => element.openLink(address), link);
