@@ -259,23 +259,10 @@ pub fn alone() {
 
 #[cfg(test)]
 mod tests {
-    use geometry::mesh::Mesh;
     use kernels::random::signed;
 
     use super::*;
-
-    fn sheet(n: u32) -> Mesh {
-        let at = |k: u32| k as f32 / n as f32;
-        let positions = (0..=n).flat_map(|z| (0..=n).map(move |x| Vec3::new(at(x), 0.0, at(z)))).collect();
-        let mut triangles = Vec::new();
-        for z in 0..n {
-            for x in 0..n {
-                let a = z * (n + 1) + x;
-                triangles.extend([[a, a + n + 1, a + 1], [a + 1, a + n + 1, a + n + 2]]);
-            }
-        }
-        Mesh { positions, triangles }
-    }
+    use crate::surface::tests::sheet;
 
     /// The step of a plain dense solution: derivatives by differences, normal equations by Gauss.
     fn plain(

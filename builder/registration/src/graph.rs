@@ -200,19 +200,7 @@ fn edges(mesh: &Mesh, nodes: &[u32], carriers: &[[(u32, f32); CARRIERS]]) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn sheet(n: u32) -> Mesh {
-        let at = |k: u32| k as f32 / n as f32;
-        let positions = (0..=n).flat_map(|z| (0..=n).map(move |x| Vec3::new(at(x), 0.0, at(z)))).collect();
-        let mut triangles = Vec::new();
-        for z in 0..n {
-            for x in 0..n {
-                let a = z * (n + 1) + x;
-                triangles.extend([[a, a + n + 1, a + 1], [a + 1, a + n + 1, a + n + 2]]);
-            }
-        }
-        Mesh { positions, triangles }
-    }
+    use crate::surface::tests::sheet;
 
     #[test]
     fn nodes_are_apart_and_carry_all() {

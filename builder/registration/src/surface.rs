@@ -210,7 +210,7 @@ pub fn gradients(surface: &Surface) -> Option<Vec<[Vec3; 3]>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A sheet of `n` by `n` squares in the plane y = 0, a metre wide, facing up.
