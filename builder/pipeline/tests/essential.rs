@@ -69,12 +69,12 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let alpha = rounded_alpha(alpha);
     assert_eq!(found.edges, plain_essential(transitions, timeline, alpha));
     assert_eq!(found.edges, hidden_paths(transitions, timeline, alpha), "by hidden paths");
-    for (decide, how) in [(by_all_paths as Decide, "all paths"), (by_searches, "searches")] {
+    for (decide, how) in [(by_all_paths as Decide, "all paths"), (searches, "searches")] {
         assert_eq!(found.edges, from_candidates(transitions, timeline, alpha, decide), "from candidates by {how}");
     }
     for (band, more) in [(1, 0), (3, 0), (7, 40), (64, 1000)] {
         let decide = |candidates: &Candidates, timeline: &Timeline, alpha| {
-            by_searches(&thinned(candidates, timeline, alpha, band, more), timeline, alpha)
+            searches(&thinned(candidates, timeline, alpha, band, more), timeline, alpha)
         };
         let edges = from_candidates(transitions, timeline, alpha, decide);
         assert_eq!(found.edges, edges, "from bands of {band} rows, thinned out beyond {more}");
@@ -111,12 +111,17 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
 
 type Decide = fn(&Candidates, &Timeline, f64) -> Candidates;
 
+fn searches(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
+    by_searches(candidates, timeline, alpha, &Job::silent()).unwrap()
+}
+
 /// What is left of candidates that come in bands of rows.
 fn thinned(candidates: &Candidates, timeline: &Timeline, alpha: f64, band: usize, more: usize) -> Candidates {
-    let mut thinning = Thinning::new(timeline, alpha, more);
+    let job = Job::silent();
+    let mut thinning = Thinning::new(timeline, alpha, more, &job);
     let frames: Vec<u32> = (0..candidates.frame_count()).collect();
     for band in frames.chunks(band) {
-        thinning.push(&band.iter().map(|&frame| candidates.from(frame).to_vec()).collect::<Vec<_>>());
+        thinning.push(&band.iter().map(|&frame| candidates.from(frame).to_vec()).collect::<Vec<_>>()).unwrap();
     }
     let left = thinning.left();
     assert!(left.frame_count() == candidates.frame_count() && left.len() <= candidates.len());

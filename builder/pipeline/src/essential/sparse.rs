@@ -17,7 +17,7 @@
 //! no farther than what is undecided. Memory O(m).
 
 use actor::timeline::Timeline;
-use job::Job;
+use job::{Job, Stopped};
 use kernels::simd::Level;
 use rayon::prelude::*;
 
@@ -46,7 +46,7 @@ pub fn candidate_transitions(
 ) -> Result<Candidates, TransitionError> {
     let search = Search::new(Level::best(), distances, timeline, options, job)?;
     let frame_count = distances.frame_count();
-    let (mut candidates, mut thinning) = (Candidates::new(), Thinning::new(timeline, alpha, MORE));
+    let (mut candidates, mut thinning) = (Candidates::new(), Thinning::new(timeline, alpha, MORE, job));
     let mut costs = Vec::new();
     for start in (0..frame_count).step_by(BAND) {
         let end = (start + BAND).min(frame_count);
@@ -64,18 +64,25 @@ pub fn candidate_transitions(
             .collect();
         match frame_count <= ALL_PATHS {
             true => rows.into_iter().for_each(|row| candidates.push_row(row)),
-            false => thinning.push(&rows),
+            false => thinning.push(&rows)?,
         }
     }
     Ok(if frame_count <= ALL_PATHS { candidates } else { thinning.left() })
 }
 
 /// The essential ones among `candidates`, for an `alpha` that is a multiple of [`actor::graph::ALPHA_RESOLUTION`] and not 0.
-#[must_use]
-pub fn essential_of(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
+///
+/// # Errors
+/// Being stopped.
+pub fn essential_of(
+    candidates: &Candidates,
+    timeline: &Timeline,
+    alpha: f64,
+    job: &Job,
+) -> Result<Candidates, Stopped> {
     match candidates.frame_count() as usize <= ALL_PATHS {
-        true => by_all_paths(candidates, timeline, alpha),
-        false => by_searches(candidates, timeline, alpha),
+        true => Ok(by_all_paths(candidates, timeline, alpha)),
+        false => by_searches(candidates, timeline, alpha, job),
     }
 }
 
@@ -133,9 +140,12 @@ fn has_detour(from: &[f64], to: &[f64], cost: f64) -> bool {
 
 /// Decides by a search from each frame, as far as its dearest transition that stays: O(n m log n) for m candidates, and no
 /// memory for pairs of frames.
-#[must_use]
-pub fn by_searches(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
-    Edges::new(candidates, timeline, alpha).cheapest(candidates, alpha)
+///
+/// # Errors
+/// Being stopped.
+pub fn by_searches(candidates: &Candidates, timeline: &Timeline, alpha: f64, job: &Job) -> Result<Candidates, Stopped> {
+    let told = |done| job.tell("essential graph", u64::from(done), u64::from(candidates.frame_count()));
+    Edges::new(candidates, timeline, alpha).cheapest(candidates, alpha, &told)
 }
 
 /// Candidates that are thinned out while they come in, so that few are ever held.
@@ -145,6 +155,7 @@ pub fn by_searches(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> 
 pub struct Thinning<'a> {
     timeline: &'a Timeline,
     alpha: f64,
+    job: &'a Job<'a>,
     left: Candidates,
     edges: Edges,
     /// Transitions at which all are searched again.
@@ -156,23 +167,29 @@ pub struct Thinning<'a> {
 impl<'a> Thinning<'a> {
     /// No row yet; `more` is a number of transitions that is worth no search.
     #[must_use]
-    pub fn new(timeline: &'a Timeline, alpha: f64, more: usize) -> Self {
+    pub fn new(timeline: &'a Timeline, alpha: f64, more: usize, job: &'a Job<'a>) -> Self {
         let left = Candidates::new();
         let edges = Edges::new(&left, timeline, alpha);
-        Self { timeline, alpha, left, edges, most: more, more }
+        Self { timeline, alpha, job, left, edges, most: more, more }
     }
 
     /// Takes what [`row_candidates`] leaves of the next frames' rows.
-    pub fn push(&mut self, rows: &[Vec<(u32, TransitionCost)>]) {
+    ///
+    /// # Errors
+    /// Being stopped.
+    pub fn push(&mut self, rows: &[Vec<(u32, TransitionCost)>]) -> Result<(), Stopped> {
         let rows: Vec<_> = rows.iter().map(Vec::as_slice).collect();
         let rows = self.edges.cheapest_of_rows(self.alpha, self.left.frame_count(), &rows);
         rows.into_iter().for_each(|row| self.left.push_row(row));
         self.edges = Edges::new(&self.left, self.timeline, self.alpha);
         if self.left.len() > self.most {
-            self.left = self.edges.cheapest(&self.left, self.alpha);
+            let (seen, all) = (self.left.frame_count().into(), self.timeline.frame_count().into());
+            let told = |_| self.job.tell("transitions", seen, all);
+            self.left = self.edges.cheapest(&self.left, self.alpha, &told)?;
             self.edges = Edges::new(&self.left, self.timeline, self.alpha);
             self.most = 2 * self.left.len() + self.more;
         }
+        Ok(())
     }
 
     /// What is left of them: all that are essential, and few others.
