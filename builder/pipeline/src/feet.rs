@@ -110,13 +110,15 @@ struct Edges {
 impl Edges {
     fn of(topology: &Topology, poses: &Poses, tied: f32) -> Self {
         let count = (poses.len() as u32).clamp(1, POSES);
-        let chosen: Vec<&[Vec3]> =
-            (0..count).map(|index| poses.frame(index * (poses.len() as u32 - 1) / count.max(2).saturating_sub(1))).collect();
+        let chosen: Vec<&[Vec3]> = (0..count)
+            .map(|index| poses.frame(index * (poses.len() as u32 - 1) / count.max(2).saturating_sub(1)))
+            .collect();
         let far = |a: u32, b: u32| {
             let apart = |pose: &&[Vec3]| pose[a as usize].distance(pose[b as usize]);
             chosen.iter().map(apart).fold(0.0, f32::max)
         };
-        let mut edges: Vec<[u32; 2]> = topology.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        let mut edges: Vec<[u32; 2]> =
+            topology.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
         edges.iter_mut().for_each(|edge| edge.sort_unstable());
         edges.sort_unstable();
         edges.dedup();

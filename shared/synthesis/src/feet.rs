@@ -11,8 +11,8 @@ use kernels::align::Placement;
 
 use crate::steps::FootStep;
 
-/// A foot that is moved by as much as its own size is lifted by half of it.
-const LIFT: f32 = 0.5;
+/// A foot that is moved by this much of its own size is lifted by half of that size; by all of it, if it goes far.
+const LIFT: f32 = 0.35;
 
 /// Where the sides of a blend are.
 pub(crate) struct Sides<'a> {
@@ -91,8 +91,8 @@ impl Moved {
 /// How far a foot is lifted that stands while it is moved by `way` metres.
 fn lift(step: FootStep, node: usize, way: f32, size: f32) -> f32 {
     let progress = step.progress(node);
-    let bump = 16.0 * progress * progress * (1.0 - progress) * (1.0 - progress);
-    bump * step.stands * size * way / (way + LIFT * size).max(f32::MIN_POSITIVE)
+    let arc = 4.0 * progress * (1.0 - progress);
+    arc * arc.sqrt() * step.lifted() * size * way / (way + LIFT * size).max(f32::MIN_POSITIVE)
 }
 
 /// The mean of a foot's vertices.

@@ -14,6 +14,8 @@ use actor::timeline::Timeline;
 const SHORTEST: f32 = 0.2;
 /// The longest step, in shortest ones.
 const LONGEST: usize = 3;
+/// The part of its step for which a foot that stands is only lifted, and only put down.
+const RAISED: f32 = 0.05;
 /// What a step as short as can be costs, against one that slides all along, which costs 1.
 const HASTE: f32 = 0.15;
 /// What a step costs that is all the time on another side than the blend.
@@ -39,10 +41,18 @@ impl FootStep {
         ((node as f32 - self.begin as f32) / self.width.max(1) as f32).clamp(0.0, 1.0)
     }
 
-    /// Weight of the destination at a node, from 0 to 1.
+    /// Weight of the destination at a node, from 0 to 1. What stands is lifted before it goes, and is there before it is
+    /// put down.
     #[must_use]
     pub fn weight(&self, node: usize) -> f32 {
-        ease(self.progress(node))
+        let margin = RAISED * self.lifted();
+        ease(((self.progress(node) - margin) / (1.0 - 2.0 * margin)).clamp(0.0, 1.0))
+    }
+
+    /// How far it is lifted in its middle, from 0 to 1: fully where it stands for half of its step.
+    #[must_use]
+    pub fn lifted(&self) -> f32 {
+        (2.0 * self.stands).min(1.0)
     }
 }
 
@@ -76,19 +86,19 @@ fn best(foot: &[Vec<f32>; 2], standing: &[[Vec<f32>; 2]], before: &[Option<FootS
         let width = (shortest * halves / 2).min(last);
         for begin in 0..=last - width {
             let mut step = FootStep { begin, width, stands: 0.0 };
-            let (mut apart, mut falls) = (0.0, 0.0);
+            let (mut stands, mut apart, mut falls) = (0.0, 0.0, 0.0);
             for node in 0..last {
                 let (here, next) = (step.weight(node), step.weight(node + 1));
                 let middle = (here + next) / 2.0;
                 let firm = |side: usize| (foot[side][node] + foot[side][node + 1]) / 2.0;
-                step.stands += (next - here) * ((1.0 - middle) * firm(0) + middle * firm(1));
+                stands += (next - here) * ((1.0 - middle) * firm(0) + middle * firm(1));
                 falls += (next - here) * (1.0 - bears[node]);
                 let blend = ease((node as f32 + 0.5) / last as f32);
                 apart += (middle - blend) * (middle - blend) / last as f32;
             }
-            let cost =
-                step.stands * (1.0 + FALLS * falls) + HASTE * shortest as f32 / width.max(1) as f32 + APART * apart;
+            let cost = stands * (1.0 + FALLS * falls) + HASTE * shortest as f32 / width.max(1) as f32 + APART * apart;
             if cost < least {
+                step.stands = stands;
                 (found, least) = (step, cost);
             }
         }
