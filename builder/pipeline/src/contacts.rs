@@ -14,6 +14,8 @@ use rayon::prelude::*;
 const NEAR: f32 = 0.011;
 /// A sequence whose ground is less than this away from the common one has its own, in body heights: 11 cm of 1.8 m.
 const FLOATS: f32 = 0.06;
+/// Grounds that differ by less than this are one, in body heights: 3.6 cm of 1.8 m.
+const UNEVEN: f32 = 0.02;
 /// What is further above it than this does not stand at all.
 const FAR: f32 = 2.5 * NEAR;
 /// What moves slower than this is at rest, in body heights per second: 0.15 m/s of 1.8 m.
@@ -39,6 +41,14 @@ impl Standing {
         let parts = parts(topology, &rests(timeline, poses, &floor), timeline.frame_count());
         Self { floor, parts }
     }
+}
+
+/// Height of the ground in metres that each sequence is taken to stand on; `None` where all stand on nearly one.
+#[must_use]
+pub fn uneven_floor(timeline: &Timeline, poses: &Poses) -> Option<Vec<f32>> {
+    let floor = Floor::of(timeline, poses);
+    let [low, high] = [f32::min, f32::max].map(|of| floor.heights.iter().copied().reduce(of).unwrap_or(0.0));
+    (high - low > UNEVEN * floor.body).then_some(floor.heights)
 }
 
 /// The contacts of all frames.
@@ -75,12 +85,6 @@ impl Floor {
             if (own - common).abs() < FLOATS * body { own } else { common }
         };
         Self { heights: timeline.sequences().iter().map(floor).collect(), body, fps: timeline.fps() }
-    }
-
-    /// By how many metres the ground of one sequence is above another's at most.
-    pub fn range(&self) -> f32 {
-        let [low, high] = [f32::min, f32::max].map(|of| self.heights.iter().copied().reduce(of).unwrap_or(0.0));
-        high - low
     }
 
     /// Between two frames in a row of a sequence.

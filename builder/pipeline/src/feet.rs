@@ -56,12 +56,6 @@ pub fn feet(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Feet {
     Feet::new(shares(&distances, floor.body), stands, topology.vertex_count(), timeline).unwrap_or_default()
 }
 
-/// By how many metres the ground of one sequence is above another's at most.
-#[must_use]
-pub fn floor_range(topology: &Topology, timeline: &Timeline, poses: &Poses) -> f32 {
-    Standing::of(topology, timeline, poses).floor.range()
-}
-
 /// How far each vertex follows each foot, by its distance from the sole.
 fn shares(distances: &[Vec<f32>], body: f32) -> Vec<Vec<FootVertex>> {
     let share = |distance: f32, [from, to]: [f32; 2]| fall(distance / body, from, to);

@@ -11,8 +11,10 @@ use kernels::align::Placement;
 
 use crate::steps::FootStep;
 
-/// A foot that is moved by this much of its own size is lifted by half of that size; by all of it, if it goes far.
-const LIFT: f32 = 0.35;
+/// A foot that goes far is lifted by this much of its own size: by 6 cm or so.
+const LIFT: f32 = 0.7;
+/// One that goes as far as this much of its own size is lifted by half of that.
+const HALF: f32 = 0.35;
 
 /// Where the sides of a blend are.
 pub(crate) struct Sides<'a> {
@@ -92,7 +94,7 @@ impl Moved {
 fn lift(step: FootStep, node: usize, way: f32, size: f32) -> f32 {
     let progress = step.progress(node);
     let arc = 4.0 * progress * (1.0 - progress);
-    arc * arc.sqrt() * step.lifted() * size * way / (way + LIFT * size).max(f32::MIN_POSITIVE)
+    arc * arc.sqrt() * step.lifted() * LIFT * size * way / (way + HALF * size).max(f32::MIN_POSITIVE)
 }
 
 /// The mean of a foot's vertices.

@@ -15,7 +15,7 @@ const SHORTEST: f32 = 0.2;
 /// The longest step, in shortest ones.
 const LONGEST: usize = 3;
 /// The part of its step for which a foot that stands is only lifted, and only put down.
-const RAISED: f32 = 0.05;
+const RAISED: f32 = 0.1;
 /// What a step as short as can be costs, against one that slides all along, which costs 1.
 const HASTE: f32 = 0.15;
 /// What a step costs that is all the time on another side than the blend.
