@@ -59,6 +59,9 @@ mod options;
 pub mod pack;
 pub mod preflight;
 mod reach;
+#[cfg(feature = "scans")]
+mod registered;
+#[cfg(feature = "scans")]
 pub mod scans;
 
 pub use actor::capture::{Capture, CaptureError, Poses};

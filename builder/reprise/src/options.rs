@@ -9,6 +9,7 @@ use pipeline::graph::{GraphError, GraphOptions};
 use pipeline::transitions::TransitionError;
 use thiserror::Error;
 
+#[cfg(feature = "scans")]
 use crate::scans::RegisterError;
 
 /// The frame that the player shows first.
@@ -53,6 +54,7 @@ pub enum PackError {
     #[error(transparent)]
     Import(#[from] ImportError),
     /// Frames have meshes of their own, and cannot be brought onto one.
+    #[cfg(feature = "scans")]
     #[error("frames have meshes of their own, and cannot be brought onto one: {0}")]
     Register(#[from] RegisterError),
     /// The textures of the frames cannot become an appearance.
@@ -85,6 +87,7 @@ impl PackError {
     /// Whether it was stopped, in whatever stage.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
+        #[cfg(feature = "scans")]
         if let Self::Register(error) = self {
             return error.is_stopped();
         }
@@ -105,6 +108,7 @@ impl PackError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Import(error) => error.code(),
+            #[cfg(feature = "scans")]
             Self::Register(error) => error.code(),
             Self::Appearance(_) => "E_APPEARANCE",
             Self::Option(_) | Self::Distance(_) | Self::Encode(_) => "E_OPTION",

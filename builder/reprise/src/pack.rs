@@ -1,6 +1,5 @@
 //! `builder pack`: the whole pipeline, from files to the bytes of a bundle.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use actor::capture::Capture;
@@ -11,7 +10,7 @@ use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
 use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
-use capture_io::import::{self, ImportError, ImportOptions, Warning};
+use capture_io::import::{self, Warning};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
@@ -23,7 +22,8 @@ use crate::options::FIRST_FRAME;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
-use crate::scans::{ScanOptions, register};
+#[cfg(feature = "scans")]
+use crate::registered::RegisteredScan;
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -110,8 +110,9 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     let start = Instant::now();
     let imported = match import::import(inputs, &options.import, job) {
         // Every frame, or some, are meshes of their own.
-        Err(ImportError::VertexCount { .. } | ImportError::FaceList { .. }) => {
-            let registered = registered(inputs, options, job)?;
+        #[cfg(feature = "scans")]
+        Err(import::ImportError::VertexCount { .. } | import::ImportError::FaceList { .. }) => {
+            let registered = RegisteredScan::new(inputs, options, job)?;
             seconds.registration = start.elapsed().as_secs_f64();
             let (bytes, mut report) = pack(&[registered.input()], &registered.options(options), job)?;
             report.seconds.registration = seconds.registration;
@@ -149,52 +150,6 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
     Ok((bytes, pack_report))
-}
-
-/// A scan that was brought onto one mesh, in a folder that vanishes with this.
-struct RegisteredScan {
-    folder: tempfile::TempDir,
-    warnings: Vec<Warning>,
-}
-
-impl RegisteredScan {
-    /// The capture's folder.
-    fn path(&self) -> PathBuf {
-        self.folder.path().join("capture")
-    }
-
-    /// The same as an input.
-    fn input(&self) -> String {
-        self.path().to_string_lossy().into_owned()
-    }
-
-    /// How it is read: what was said of the files is done.
-    fn options(&self, options: &PackOptions) -> PackOptions {
-        let ImportOptions { name, cyclic, weld, .. } = options.import.clone();
-        PackOptions { import: ImportOptions { name, cyclic, weld, ..ImportOptions::default() }, ..options.clone() }
-    }
-}
-
-/// Brings the scan `inputs` onto one mesh; the folder lies in the work folder, where there is one.
-fn registered(inputs: &[String], options: &PackOptions, job: &Job) -> Result<RegisteredScan, PackError> {
-    let root = job.work().map_or_else(std::env::temp_dir, |work| work.root().to_owned());
-    let folder = tempfile::Builder::new().prefix(".registered-").tempdir_in(&root);
-    let folder = folder.map_err(|source| ImportError::Io { path: root, source })?;
-    let scan = ScanOptions { import: options.import.clone(), ..ScanOptions::default() };
-    let mut registered = RegisteredScan { folder, warnings: Vec::new() };
-    let report = register(inputs, &scan, &registered.path(), job)?;
-    registered.warnings.push(Warning::new(
-        "W_SCAN_REGISTERED",
-        format!(
-            "frames have meshes of their own: {} of {} were brought onto that of frame {} first; builder register does it \
-             alone, and tells more",
-            report.registered.len(),
-            report.frames,
-            report.template
-        ),
-    ));
-    registered.warnings.extend(report.warnings);
-    Ok(registered)
 }
 
 /// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.

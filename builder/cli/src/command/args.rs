@@ -29,6 +29,7 @@ pub enum Command {
     /// Read a capture, compute its essential graph, and write a bundle.
     Pack(PackArguments),
     /// Turn a scan, of which every frame has its own mesh, into a capture of one mesh, as files that `pack` reads.
+    #[cfg(feature = "complete")]
     Register(RegisterArguments),
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
@@ -39,8 +40,10 @@ pub enum Command {
     /// Check a bundle and list what is wrong with it, with stable codes.
     Validate(ValidateArguments),
     /// Make the papers' evaluations again on a capture, as a page with tables.
+    #[cfg(feature = "complete")]
     Evaluate(EvaluateArguments),
     /// Tell how good a bundle's actor is, as a page.
+    #[cfg(feature = "complete")]
     Report(ReportArguments),
     /// List what a work folder holds, or clean it.
     Work(WorkArguments),
@@ -152,6 +155,7 @@ pub struct PackArguments {
 }
 
 /// Arguments of `builder register`.
+#[cfg(feature = "complete")]
 #[derive(Debug, Args)]
 pub struct RegisterArguments {
     /// Folders of OBJ, PLY or GLB frames, folders with a capture.toml, globs, or patterns such as `frame_%05d.obj:0:174`.
@@ -387,6 +391,7 @@ fn slope(text: &str) -> Result<Slope, String> {
 }
 
 /// Arguments of `builder report`.
+#[cfg(feature = "complete")]
 #[derive(Debug, Args)]
 pub struct ReportArguments {
     /// The bundle to report on.
@@ -398,6 +403,7 @@ pub struct ReportArguments {
 }
 
 /// Arguments of `builder evaluate`.
+#[cfg(feature = "complete")]
 #[derive(Debug, Args)]
 pub struct EvaluateArguments {
     /// Where results of stages last.
@@ -427,6 +433,7 @@ pub struct EvaluateArguments {
 }
 
 /// A section of the evaluation.
+#[cfg(feature = "complete")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EvaluateSection {
     /// Pose distance against the skeleton's truth.

@@ -3,13 +3,16 @@
 mod args;
 mod asked;
 mod direct;
+#[cfg(feature = "complete")]
 mod evaluate;
 mod failure;
 mod inspect;
 mod output;
 mod pack;
 mod performer;
+#[cfg(feature = "complete")]
 mod register;
+#[cfg(feature = "complete")]
 mod report;
 mod terminal;
 mod typed;
@@ -56,12 +59,15 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     let terminal = Terminal::new(arguments.quiet);
     match &arguments.command {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
         Command::Register(arguments) => register::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
         Command::Evaluate(arguments) => evaluate::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
         Command::Report(arguments) => report::run(arguments, &terminal),
         Command::Work(arguments) => work::run(arguments, &terminal),
     }

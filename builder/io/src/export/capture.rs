@@ -7,9 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
-use image::{ExtendedColorType, ImageEncoder, codecs::png};
+use image::ExtendedColorType;
 
 use super::error::ExportError;
+use crate::png;
 
 /// A folder under way.
 #[derive(Debug)]
@@ -138,9 +139,7 @@ impl CaptureWriter {
     }
 
     fn png(&self, path: &Path, size: usize, texels: &[u8], colour: ExtendedColorType) -> Result<(), ExportError> {
-        let mut file = Vec::new();
-        png::PngEncoder::new_with_quality(&mut file, png::CompressionType::Fast, png::FilterType::Adaptive)
-            .write_image(texels, size as u32, size as u32, colour)
+        let file = png::encode(texels, [size as u32; 2], colour)
             .map_err(|cause| ExportError::Picture { file: path.to_owned(), cause })?;
         fs::write(path, file).map_err(ExportError::write(path))
     }

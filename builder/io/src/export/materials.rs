@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 use std::fmt::Write;
-use std::io::Cursor;
 use std::path::Path;
 
 use actor::surface::{Image, ImageFormat, Surface};
@@ -85,19 +84,7 @@ pub(super) fn write_textures(
 /// `image` as the bytes of a PNG file; `file` is for messages.
 pub(super) fn png(image: &RgbaImage, file: &Path) -> Result<Vec<u8>, ExportError> {
     let failed = |cause| ExportError::Picture { file: file.to_owned(), cause };
-    let mut bytes = Cursor::new(Vec::new());
-    let opaque = image.pixels().all(|pixel| pixel.0[3] == 255);
-    let written = if opaque {
-        let plain = image::RgbImage::from_fn(image.width(), image.height(), |x, y| {
-            let [r, g, b, _] = image.get_pixel(x, y).0;
-            image::Rgb([r, g, b])
-        });
-        plain.write_to(&mut bytes, image::ImageFormat::Png)
-    } else {
-        image.write_to(&mut bytes, image::ImageFormat::Png)
-    };
-    written.map_err(failed)?;
-    Ok(bytes.into_inner())
+    crate::png::encode_lean(image).map_err(failed)
 }
 
 fn extension(image: &Image) -> &'static str {

@@ -1,9 +1,9 @@
 //! A walk as pictures, from a camera that follows the actor and turns about it.
 
 use std::f32::consts::TAU;
-use std::io::Cursor;
 
 use glam::Vec3;
+use image::ExtendedColorType;
 use rayon::prelude::*;
 use synthesis::FrameKind;
 
@@ -13,6 +13,7 @@ use super::output::{FramePattern, write_whole};
 use super::picture::{Picture, Raster};
 use super::play::Played;
 use super::{Actor, ExportOptions, bounds};
+use crate::png;
 use job::Job;
 
 /// How much of the way to the actor the camera goes in a second, on a logarithmic scale: it does not shake with its steps.
@@ -69,10 +70,8 @@ fn draw(actor: &Actor, raster: &Raster, pattern: &FramePattern, due: Vec<Due>) -
         let changed = texture.as_ref().map(|(material, texture)| (*material, texture));
         let image = raster.draw_in(&due.positions, &due.picture, changed);
         let file = pattern.file(due.number);
-        let mut bytes = Cursor::new(Vec::new());
-        let encoded = image.write_to(&mut bytes, image::ImageFormat::Png);
-        encoded.map_err(|cause| ExportError::Picture { file: file.clone(), cause })?;
-        write_whole(&file, &bytes.into_inner())
+        let encoded = png::encode(&image, [image.width(), image.height()], ExtendedColorType::Rgb8);
+        write_whole(&file, &encoded.map_err(|cause| ExportError::Picture { file: file.clone(), cause })?)
     };
     due.par_iter().map(one).collect()
 }

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use actor::surface::{Image, ImageFormat};
@@ -50,16 +49,15 @@ impl ImageStore {
 /// An image from the bytes of its file; `path` is for messages.
 pub(super) fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<Image, ImportError> {
     let wrong = |reason: String| image_error(path, reason);
-    let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(|e| wrong(e.to_string()))?;
-    let format = match reader.format() {
-        Some(image::ImageFormat::Png) => ImageFormat::Png,
-        Some(image::ImageFormat::Jpeg) => ImageFormat::Jpeg,
-        Some(image::ImageFormat::WebP) => ImageFormat::WebP,
-        Some(other) => return Err(wrong(format!("it is {other:?}"))),
-        None => return Err(wrong("unknown format".into())),
+    let guessed = image::guess_format(&bytes).map_err(|_| wrong("unknown format".into()))?;
+    let format = match guessed {
+        image::ImageFormat::Png => ImageFormat::Png,
+        image::ImageFormat::Jpeg => ImageFormat::Jpeg,
+        image::ImageFormat::WebP => ImageFormat::WebP,
+        other => return Err(wrong(format!("it is {other:?}"))),
     };
     // The decoder's default limits bound the memory that a header can ask for.
-    let decoded = reader.decode().map_err(|e| wrong(e.to_string()))?;
+    let decoded = image::load_from_memory_with_format(&bytes, guessed).map_err(|e| wrong(e.to_string()))?;
     let (width, height) = (decoded.width(), decoded.height());
     drop(decoded);
     Ok(Image { format, width, height, bytes })

@@ -1,7 +1,6 @@
 //! Textures: which image stands behind one, and how it wraps.
 
 use std::collections::HashMap;
-use std::io::Cursor;
 
 use gltf::json::texture::{Texture, WrappingMode};
 use gltf::json::validation::Checked;
@@ -12,6 +11,7 @@ use crate::import::error::ImportError;
 use crate::import::images::{ImageStore, from_bytes};
 use crate::import::ktx2::decode_ktx2;
 use crate::import::warning::Warning;
+use crate::png::encode_lean;
 
 /// The images of a file, each once.
 #[derive(Default)]
@@ -96,13 +96,5 @@ pub(super) fn wrapping(document: &Document, texture: Index<Texture>) -> [Wrappin
 fn unpacked(bytes: &[u8], path: &std::path::Path) -> Result<Vec<u8>, ImportError> {
     let wrong = |reason: String| ImportError::Image { path: path.to_owned(), reason };
     let image = decode_ktx2(bytes).map_err(|error| wrong(error.to_string()))?;
-    let mut png = Cursor::new(Vec::new());
-    // Without an alpha channel that says nothing.
-    let written = if image.pixels().all(|pixel| pixel.0[3] == 255) {
-        image::DynamicImage::ImageRgba8(image).to_rgb8().write_to(&mut png, image::ImageFormat::Png)
-    } else {
-        image.write_to(&mut png, image::ImageFormat::Png)
-    };
-    written.map_err(|error| wrong(error.to_string()))?;
-    Ok(png.into_inner())
+    encode_lean(&image).map_err(|error| wrong(error.to_string()))
 }

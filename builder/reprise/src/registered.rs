@@ -1,0 +1,55 @@
+//! What `builder pack` does with a scan: it is brought onto one mesh first, as `builder register` does it.
+
+use std::path::PathBuf;
+
+use capture_io::import::{ImportError, ImportOptions, Warning};
+use job::Job;
+
+use crate::options::{PackError, PackOptions};
+use crate::scans::{ScanOptions, register};
+
+/// A scan that was brought onto one mesh, in a folder that vanishes with this.
+pub(crate) struct RegisteredScan {
+    folder: tempfile::TempDir,
+    pub warnings: Vec<Warning>,
+}
+
+impl RegisteredScan {
+    /// Brings the scan `inputs` onto one mesh; the folder lies in the work folder, where there is one.
+    pub fn new(inputs: &[String], options: &PackOptions, job: &Job) -> Result<Self, PackError> {
+        let root = job.work().map_or_else(std::env::temp_dir, |work| work.root().to_owned());
+        let folder = tempfile::Builder::new().prefix(".registered-").tempdir_in(&root);
+        let folder = folder.map_err(|source| ImportError::Io { path: root, source })?;
+        let scan = ScanOptions { import: options.import.clone(), ..ScanOptions::default() };
+        let mut registered = Self { folder, warnings: Vec::new() };
+        let report = register(inputs, &scan, &registered.path(), job)?;
+        registered.warnings.push(Warning::new(
+            "W_SCAN_REGISTERED",
+            format!(
+                "frames have meshes of their own: {} of {} were brought onto that of frame {} first; builder register does it \
+                 alone, and tells more",
+                report.registered.len(),
+                report.frames,
+                report.template
+            ),
+        ));
+        registered.warnings.extend(report.warnings);
+        Ok(registered)
+    }
+
+    /// The capture's folder.
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("capture")
+    }
+
+    /// The same as an input.
+    pub fn input(&self) -> String {
+        self.path().to_string_lossy().into_owned()
+    }
+
+    /// How it is read: what was said of the files is done.
+    pub fn options(&self, options: &PackOptions) -> PackOptions {
+        let ImportOptions { name, cyclic, weld, .. } = options.import.clone();
+        PackOptions { import: ImportOptions { name, cyclic, weld, ..ImportOptions::default() }, ..options.clone() }
+    }
+}
