@@ -21,7 +21,7 @@ pub struct Camera {
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
 /// How far the camera looks down, in radians.
-const DOWN: f32 = 0.18;
+pub const DOWN: f32 = 0.18;
 
 impl Camera {
     /// A camera that frames `pose` from `heading`.

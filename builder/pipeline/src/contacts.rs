@@ -5,13 +5,17 @@
 
 use actor::capture::Poses;
 use actor::contacts::{Contact, Contacts, MOST_PARTS};
-use actor::timeline::Timeline;
+use actor::timeline::{Sequence, Timeline};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use kernels::topology::Topology;
 use rayon::prelude::*;
 
 /// What is this close to the ground may touch it, relative to the body's height: 2 cm of 1.8 m.
 const NEAR: f32 = 0.011;
+/// A sequence whose ground is less than this away from the common one has its own, in body heights: 11 cm of 1.8 m.
+const FLOATS: f32 = 0.06;
+/// Grounds that differ by less than this are one, in body heights: 3.6 cm of 1.8 m.
+const UNEVEN: f32 = 0.02;
 /// What is further above it than this does not stand at all.
 const FAR: f32 = 2.5 * NEAR;
 /// What moves slower than this is at rest, in body heights per second: 0.15 m/s of 1.8 m.
@@ -24,11 +28,33 @@ const FEWEST_FRAMES: u32 = 4;
 /// Smaller parts are no feet.
 const FEWEST_VERTICES: usize = 3;
 
+/// Parts of the surface that stand on the ground, and where the ground is.
+pub(crate) struct Standing {
+    pub floor: Floor,
+    /// Vertices of each part, those that rest most first.
+    pub parts: Vec<Vec<u32>>,
+}
+
+impl Standing {
+    pub fn of(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Self {
+        let floor = Floor::of(timeline, poses);
+        let parts = parts(topology, &rests(timeline, poses, &floor), timeline.frame_count());
+        Self { floor, parts }
+    }
+}
+
+/// Height of the ground in metres that each sequence is taken to stand on; `None` where all stand on nearly one.
+#[must_use]
+pub fn uneven_floor(timeline: &Timeline, poses: &Poses) -> Option<Vec<f32>> {
+    let floor = Floor::of(timeline, poses);
+    let [low, high] = [f32::min, f32::max].map(|of| floor.heights.iter().copied().reduce(of).unwrap_or(0.0));
+    (high - low > UNEVEN * floor.body).then_some(floor.heights)
+}
+
 /// The contacts of all frames.
 #[must_use]
 pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Contacts {
-    let floor = Floor::of(timeline, poses);
-    let parts = parts(topology, &rests(timeline, poses, &floor), timeline.frame_count());
+    let Standing { floor, parts } = Standing::of(topology, timeline, poses);
     let tracks: Vec<Vec<Contact>> = parts.iter().map(|part| track(poses, timeline, part, &floor)).collect();
     let frames = 0..timeline.frame_count() as usize;
     let contacts = frames.flat_map(|frame| tracks.iter().map(move |track| track[frame])).collect();
@@ -36,41 +62,52 @@ pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Cont
 }
 
 /// The ground, and what near and slow mean for this body.
-struct Floor {
-    /// Height of the ground in metres.
-    height: f32,
+pub(crate) struct Floor {
+    /// Height of the ground in metres, for each sequence.
+    heights: Vec<f32>,
     /// Height of the body in metres.
-    body: f32,
+    pub body: f32,
     /// Frames per second.
     fps: f32,
 }
 
 impl Floor {
-    /// The ground is where a capture's lowest vertices are in most frames.
+    /// The ground is where the lowest vertices are in most frames of a sequence, if that is near where they are in most
+    /// frames of all: captures float or sink by centimetres, but a sequence in the air has no ground of its own.
     fn of(timeline: &Timeline, poses: &Poses) -> Self {
         let heights =
             |pose: &[Vec3]| pose.iter().fold((f32::MAX, f32::MIN), |(low, high), p| (low.min(p.y), high.max(p.y)));
-        let mut lowest: Vec<f32> = poses.iter().map(|pose| heights(pose).0).collect();
-        lowest.sort_unstable_by(f32::total_cmp);
+        let lowest: Vec<f32> = poses.iter().map(|pose| heights(pose).0).collect();
         let (low, high) = heights(poses.iter().next().unwrap_or_default());
-        let height = lowest.get(lowest.len() / 4).copied().unwrap_or(0.0);
-        Self { height, body: (high - low).max(0.0), fps: timeline.fps() }
+        let (common, body) = (quarter(&lowest), (high - low).max(0.0));
+        let floor = |sequence: &Sequence| {
+            let own = quarter(&lowest[sequence.first_frame as usize..sequence.end_frame() as usize]);
+            if (own - common).abs() < FLOATS * body { own } else { common }
+        };
+        Self { heights: timeline.sequences().iter().map(floor).collect(), body, fps: timeline.fps() }
     }
 
-    /// Between two frames in a row.
-    fn rests(&self, before: Vec3, after: Vec3) -> bool {
-        let near = |point: Vec3| point.y - self.height < NEAR * self.body;
+    /// Between two frames in a row of a sequence.
+    pub fn rests(&self, sequence: usize, before: Vec3, after: Vec3) -> bool {
+        let near = |point: Vec3| point.y - self.heights[sequence] < NEAR * self.body;
         near(before) && near(after) && before.xz().distance(after.xz()) * self.fps < RESTS * self.body
     }
 
     /// How firmly a part stands at a height in metres and a speed in metres per second.
-    fn weight(&self, height: f32, speed: f32) -> f32 {
-        fall((height - self.height) / self.body, NEAR, FAR) * fall(speed / self.body, RESTS, MOVES)
+    fn weight(&self, sequence: usize, height: f32, speed: f32) -> f32 {
+        fall((height - self.heights[sequence]) / self.body, NEAR, FAR) * fall(speed / self.body, RESTS, MOVES)
     }
 }
 
+/// A value that a quarter of `values` do not exceed.
+fn quarter(values: &[f32]) -> f32 {
+    let mut values = values.to_vec();
+    values.sort_unstable_by(f32::total_cmp);
+    values.get(values.len() / 4).copied().unwrap_or(0.0)
+}
+
 /// 1 up to `from`, 0 from `to` on, smooth between.
-fn fall(value: f32, from: f32, to: f32) -> f32 {
+pub(crate) fn fall(value: f32, from: f32, to: f32) -> f32 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     1.0 - t * t * (3.0 - 2.0 * t)
 }
@@ -101,11 +138,13 @@ fn parts(topology: &Topology, rests: &[u32], frame_count: u32) -> Vec<Vec<u32>> 
 /// For each vertex the steps from frame to frame in which it is at rest near the ground.
 fn rests(timeline: &Timeline, poses: &Poses, floor: &Floor) -> Vec<u32> {
     let sequences = timeline.sequences();
-    let steps = sequences.iter().flat_map(|sequence| sequence.first_frame..sequence.end_frame().saturating_sub(1));
-    let count = |mut counts: Vec<u32>, frame: u32| {
+    let steps = (0..).zip(sequences).flat_map(|(index, sequence)| {
+        (sequence.first_frame..sequence.end_frame().saturating_sub(1)).map(move |frame| (index, frame))
+    });
+    let count = |mut counts: Vec<u32>, (sequence, frame): (usize, u32)| {
         let (before, after) = (poses.frame(frame), poses.frame(frame + 1));
         for ((count, &before), &after) in counts.iter_mut().zip(before).zip(after) {
-            *count += u32::from(floor.rests(before, after));
+            *count += u32::from(floor.rests(sequence, before, after));
         }
         counts
     };
@@ -117,7 +156,7 @@ fn rests(timeline: &Timeline, poses: &Poses, floor: &Floor) -> Vec<u32> {
     steps.collect::<Vec<_>>().into_par_iter().fold(none, count).reduce(none, add)
 }
 
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
+pub(crate) fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     while parent[vertex as usize] != vertex {
         parent[vertex as usize] = parent[parent[vertex as usize] as usize];
         vertex = parent[vertex as usize];
@@ -133,14 +172,14 @@ fn track(poses: &Poses, timeline: &Timeline, part: &[u32], floor: &Floor) -> Vec
     };
     let centres: Vec<Vec3> = (0..timeline.frame_count()).map(centre).collect();
     let mut track = Vec::with_capacity(centres.len());
-    for sequence in timeline.sequences() {
+    for (index, sequence) in timeline.sequences().iter().enumerate() {
         let centres = &centres[sequence.first_frame as usize..sequence.end_frame() as usize];
         let last = centres.len() - 1;
         let weights: Vec<f32> = (0..=last)
             .map(|frame| {
                 let (before, after) = (frame.saturating_sub(1), (frame + 1).min(last));
                 let way: Vec2 = centres[after].xz() - centres[before].xz();
-                floor.weight(centres[frame].y, way.length() * floor.fps / (after - before).max(1) as f32)
+                floor.weight(index, centres[frame].y, way.length() * floor.fps / (after - before).max(1) as f32)
             })
             .collect();
         for frame in 0..=last {

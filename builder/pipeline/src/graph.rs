@@ -2,6 +2,7 @@
 
 use actor::capture::Capture;
 use actor::contacts::Contacts;
+use actor::feet::Feet;
 use actor::graph::{ALPHA_RESOLUTION, DEFAULT_ALPHA, EssentialGraph, rounded_alpha};
 use job::{Job, Stopped};
 use thiserror::Error;
@@ -12,6 +13,7 @@ use crate::essential::sparse::{Candidates, candidate_transitions, essential_of};
 use crate::essential::{
     BuildError, EssentialError, GraphInput, StrongComponents, build_graph, reach, strongly_connected,
 };
+use crate::feet;
 use crate::transitions::{TransitionError, TransitionOptions};
 
 /// How the graph of a capture is made.
@@ -88,7 +90,12 @@ pub fn essential_graph(
         true => contacts::contacts(&capture.topology, timeline, &capture.poses),
         false => Contacts::default(),
     };
-    graph_of(capture, measured, &kept, options, contacts)
+    let feet = match options.hold_contacts {
+        true => feet::feet(&capture.topology, timeline, &capture.poses),
+        false => Feet::default(),
+    };
+    let graphed = graph_of(capture, measured, &kept, options, contacts)?;
+    Ok(Graphed { graph: graphed.graph.with_feet(feet), ..graphed })
 }
 
 /// The graph of the transitions `kept`.

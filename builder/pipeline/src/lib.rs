@@ -3,5 +3,6 @@
 pub mod contacts;
 pub mod distance;
 pub mod essential;
+pub mod feet;
 pub mod graph;
 pub mod transitions;

@@ -10,7 +10,7 @@ use bundle::geometry::quantise::Grid;
 use bundle::{default_max_error, limits};
 use capture_io::import::{Imported, Warning};
 use job::Job;
-use pipeline::distance;
+use pipeline::{contacts, distance};
 
 use crate::options::{AppearanceChoice, FIRST_FRAME, PackError, PackOptions};
 
@@ -43,7 +43,25 @@ pub(crate) fn before_stages(imported: &Imported, options: &PackOptions) -> Prefl
         .and_then(|()| check_poses(capture))
         .and_then(|()| short_sequences(capture, options, &mut warnings))
         .and_then(|()| check_atlas(imported, options, &mut warnings));
+    if checked.is_ok() && options.graph.hold_contacts {
+        warnings.extend(uneven_floor(capture));
+    }
     Preflight { warnings, refusal: checked.err() }
+}
+
+/// Sequences that float or sink by centimetres.
+fn uneven_floor(capture: &Capture) -> Option<Warning> {
+    let sequences = capture.timeline.sequences();
+    let heights = contacts::uneven_floor(&capture.timeline, &capture.poses)?;
+    let ends = [f32::min, f32::max].map(|of| heights.iter().copied().reduce(of).unwrap_or(0.0));
+    let at = ends.map(|height| heights.iter().position(|&other| other == height).unwrap_or(0));
+    let [low, high] = at.map(|index| sequences.get(index).map_or("", |sequence| sequence.name.as_str()));
+    let message = format!(
+        "the ground of sequence \"{high}\" is {:.1} cm above that of \"{low}\": each sequence stands on its own, and the \
+         actor rises or sinks in transitions between them. Move the frames in the program that wrote them",
+        (ends[1] - ends[0]) * 100.0
+    );
+    Some(Warning::new("W_FLOOR", message))
 }
 
 /// More of something than a bundle holds.

@@ -31,6 +31,11 @@ pub struct Blend {
     pub next: [Next; 2],
     /// Where both are to be placed.
     pub placements: [Placement; 2],
+    /// Where the source would stand had it been played on alone from the first node; and the destination, its first frame
+    /// standing as it was recorded.
+    pub alone: [Placement; 2],
+    /// Where the frame stands that the transition leaves.
+    pub start: Placement,
     /// Weight of the destination: [`ease`] of `t / (L - 1)`.
     pub lambda: f32,
     /// Centre of mass P in metres along (X, Z).
@@ -66,6 +71,8 @@ impl Blend {
             frames: [from, first],
             next: [from, first].map(none_after),
             placements: [placement, destination],
+            alone: [placement, Placement::IDENTITY],
+            start: placement,
             lambda,
             centre,
             recorded,
@@ -130,6 +137,7 @@ impl Blend {
             let (frame, recorded) = after(self.frames[side], ground)?;
             self.frames[side] = frame;
             self.placements[side] = self.placements[side].after(&recorded);
+            self.alone[side] = self.alone[side].after(&recorded);
             self.places[side] += 1;
         }
         let share = (place % PLACES_A_FRAME) as f32 / PLACES_A_FRAME as f32;

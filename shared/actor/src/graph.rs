@@ -6,6 +6,7 @@
 use thiserror::Error;
 
 use crate::contacts::Contacts;
+use crate::feet::Feet;
 use crate::temporal_warp::TemporalWarp;
 use crate::timeline::Timeline;
 use kernels::align::Placement;
@@ -74,6 +75,7 @@ pub struct EssentialGraph {
     transitions: Vec<Transition>,
     first_transition: Vec<u32>,
     contacts: Contacts,
+    feet: Feet,
 }
 
 impl EssentialGraph {
@@ -100,8 +102,8 @@ impl EssentialGraph {
         for frame in 0..frame_count {
             first_transition[frame + 1] += first_transition[frame];
         }
-        let contacts = Contacts::default();
-        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts })
+        let (contacts, feet) = (Contacts::default(), Feet::default());
+        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet })
     }
 
     /// The same graph, whose transitions keep still what stands on the ground on both sides. Their placements have to be
@@ -109,6 +111,18 @@ impl EssentialGraph {
     #[must_use]
     pub fn with_contacts(self, contacts: Contacts) -> Self {
         Self { contacts, ..self }
+    }
+
+    /// The same graph, in whose transitions feet that stand stay where they are. Where its transitions lead does not change.
+    #[must_use]
+    pub fn with_feet(self, feet: Feet) -> Self {
+        Self { feet, ..self }
+    }
+
+    /// The feet that stay where they stand; none where they are not known.
+    #[must_use]
+    pub fn feet(&self) -> &Feet {
+        &self.feet
     }
 
     /// What stands on the ground in its frames; empty where that is not known or not to be kept still.

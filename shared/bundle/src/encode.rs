@@ -14,7 +14,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{contacts, files, graph, integers, motion, surface};
+use super::{contacts, feet, files, graph, integers, motion, surface};
 use actor::capture::Capture;
 use actor::files::Files;
 use actor::graph::EssentialGraph;
@@ -239,6 +239,9 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
         let contacts = contacts::encode(input.graph.contacts(), capture.timeline.frame_count());
         let contacts = contacts.ok_or_else(|| EncodeError::Inconsistent("a contact is too far out".into()))?;
         drafts.push(one(SectionKind::Contacts, contacts));
+    }
+    if input.graph.feet().count() > 0 {
+        drafts.push(one(SectionKind::Feet, feet::encode(input.graph.feet(), capture.timeline.frame_count())));
     }
     drafts.push(one(SectionKind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 4;
+pub const VERSION_MINOR: u16 = 5;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,6 +46,8 @@ pub enum SectionKind {
     Motion,
     /// What stands on the ground in every frame. Since 1.2.
     Contacts,
+    /// Which vertices follow each foot, and when it stands. Since 1.5.
+    Feet,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -54,7 +56,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -73,6 +75,7 @@ impl SectionKind {
         Self::NaiveMode,
         Self::Motion,
         Self::Contacts,
+        Self::Feet,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -100,6 +103,7 @@ impl SectionKind {
             Self::NaiveMode => 39,
             Self::Motion => 64,
             Self::Contacts => 65,
+            Self::Feet => 66,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -133,6 +137,7 @@ impl SectionKind {
             Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
             Self::Contacts => "contacts",
+            Self::Feet => "feet",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -149,6 +154,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Feet => 5,
             Self::FileFaces | Self::FilePlace => 4,
             Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,
             Self::Contacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,

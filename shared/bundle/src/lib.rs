@@ -12,6 +12,7 @@ mod checksum;
 mod contacts;
 mod encode;
 mod error;
+mod feet;
 mod files;
 mod graph;
 mod header;

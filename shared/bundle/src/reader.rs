@@ -11,8 +11,9 @@ use super::kind::SectionKind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, Textures, appearance, contacts, files, graph, integers, layout, motion, surface};
+use super::{Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, surface};
 use actor::contacts::Contacts;
+use actor::feet::Feet;
 use actor::files::{FileFaces, FilePlace};
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
@@ -53,6 +54,7 @@ pub struct BundleReader {
     file_place: FilePlace,
     motion: Option<Motion>,
     contacts: Contacts,
+    feet: Feet,
     looks: [ArrivedTextures; 2],
 }
 
@@ -356,7 +358,8 @@ impl BundleReader {
         }
         if kind == SectionKind::Graph {
             let graph = graph::decode(&raw, meta.transition_count, timeline)?;
-            self.graph = Some(graph.with_contacts(std::mem::take(&mut self.contacts)));
+            let (contacts, feet) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.feet));
+            self.graph = Some(graph.with_contacts(contacts).with_feet(feet));
             return Ok(());
         }
         if kind == SectionKind::Contacts {
@@ -364,6 +367,14 @@ impl BundleReader {
             match self.graph.take() {
                 Some(graph) => self.graph = Some(graph.with_contacts(contacts)),
                 None => self.contacts = contacts,
+            }
+            return Ok(());
+        }
+        if kind == SectionKind::Feet {
+            let feet = feet::decode(&raw, meta.vertex_count, timeline).map_err(wrong)?;
+            match self.graph.take() {
+                Some(graph) => self.graph = Some(graph.with_feet(feet)),
+                None => self.feet = feet,
             }
             return Ok(());
         }
@@ -431,6 +442,7 @@ impl BundleReader {
             | SectionKind::Graph
             | SectionKind::Motion
             | SectionKind::Contacts
+            | SectionKind::Feet
             | SectionKind::FilePlace => {}
         }
         Ok(())

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use actor::pose_source::PoseSource;
 use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode, validate};
-use captures::{cloth, graph};
+use captures::{cloth, feet, graph};
 use forge::{Section, assembled, meta_of, raw_sections};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -42,7 +42,8 @@ const LARGEST_BLOCK: usize = 32 << 20;
 
 fn small_bundle() -> Vec<u8> {
     let capture = cloth(4, 3, &[5, 3]);
-    let graph = graph(&capture.timeline);
+    let feet = feet(capture.topology.vertex_count(), &capture.timeline);
+    let graph = graph(&capture.timeline).with_feet(feet);
     let order: Vec<u32> = (0..21).rev().collect();
     let generator = "reprise test".into();
     let poisson_order = Some(&order[..]);
@@ -144,9 +145,15 @@ fn sections_must_be_there_once_and_in_order() {
     let sections = raw_sections(&small_bundle());
     assert!(use_all(&assembled(&sections)).is_ok());
     for place in 0..sections.len() {
-        let optional = [SectionKind::Order, SectionKind::FileVertices, SectionKind::Motion, SectionKind::Contacts]
-            .map(SectionKind::number)
-            .contains(&sections[place].number);
+        let optional = [
+            SectionKind::Order,
+            SectionKind::FileVertices,
+            SectionKind::Motion,
+            SectionKind::Contacts,
+            SectionKind::Feet,
+        ]
+        .map(SectionKind::number)
+        .contains(&sections[place].number);
         let mut without = sections.clone();
         without.remove(place);
         assert_eq!(use_all(&assembled(&without)).is_ok(), optional);

@@ -69,7 +69,7 @@ fn check_surface(reader: &BundleReader, capture: &Capture) {
 
 fn check_graph(read: &EssentialGraph, written: &EssentialGraph) {
     assert_eq!(read.alpha(), written.alpha());
-    assert_eq!(read.contacts(), written.contacts());
+    assert_eq!((read.contacts(), read.feet()), (written.contacts(), written.feet()));
     assert_eq!(read.transitions().len(), written.transitions().len());
     for (read, written) in read.transitions().iter().zip(written.transitions()) {
         assert_eq!((read.from, read.to, &read.warp), (written.from, written.to, &written.warp));

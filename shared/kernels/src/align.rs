@@ -48,6 +48,12 @@ impl Placement {
         }
     }
 
+    /// What takes everything back: `pose_from_world`.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self { heading: -self.heading, translation: rotate(-self.heading, -self.translation) }
+    }
+
     /// First `inner`, then `self`.
     #[must_use]
     pub fn after(&self, inner: &Self) -> Self {

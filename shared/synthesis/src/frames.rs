@@ -16,6 +16,8 @@ use kernels::cholesky::CholeskyError;
 use kernels::poisson::{Effort, KeyedPose, Memory, PoissonInterpolator};
 use kernels::topology::Topology;
 
+use crate::feet::{self, Sides};
+use crate::steps::{FootStep, foot_steps};
 use crate::walker::Step;
 
 /// What frames are made from.
@@ -56,6 +58,15 @@ pub(crate) struct FrameMaker {
     /// Source and destination of a transition, placed.
     placed: [Vec<Vec3>; 2],
     ahead: Option<Ahead>,
+    plan: Option<Plan>,
+}
+
+/// What is known of a transition's feet as long as it is under way.
+struct Plan {
+    transition: u32,
+    steps: Vec<Option<FootStep>>,
+    /// From the destination's first frame as it was recorded to where its last one stands once the first does.
+    alone: Placement,
 }
 
 /// A piece of the work for the first node of a transition.
@@ -88,6 +99,7 @@ impl FrameMaker {
             memory: PoseMemory::default(),
             placed: Default::default(),
             ahead: None,
+            plan: None,
         }
     }
 
@@ -157,12 +169,14 @@ impl FrameMaker {
         if ahead.effort.is_some() {
             return nothing;
         }
+        let blend = ahead.blend;
         let before = interpolator.effort().factorisations;
         match interpolator.advance() {
             Ok(is_done) => {
                 let factorised = interpolator.effort().factorisations > before;
                 if is_done {
                     ahead.effort = Some(interpolator.finish(&mut ahead.pose));
+                    keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, &mut ahead.pose)?;
                 }
                 Ok(Piece { more: !is_done, factorised })
             }
@@ -189,6 +203,8 @@ impl FrameMaker {
         let Some(interpolator) = &self.interpolator else { return Err(PoseError::NotLoaded(to.from)) };
         let before = interpolator.memory();
         self.place(over.source, &blend)?;
+        self.plan = None;
+        self.plan(over, index)?;
         let Some(interpolator) = &mut self.interpolator else { return Err(PoseError::NotLoaded(to.from)) };
         interpolator.restart();
         interpolator.begin(keyed(&self.placed, &blend), blend.lambda);
@@ -242,11 +258,32 @@ impl FrameMaker {
             return Ok((self.recorded(over.source, to.to, blend.placements[1], out)?, Effort::default()));
         }
         self.place(over.source, &blend)?;
+        self.plan(over, index)?;
         let Some(interpolator) = &mut self.interpolator else { return Err(PoseError::NotLoaded(to.from)) };
         let [source, destination] = keyed(&self.placed, &blend);
         let effort = interpolator.interpolate(source, destination, blend.lambda, out);
         let effort = effort.map_err(|_| PoseError::Damaged(source.frame))?;
+        keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, out)?;
         Ok((Standing::Node { transition: index, blend }, effort))
+    }
+
+    /// Plans the steps of a transition's feet, unless that was done.
+    fn plan(&mut self, over: &mut Recording, index: u32) -> Result<(), PoseError> {
+        if self.plan.as_ref().is_some_and(|plan| plan.transition == index) || over.graph.feet().count() == 0 {
+            return Ok(());
+        }
+        let to = transition(over.graph, index)?;
+        let steps = foot_steps(over.graph.feet(), over.timeline, to);
+        let mut ground = PosesOnGround::new(over.source, &self.weights, &mut self.memory);
+        let (mut alone, length) = (Placement::IDENTITY, to.warp.lengths().1 as i64);
+        let mut frame = over.timeline.offset(to.to, 1 - length).ok_or(PoseError::OutOfRange(to.to))?;
+        for _ in 1..length {
+            let step = recorded_step(over.timeline, &mut ground, frame)?;
+            let (next, step) = step.ok_or(PoseError::OutOfRange(frame))?;
+            (frame, alone) = (next, alone.after(&step));
+        }
+        self.plan = Some(Plan { transition: index, steps, alone });
+        Ok(())
     }
 
     /// Both sides of a node, placed.
@@ -277,6 +314,22 @@ impl Ahead {
         };
         self.transition == transition && bits(self.placement) == bits(placement)
     }
+}
+
+/// Puts the feet of a node where they stand. Where the transition arrives was stored with it: its feet are there already.
+fn keep_feet(
+    graph: &EssentialGraph,
+    plan: Option<&Plan>,
+    index: u32,
+    blend: &Blend,
+    placed: &[Vec<Vec3>; 2],
+    pose: &mut [Vec3],
+) -> Result<(), PoseError> {
+    let Some(plan) = plan.filter(|plan| plan.transition == index && graph.feet().count() > 0) else { return Ok(()) };
+    let end = blend.start.after(&transition(graph, index)?.placement);
+    let sides = Sides { placed, alone: feet::alone(blend, &end.after(&plan.alone.inverse())) };
+    feet::keep(graph.feet(), &plan.steps, blend.node, &sides, pose);
+    Ok(())
 }
 
 fn is_last(blend: &Blend, transition: &Transition) -> bool {

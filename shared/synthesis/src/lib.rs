@@ -14,7 +14,9 @@
 //! count a repeated frame's displacement twice. Walks may change their mind; wraps of cyclic sequences are bridged
 //! ([`recorded_step`](actor::ground::recorded_step)).
 
+mod feet;
 mod frames;
+pub mod steps;
 mod walker;
 
 pub use walker::{Step, Walker};

@@ -4,6 +4,7 @@
 use actor::blend::transition_placement;
 use actor::capture::Poses;
 use actor::contacts::Contacts;
+use actor::feet::{Feet, FootVertex};
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround};
 use actor::temporal_warp::{Move, TemporalWarp};
@@ -77,8 +78,18 @@ fn scene(seed: u64) -> Scene {
         let placement = transition_placement(&timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
         transitions.push(Transition { from, to, deformation: random.range(0.05, 0.3), warp, placement });
     }
-    let graph = EssentialGraph::new(0.01, transitions, &timeline).unwrap();
+    let stands = (0..2 * first_frame).map(|_| random.below(3) > 0).collect();
+    let feet = Feet::new(feet(), stands, vertex_count as usize, &timeline).unwrap();
+    let graph = EssentialGraph::new(0.01, transitions, &timeline).unwrap().with_feet(feet);
     Scene { topology, timeline, graph, poses }
+}
+
+/// Both ends of the tube.
+fn feet() -> Vec<Vec<FootVertex>> {
+    let ring = |ring: u32, leg: u8, sole: u8| {
+        (ring * AROUND..(ring + 1) * AROUND).map(move |vertex| FootVertex { vertex, leg, sole })
+    };
+    vec![ring(0, 255, 255).chain(ring(1, 200, 90)).collect(), ring(7, 120, 0).chain(ring(8, 255, 200)).collect()]
 }
 
 /// A change of the route, after so many frames.

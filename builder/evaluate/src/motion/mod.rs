@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use search::cheapest_walk;
 
 pub(super) use self::added::Added;
+use self::pictures::Strips;
 pub(super) use self::played::{Begun, Borrowed, Shown, show};
 pub(super) use self::series::{Look, Series};
 use super::EvaluateError;
@@ -59,7 +60,9 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
         frames.rows.push(own.compare(choice.word(), &shown));
         if choice == subject.options.transition.choice {
-            section.pictures = pictures::strips(recordings, &order, &graph, &added)?;
+            let ground = Look::of(&subject.capture.poses, subject.capture.topology.weights()).ground;
+            let strips = Strips { capture: &subject.capture, order: &order, graph: &graph, ground };
+            section.pictures = strips.of(&added)?;
         }
     }
     section.tables.extend([lengths, frames]);

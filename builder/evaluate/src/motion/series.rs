@@ -17,6 +17,8 @@ const DOUBLED: f64 = 1.8;
 pub struct Look<'a> {
     /// Weights of the vertices for planar alignment, with the sum 1.
     weights: &'a [f32],
+    /// Height of the ground in metres.
+    pub ground: f32,
     /// What is below this height touches the ground, in metres.
     touches: f32,
 }
@@ -30,7 +32,7 @@ impl<'a> Look<'a> {
         let lowest: Vec<f64> = poses.iter().map(|pose| f64::from(range(pose).0)).collect();
         let ground = percentile(&lowest, 0.25).unwrap_or(0.0) as f32;
         let (low, high) = range(poses.iter().next().unwrap_or_default());
-        Self { weights, touches: ground + TOUCHES * (high - low).max(0.0) }
+        Self { weights, ground, touches: ground + TOUCHES * (high - low).max(0.0) }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use actor::capture::{Capture, Poses};
 use actor::contacts::{Contact, Contacts};
+use actor::feet::{Feet, FootVertex};
 use actor::graph::{EssentialGraph, Transition};
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use actor::temporal_warp::{Move, TemporalWarp};
@@ -143,4 +144,20 @@ pub fn crane_and_jumping() -> Capture {
     let fixtures::Captured { topology, poses, timeline } = fixtures::crane_and_jumping(1);
     let surface = Surface::plain(&topology);
     Capture::new("crane and jumping", topology, surface, timeline, poses).unwrap()
+}
+
+/// Two feet over some of a mesh's vertices that stand now and then.
+pub fn feet(vertex_count: usize, timeline: &Timeline) -> Feet {
+    let foot = |foot: u32| {
+        let vertices = (foot..vertex_count as u32).step_by(2 + foot as usize);
+        vertices.map(|vertex| FootVertex {
+            vertex,
+            leg: 1 + (vertex * 37 % 255) as u8,
+            sole: (vertex * 91 % 256) as u8,
+        })
+    };
+    let mut feet: Vec<Vec<FootVertex>> = (0..2).map(|index| foot(index).collect()).collect();
+    feet.iter_mut().for_each(|foot| foot[0].sole = 255);
+    let stands = (0..2 * timeline.frame_count()).map(|index| index % 7 < 4).collect();
+    Feet::new(feet, stands, vertex_count, timeline).unwrap()
 }

@@ -1,0 +1,145 @@
+//! When each foot goes from where the source has it to where the destination has it: its step.
+//!
+//! Not in the papers. Before its step a foot is where the source, played on alone, would have it; after it, where the
+//! destination has it. So what stands there stays. A step is best where the foot is in the air on both sides; where it stands on
+//! both all the time, it has to be taken nevertheless, not too fast, near the middle of the blend, and best while another
+//! foot bears.
+
+use actor::feet::Feet;
+use actor::graph::Transition;
+use actor::temporal_warp::{PLACES_A_FRAME, Pace, ease};
+use actor::timeline::Timeline;
+
+/// The shortest step in seconds; shorter transitions are one step.
+const SHORTEST: f32 = 0.2;
+/// The longest step, in shortest ones.
+const LONGEST: usize = 3;
+/// The part of its step for which a foot that stands is only lifted, and only put down.
+const RAISED: f32 = 0.1;
+/// What a step as short as can be costs, against one that slides all along, which costs 1.
+const HASTE: f32 = 0.15;
+/// What a step costs that is all the time on another side than the blend.
+const APART: f32 = 0.5;
+/// What a step costs while nothing else bears.
+const FALLS: f32 = 0.3;
+
+/// The step of one foot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FootStep {
+    /// The node at which it begins.
+    pub begin: usize,
+    /// Nodes that it takes.
+    pub width: usize,
+    /// How much of it the foot stands on the side that it leaves or comes to, from 0 to 1: then it has to be lifted.
+    pub stands: f32,
+}
+
+impl FootStep {
+    /// How far the step is at a node, from 0 to 1.
+    #[must_use]
+    pub fn progress(&self, node: usize) -> f32 {
+        ((node as f32 - self.begin as f32) / self.width.max(1) as f32).clamp(0.0, 1.0)
+    }
+
+    /// Weight of the destination at a node, from 0 to 1. What stands is lifted before it goes, and is there before it is
+    /// put down.
+    #[must_use]
+    pub fn weight(&self, node: usize) -> f32 {
+        let margin = RAISED * self.lifted();
+        ease(((self.progress(node) - margin) / (1.0 - 2.0 * margin)).clamp(0.0, 1.0))
+    }
+
+    /// How far it is lifted in its middle, from 0 to 1: fully where it stands for half of its step.
+    #[must_use]
+    pub fn lifted(&self) -> f32 {
+        (2.0 * self.stands).min(1.0)
+    }
+}
+
+/// The steps of all feet in a transition; `None` for a foot that stands on neither side.
+#[must_use]
+pub fn foot_steps(feet: &Feet, timeline: &Timeline, transition: &Transition) -> Vec<Option<FootStep>> {
+    let standing: Vec<[Vec<f32>; 2]> =
+        (0..feet.count()).map(|foot| [0, 1].map(|side| stands(feet, timeline, transition, foot, side))).collect();
+    steps_of_standing(&standing, timeline.fps())
+}
+
+/// The same where it is known how firmly each foot stands at each node of the source and of the destination.
+#[must_use]
+pub fn steps_of_standing(standing: &[[Vec<f32>; 2]], fps: f32) -> Vec<Option<FootStep>> {
+    let mut steps: Vec<Option<FootStep>> = Vec::with_capacity(standing.len());
+    for foot in standing {
+        let step = foot.iter().flatten().any(|&stands| stands > 0.0).then(|| best(foot, standing, &steps, fps));
+        steps.push(step);
+    }
+    steps
+}
+
+/// The step of `foot` after those of the feet before it were chosen.
+fn best(foot: &[Vec<f32>; 2], standing: &[[Vec<f32>; 2]], before: &[Option<FootStep>], fps: f32) -> FootStep {
+    let last = foot[0].len().saturating_sub(1);
+    let shortest = ((SHORTEST * fps).round() as usize).clamp(1, last.max(1));
+    let bears: Vec<f32> = (0..=last).map(|node| bearing(standing, before, node)).collect();
+    let (mut found, mut least) = (FootStep { begin: 0, width: last, stands: 0.0 }, f32::INFINITY);
+    // Halves of the shortest step from one width to the next.
+    for halves in 2..=2 * LONGEST {
+        let width = (shortest * halves / 2).min(last);
+        for begin in 0..=last - width {
+            let mut step = FootStep { begin, width, stands: 0.0 };
+            let (mut stands, mut apart, mut falls) = (0.0, 0.0, 0.0);
+            for node in 0..last {
+                let (here, next) = (step.weight(node), step.weight(node + 1));
+                let middle = (here + next) / 2.0;
+                let firm = |side: usize| (foot[side][node] + foot[side][node + 1]) / 2.0;
+                stands += (next - here) * ((1.0 - middle) * firm(0) + middle * firm(1));
+                falls += (next - here) * (1.0 - bears[node]);
+                let blend = ease((node as f32 + 0.5) / last as f32);
+                apart += (middle - blend) * (middle - blend) / last as f32;
+            }
+            let cost = stands * (1.0 + FALLS * falls) + HASTE * shortest as f32 / width.max(1) as f32 + APART * apart;
+            if cost < least {
+                step.stands = stands;
+                (found, least) = (step, cost);
+            }
+        }
+        if width == last {
+            break;
+        }
+    }
+    found
+}
+
+/// How firmly the firmest of the feet whose steps are chosen stands at a node and the next one.
+fn bearing(standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], node: usize) -> f32 {
+    if steps.is_empty() && standing.len() > 1 {
+        return 1.0;
+    }
+    let mut most = 0.0_f32;
+    for (foot, step) in standing.iter().zip(steps) {
+        let Some(step) = step else { continue };
+        let weight = step.weight(node);
+        let moves = step.weight(node + 1) - weight;
+        let stands = (1.0 - weight) * foot[0][node] + weight * foot[1][node];
+        most = most.max(if moves > 0.0 { 0.0 } else { stands });
+    }
+    most
+}
+
+/// How firmly a foot stands on one side at each node: between frames, as much as both are near.
+fn stands(feet: &Feet, timeline: &Timeline, transition: &Transition, foot: usize, side: usize) -> Vec<f32> {
+    let warp = &transition.warp;
+    let pace = Pace::of(warp, side, timeline.fps());
+    let first = match side {
+        0 => Some(transition.from),
+        _ => timeline.offset(transition.to, 1 - warp.lengths().1 as i64),
+    };
+    let node = |node: usize| -> Option<f32> {
+        let place = pace.place(warp, side, node);
+        let frame = timeline.offset(first?, i64::from(place / PLACES_A_FRAME))?;
+        let share = (place % PLACES_A_FRAME) as f32 / PLACES_A_FRAME as f32;
+        let of = |frame: u32| f32::from(u8::from(feet.stands(frame, foot)));
+        let next = if share > 0.0 { of(timeline.next(frame)?) } else { 0.0 };
+        Some(of(frame) * (1.0 - share) + next * share)
+    };
+    (0..warp.duration()).map(|index| node(index).unwrap_or(0.0)).collect()
+}

@@ -1,0 +1,139 @@
+//! Feet that stand stay where they are in transitions, as well as in the recordings.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that panics has failed; what it measured is printed"
+)]
+
+use actor::capture::{Capture, Poses};
+use actor::feet::Feet;
+use actor::graph::EssentialGraph;
+use actor::pose_source::{PoseError, PoseSource};
+use actor::walk::{Leg, Walk};
+use capture_io::import::{ImportOptions, import};
+use glam::{Vec3, Vec3Swizzles};
+use job::Job;
+use kernels::align::Placement;
+use kernels::random::mix;
+use performer::{PerformerOptions, write_performer};
+use pipeline::distance;
+use pipeline::graph::{GraphOptions, essential_graph};
+use search::cheapest_walk;
+use synthesis::Synthesiser;
+
+/// Walks between frames drawn at random, whose transitions are looked at.
+const WALKS: u64 = 150;
+/// What is this close to the ground touches it, relative to the body's height: 2 cm of 1.8 m.
+const TOUCHES: f32 = 0.011;
+
+struct Recorded<'a>(&'a Poses);
+
+impl PoseSource for Recorded<'_> {
+    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
+        pose.copy_from_slice(self.0.frame(frame));
+        Ok(())
+    }
+}
+
+/// What is seen of some frames in a row.
+#[derive(Default)]
+struct Seen {
+    slides: Vec<f64>,
+    lowest: f32,
+}
+
+impl Seen {
+    fn mean(&self) -> f64 {
+        self.slides.iter().sum::<f64>() / self.slides.len() as f64
+    }
+
+    /// The mean way along the ground of all vertices that touch it in both frames, and how low the later frame reaches.
+    fn look(&mut self, before: &[Vec3], after: &[Vec3], touches: f32) {
+        let pairs = before.iter().zip(after).filter(|(b, a)| b.y < touches && a.y < touches);
+        let ways: Vec<f64> = pairs.map(|(b, a)| f64::from(b.xz().distance(a.xz()))).collect();
+        if !ways.is_empty() {
+            self.slides.push(ways.iter().sum::<f64>() / ways.len() as f64);
+        }
+        self.lowest = after.iter().map(|point| point.y).fold(self.lowest, f32::min);
+    }
+}
+
+fn touches(poses: &Poses) -> f32 {
+    let mut lowest: Vec<f32> = poses.iter().map(|pose| pose.iter().map(|p| p.y).fold(f32::MAX, f32::min)).collect();
+    lowest.sort_unstable_by(f32::total_cmp);
+    let heights = || poses.frame(0).iter().map(|point| point.y);
+    lowest[lowest.len() / 4] + TOUCHES * (heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min))
+}
+
+fn recorded(capture: &Capture) -> Seen {
+    let mut seen = Seen::default();
+    for sequence in capture.timeline.sequences() {
+        for frame in sequence.first_frame..sequence.end_frame() - 1 {
+            seen.look(capture.poses.frame(frame), capture.poses.frame(frame + 1), touches(&capture.poses));
+        }
+    }
+    seen
+}
+
+/// All transitions on cheapest walks.
+fn synthetic(capture: &Capture, graph: &EssentialGraph) -> Seen {
+    let (timeline, mut seen) = (&capture.timeline, Seen::default());
+    let touches = touches(&capture.poses);
+    let mut synthesiser = Synthesiser::new(&capture.topology, None).unwrap();
+    let frame = |index: u64| (mix(7, index) % u64::from(timeline.frame_count())) as u32;
+    let mut pose = vec![Vec3::ZERO; capture.topology.vertex_count()];
+    for index in 0..WALKS {
+        let Some(walk) = cheapest_walk(graph, timeline, frame(2 * index), frame(2 * index + 1)) else { continue };
+        for leg in walk.legs.iter().filter(|leg| leg.transition().is_some()) {
+            let from = leg.ends(graph).unwrap().0;
+            let alone = Walk { legs: vec![*leg], ..Walk::default() };
+            synthesiser.begin_walk(graph, timeline, (from, Placement::IDENTITY), &alone).unwrap();
+            let mut before: Option<Vec<Vec3>> = None;
+            let mut source = Recorded(&capture.poses);
+            while synthesiser.next_frame(graph, timeline, &mut source, &mut pose).unwrap().is_some() {
+                if let Some(before) = &before {
+                    seen.look(before, &pose, touches);
+                }
+                before = Some(pose.clone());
+            }
+        }
+    }
+    seen
+}
+
+/// Slide at most 1.5 times the recorded one, less than half of what it is without feet, and nothing lower than recorded.
+fn check(capture: &Capture) {
+    let measured =
+        distance::measure(&capture.topology, &capture.poses, &distance::DistanceOptions::default(), &Job::silent())
+            .unwrap();
+    let graph = essential_graph(capture, &measured, &GraphOptions::default(), &Job::silent()).unwrap().graph;
+    assert_eq!(graph.feet().count(), 2);
+    let (own, feet) = (recorded(capture), synthetic(capture, &graph));
+    let without = synthetic(capture, &graph.with_feet(Feet::default()));
+    let [own_slide, slide, free] = [&own, &feet, &without].map(Seen::mean);
+    println!("{:.2} mm recorded, {:.2} mm in transitions, {:.2} mm without feet", own_slide * 1e3, slide * 1e3, free * 1e3);
+    println!("lowest: {:.1} mm, {:.1} mm", own.lowest * 1e3, feet.lowest * 1e3);
+    assert!(feet.slides.len() > 200, "{}", feet.slides.len());
+    assert!(slide < 1.5 * own_slide, "{slide} against {own_slide}");
+    assert!(slide < 0.5 * free, "{slide} against {free}");
+    assert!(feet.lowest > own.lowest - 1e-3, "{} against {}", feet.lowest, own.lowest);
+}
+
+#[test]
+fn the_performer_stands_in_transitions() {
+    let folder = tempfile::tempdir().unwrap();
+    let small = PerformerOptions { frames: 300, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
+    write_performer(&small, folder.path(), &|_| ()).unwrap();
+    let inputs = [folder.path().to_str().unwrap().to_owned()];
+    let capture = import(&inputs, &ImportOptions::default(), &Job::silent()).unwrap().capture;
+    check(&capture);
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn a_captured_actor_stands_in_transitions() {
+    let files = ["crane", "jumping"].map(|name| fixtures::unpacked(name));
+    let inputs = files.map(|files| files[0].parent().unwrap().to_str().unwrap().to_owned());
+    let options = ImportOptions { fps: Some(25.0), ..ImportOptions::default() };
+    check(&import(&inputs, &options, &Job::silent()).unwrap().capture);
+}
