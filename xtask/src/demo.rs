@@ -27,7 +27,7 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
     let compiled = Beside::start("the builder", build("release").arg("-q"))?;
     let dist = web::build()?;
     compiled.finish()?;
-    pack(&dist.join("demo.reprise"), &|| Ok(builder("release")))?;
+    pack(&dist.join("demo.reprise"), &|| Ok(small_builder("release")))?;
     if serving { serve::serve(&dist, port) } else { Ok(()) }
 }
 
@@ -42,10 +42,17 @@ pub fn pack(bundle: &Path, builder: &dyn Fn() -> Result<Command>) -> Result<Path
     Ok(capture)
 }
 
-/// Compiles the builder.
+/// Compiles the builder that the demo runs: without scans and evaluation, which take as long to compile as all the rest.
 fn build(profile: &str) -> Command {
     let mut command = cargo();
-    command.args(["build", "-p", "reprise-builder", "--profile", profile]);
+    command.args(["build", "-p", "reprise-builder", "--no-default-features", "--profile", profile]);
+    command
+}
+
+/// The `builder` that was compiled for the demo.
+fn small_builder(profile: &str) -> Command {
+    let mut command = cargo();
+    command.args(["run", "-q", "-p", "reprise-builder", "--no-default-features", "--profile", profile, "--"]);
     command
 }
 

@@ -14,6 +14,9 @@ pub fn test() -> Result<()> {
     let dist = web::build()?;
     size::check(&dist)?;
     run("lints, native", cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    let mut small = cargo();
+    small.args(["clippy", "-p", "reprise-builder", "--no-default-features", "--", "-D", "warnings"]);
+    run("lints, the builder of the demo", &mut small)?;
     let mut wasm = cargo();
     // With all that it is made of.
     wasm.args(["clippy", "-p", "reprise-web", "--target", "wasm32-unknown-unknown", "--", "-D", "warnings"]);

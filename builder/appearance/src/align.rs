@@ -55,7 +55,7 @@ pub struct Aligned {
 }
 
 /// Changes whenever textures are aligned otherwise.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl Aligned {
     /// Active texels that are unknown in a frame's texture.

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use super::AppearanceError;
 use super::align::{Aligned, Incomplete, WARP_RANGE, colours};
 use super::completion;
-use super::rebuilt::combine;
+use super::rebuilt::combine_all;
 use super::textures::TextureSource;
 use super::warp::WarpMethod;
 use job::Job;
@@ -32,6 +32,8 @@ use learn::store::Store;
 /// Times that what is missing is added. More come closer before storing (SSIM 0.9944 after four, 0.9933 after two, 0.9907 after
 /// one, at 1024 x 1024), but what they add is fine detail that costs more bytes than it is worth (docs/appearance.md).
 pub const STEPS: usize = 2;
+/// Frames whose models are put together at once by a thread.
+const TOGETHER: usize = 4;
 /// How much of what is missing is added: interpolation there and back weakens detail, so more than all of it.
 const STEP: f32 = 1.4;
 
@@ -78,24 +80,17 @@ pub fn fit(
     let total = (steps * aligned.textures.rows()) as u64;
     for step in 0..steps {
         let rows = opened(step)?;
-        let improve = |frame: usize| -> Result<(), AppearanceError> {
-            job.tell("eigen textures", 1 + done.fetch_add(1, Ordering::Relaxed), total)?;
-            if rows.has(frame) {
-                return Ok(());
-            }
+        let improve = |(frame, mut model): (usize, Vec<f32>)| -> Result<(), AppearanceError> {
             let warp = warp(frame);
-            let way = if step == 0 {
-                let way = aligned.warper.inverse(&warp);
-                ways.write(frame, &way)?;
-                way
-            } else {
-                // The step before was done before this program was started.
-                if !ways.has(frame) {
-                    ways.write(frame, &aligned.warper.inverse(&warp))?;
+            // Where the step before was done before this program was started, the way there is not known.
+            let way = match step > 0 && ways.has(frame) {
+                true => ways.row(frame)?,
+                false => {
+                    let way = aligned.warper.inverse(&warp);
+                    ways.write(frame, &way)?;
+                    way
                 }
-                ways.row(frame)?
             };
-            let mut model = combine(&textures, frame, textures.modes.len());
             let mut missing = colours(&source.read(frame)?, &aligned.charts);
             let shown = aligned.warper.warp(&model, 3, &warp, WarpMethod::Direct);
             missing.iter_mut().zip(&shown).for_each(|(missing, shown)| *missing -= shown);
@@ -106,7 +101,15 @@ pub fn fit(
             model.iter_mut().zip(&missing).for_each(|(model, missing)| *model += STEP * missing);
             Ok(rows.write(frame, &model)?)
         };
-        let improved: Result<Vec<()>, AppearanceError> = (0..rows.rows()).into_par_iter().map(improve).collect();
+        let together = |frames: &[usize]| -> Result<(), AppearanceError> {
+            let missing: Vec<usize> = frames.iter().copied().filter(|&frame| !rows.has(frame)).collect();
+            let done = done.fetch_add(frames.len() as u64, Ordering::Relaxed) + frames.len() as u64;
+            job.tell("eigen textures", done, total)?;
+            let models = combine_all(&textures, &missing, textures.modes.len());
+            missing.into_iter().zip(models).try_for_each(improve)
+        };
+        let frames: Vec<usize> = (0..rows.rows()).collect();
+        let improved: Result<Vec<()>, AppearanceError> = frames.par_chunks(TOGETHER).map(together).collect();
         improved?;
         textures = learn(aligned, &rows, training, count)?;
     }

@@ -5,6 +5,8 @@
 //! with brightness alone, and filter by the bilateral grid of Chen, Paris, Durand, *Real-time edge-aware image
 //! processing with the bilateral grid*, 2007, at a width that follows the texture's size.
 
+use kernels::simd::{Kernel, Level as Instructions};
+
 use super::textures::Texture;
 
 /// Standard deviation in space, as a part of the texture's longer side.
@@ -30,7 +32,7 @@ fn brightness([red, green, blue]: [u8; 3]) -> f32 {
 }
 
 /// Maps values so that those that count are spread evenly over 0 to 1.
-fn equalise(values: &mut [f32], counts: &dyn Fn(usize) -> bool) {
+fn equalise(values: &mut [f32], counts: &impl Fn(usize) -> bool) {
     let place = |value: f32| value.clamp(0.0, 1.0) * (BINS - 1) as f32;
     let mut histogram = [0_u64; BINS];
     for (texel, &value) in values.iter().enumerate() {
@@ -57,31 +59,62 @@ fn equalise(values: &mut [f32], counts: &dyn Fn(usize) -> bool) {
 }
 
 /// Means of what lies near in space and in value; 0 where `labels` are 0.
-fn bilateral(values: &[f32], width: usize, labels: &[u32], counts: &dyn Fn(usize) -> bool) -> Vec<f32> {
+fn bilateral(values: &[f32], width: usize, labels: &[u32], counts: &impl Fn(usize) -> bool) -> Vec<f32> {
     let height = values.len() / width.max(1);
     let cell = (SPACE * width.max(height) as f32).max(1.0);
     // A margin of one cell on all sides, and room for interpolation.
     let size = |texels: usize| (texels as f32 / cell) as usize + 4;
     let (columns, rows, layers) = (size(width), size(height), (1.0 / RANGE) as usize + 4);
     let mut grid = Grid { size: [layers, columns, rows], cells: vec![[0.0; 2]; layers * columns * rows] };
-    let place = |x: usize, y: usize, value: f32| [value / RANGE + 1.0, x as f32 / cell + 1.0, y as f32 / cell + 1.0];
-    for (texel, &value) in values.iter().enumerate().filter(|(texel, _)| counts(*texel)) {
-        let [z, x, y] = place(texel % width, texel / width, value).map(|at| (at + 0.5) as usize);
-        let cell = &mut grid.cells[(y * columns + x) * layers + z];
-        cell[0] += value;
-        cell[1] += 1.0;
+    let across: Vec<f32> = (0..width).map(|x| x as f32 / cell + 1.0).collect();
+    let along: Vec<f32> = (0..height).map(|y| y as f32 / cell + 1.0).collect();
+    for (y, (&along, values)) in along.iter().zip(values.chunks_exact(width.max(1))).enumerate() {
+        let line = (along + 0.5) as usize * columns;
+        for (x, (&across, &value)) in across.iter().zip(values).enumerate() {
+            if counts(y * width + x) {
+                let layer = (value / RANGE + 1.0 + 0.5) as usize;
+                let cell = &mut grid.cells[(line + (across + 0.5) as usize) * layers + layer];
+                cell[0] += value;
+                cell[1] += 1.0;
+            }
+        }
     }
     for (step, count) in [(1, layers), (layers, columns), (layers * columns, rows)] {
         grid.blur(step, count);
     }
-    let slice = |(texel, &value): (usize, &f32)| {
-        if labels[texel] == 0 {
-            return 0.0;
+    let grid = &grid;
+    Instructions::best().run(Slice { grid, values, labels, across: &across, along: &along })
+}
+
+/// The means of a grid at all texels.
+struct Slice<'a> {
+    grid: &'a Grid,
+    values: &'a [f32],
+    labels: &'a [u32],
+    /// The column of cells of each column of texels, and the row of each row.
+    across: &'a [f32],
+    along: &'a [f32],
+}
+
+impl Kernel for Slice<'_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<f32> {
+        let Self { grid, values, labels, across, along } = self;
+        let mut means = vec![0.0; values.len()];
+        for y in 0..along.len() {
+            for x in 0..across.len() {
+                let texel = y * across.len() + x;
+                if labels[texel] != 0 {
+                    let value = values[texel];
+                    let [sum, weight] = grid.at([value / RANGE + 1.0, across[x], along[y]]);
+                    means[texel] = if weight > 1e-6 { sum / weight } else { value };
+                }
+            }
         }
-        let [sum, weight] = grid.at(place(texel % width, texel / width, value));
-        if weight > 1e-6 { sum / weight } else { value }
-    };
-    values.iter().enumerate().map(slice).collect()
+        means
+    }
 }
 
 /// Sums of values and of weights over layers of value, columns and rows.
@@ -110,6 +143,7 @@ impl Grid {
     }
 
     /// Both sums at a place between cells.
+    #[inline(always)]
     fn at(&self, place: [f32; 3]) -> [f32; 2] {
         let [layers, columns, _] = self.size;
         let low = place.map(|at| at as usize);

@@ -2,6 +2,7 @@
 
 use texture::quality::Similarity;
 
+use kernels::simd::{Kernel, Level as Instructions};
 use learn::pca::PrincipalComponents;
 
 /// Values that are summed together.
@@ -28,15 +29,43 @@ pub fn means<E>(pairs: Vec<Result<(f64, f64), E>>) -> Result<(f64, f64), E> {
 /// The mean and the first `count` modes, each times the frame's coefficient.
 #[must_use]
 pub fn combine(components: &PrincipalComponents, frame: usize, count: usize) -> Vec<f32> {
-    let all = components.modes.len();
-    let mut sum = components.mean.clone();
-    // A piece of all modes at a time: the sum stays in the processor's nearest memory.
-    for (piece, sum) in sum.chunks_mut(PIECE).enumerate() {
-        let factors = &components.coefficients[frame * all..];
-        for (mode, &factor) in components.modes.iter().zip(factors).take(count.min(all)) {
-            let mode = &mode[piece * PIECE..];
-            sum.iter_mut().zip(mode).for_each(|(sum, value)| *sum += factor * value);
+    combine_all(components, &[frame], count).pop().unwrap_or_default()
+}
+
+/// The same for several frames: modes are read from memory once for all of them, which is what costs.
+#[must_use]
+pub fn combine_all(components: &PrincipalComponents, frames: &[usize], count: usize) -> Vec<Vec<f32>> {
+    Instructions::best().run(Combine { components, frames, count: count.min(components.modes.len()) })
+}
+
+struct Combine<'a> {
+    components: &'a PrincipalComponents,
+    frames: &'a [usize],
+    count: usize,
+}
+
+impl Kernel for Combine<'_> {
+    type Output = Vec<Vec<f32>>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Vec<f32>> {
+        let Self { components, frames, count } = self;
+        let (all, length) = (components.modes.len(), components.mean.len());
+        let mut sums = vec![components.mean.clone(); frames.len()];
+        // A piece of all modes at a time: the sums stay in the processor's nearest memory.
+        for start in (0..length).step_by(PIECE) {
+            let end = (start + PIECE).min(length);
+            for mode in 0..count {
+                let values = &components.modes[mode][start..end];
+                for k in 0..frames.len() {
+                    let factor = components.coefficients[frames[k] * all + mode];
+                    let sum = &mut sums[k][start..end];
+                    for at in 0..values.len() {
+                        sum[at] += factor * values[at];
+                    }
+                }
+            }
         }
+        sums
     }
-    sum
 }

@@ -1,6 +1,8 @@
 //! Looking up where the warp of a texel points: all channels of a texture at once, since finding the place costs more
 //! than reading it.
 
+use kernels::simd::Kernel;
+
 use super::level::Level;
 
 /// A texture on the planes of a level, its channels side by side; territories hold what lies nearest in their chart.
@@ -41,6 +43,73 @@ impl Places {
     }
 }
 
+/// Takes for each active texel what lies where its `warp` points, the first `channels` of a plane's.
+pub(super) struct Direct<'a, const C: usize> {
+    pub level: &'a Level,
+    pub places: &'a Places,
+    pub plane: &'a Plane<C>,
+    pub channels: usize,
+    pub warp: &'a [f32],
+}
+
+impl<const C: usize> Kernel for Direct<'_, C> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<f32> {
+        let Self { level, places, plane, channels, warp } = self;
+        let mut values = vec![0.0; channels * places.index.len()];
+        for number in 0..places.index.len() {
+            let [x, y] = places.at[number];
+            let there = [f32::from(x) + warp[2 * number], f32::from(y) + warp[2 * number + 1]];
+            let value = sample(level, plane, places.index[number] as usize, there);
+            for channel in 0..channels.min(C) {
+                values[number * channels + channel] = value[channel];
+            }
+        }
+        values
+    }
+}
+
+/// Steps of the fixed-point iteration for the inverse of a warp.
+const INVERSE_STEPS: usize = 8;
+/// A step that is shorter, in texels, ends it: stores keep a warp to a 256th.
+const SHORT: f32 = 1.0 / 1024.0;
+
+/// The warp that undoes another, which is on a plane: w'(y) = -w(y + w'(y)), by fixed-point iteration.
+pub(super) struct Inverse<'a> {
+    pub level: &'a Level,
+    pub places: &'a Places,
+    pub plane: &'a Plane<2>,
+}
+
+impl Kernel for Inverse<'_> {
+    type Output = Vec<f32>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<f32> {
+        let Self { level, places, plane } = self;
+        let mut inverse = vec![0.0; 2 * places.index.len()];
+        for number in 0..places.index.len() {
+            let place = places.index[number] as usize;
+            let [column, row] = places.at[number];
+            let (column, row) = (f32::from(column), f32::from(row));
+            let [mut x, mut y] = [-plane[place][0], -plane[place][1]];
+            for _ in 0..INVERSE_STEPS {
+                let there = sample(level, plane, place, [column + x, row + y]);
+                let (further_x, further_y) = (-there[0] - x, -there[1] - y);
+                (x, y) = (-there[0], -there[1]);
+                if further_x.abs() < SHORT && further_y.abs() < SHORT {
+                    break;
+                }
+            }
+            inverse[2 * number] = x;
+            inverse[2 * number + 1] = y;
+        }
+        inverse
+    }
+}
+
 /// The value of `plane` at column `x` and row `y`, interpolated among texels of the territory that the texel `place` lies
 /// in; where there are none, that texel's own value.
 #[inline(always)]
@@ -56,20 +125,19 @@ pub(super) fn sample<const C: usize>(level: &Level, plane: &Plane<C>, place: usi
     let above = top as usize * stride + left as usize;
     let below = above + stride;
     let label = level.labels[place];
-    let pairs = [
-        (&level.territory[above..above + 2], &plane[above..above + 2], 1.0 - fy),
-        (&level.territory[below..below + 2], &plane[below..below + 2], fy),
-    ];
+    let shares = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
+    let corners = [above, above + 1, below, below + 1];
+    // Nearly everywhere all four are of the territory.
+    let alike = level.quads[above] == label;
     let (mut sum, mut weight) = ([0.0; C], 0.0);
-    for (territory, values, down) in pairs {
-        for (k, along) in [1.0 - fx, fx].into_iter().enumerate() {
-            // No branch: which corners count changes along every border. Values are finite.
-            let share = if territory[k] == label { along * down } else { 0.0 };
-            for (sum, value) in sum.iter_mut().zip(values[k]) {
-                *sum += share * value;
-            }
-            weight += share;
+    for k in 0..4 {
+        // Which corners count changes along every border. Values are finite.
+        let share = if alike || level.territory[corners[k]] == label { shares[k] } else { 0.0 };
+        let value = plane[corners[k]];
+        for channel in 0..C {
+            sum[channel] += share * value[channel];
         }
+        weight += share;
     }
     if weight > 1e-3 { sum.map(|sum| sum / weight) } else { plane[place] }
 }

@@ -14,15 +14,12 @@
 use super::charts::Charts;
 use super::flow::Flow;
 use super::level::Level;
-use super::sampling::{Places, Plane, sample};
+use super::sampling::{Direct, Inverse, Places, Plane, sample};
 use super::screened::{self, Stretches};
 use kernels::simd::Level as Instructions;
 
 /// Weight of colours against gradients, lambda of thesis equations 4.1 to 4.3.
 pub const COLOUR_WEIGHT: f32 = 0.02;
-/// Steps of the fixed-point iteration for the inverse of a warp.
-const INVERSE_STEPS: usize = 8;
-
 /// Moves textures over one atlas.
 #[derive(Clone, Debug)]
 pub struct TextureWarper {
@@ -75,21 +72,19 @@ impl TextureWarper {
 
     fn moved<const C: usize>(&self, values: &[f32], channels: usize, warp: &[f32], how: WarpMethod) -> Vec<f32> {
         let plane = self.places.spread::<C>(&self.level, values, channels);
-        let mut result = vec![0.0; values.len()];
-        match how {
-            WarpMethod::Direct => self.direct(&plane, warp, |number, _, value| {
-                result[number * channels..(number + 1) * channels].copy_from_slice(&value[..channels]);
-            }),
-            WarpMethod::Poisson => {
-                let mut colours = vec![[0.0; C]; plane.len()];
-                self.direct(&plane, warp, |_, place, value| colours[place] = value);
-                let divergence = self.divergence(&plane, &colours, warp);
-                for channel in 0..channels {
-                    let right: Vec<f32> = divergence.iter().map(|more| more[channel]).collect();
-                    let z = screened::solve(&self.level, &self.stretches, COLOUR_WEIGHT, right, self.instructions);
-                    for (&place, result) in self.places.index.iter().zip(result.chunks_exact_mut(channels)) {
-                        result[channel] = z.re[place as usize] + colours[place as usize][channel];
-                    }
+        let direct = Direct { level: &self.level, places: &self.places, plane: &plane, channels, warp };
+        let mut result = self.instructions.run(direct);
+        if how == WarpMethod::Poisson {
+            let mut colours = vec![[0.0; C]; plane.len()];
+            for (&place, value) in self.places.index.iter().zip(result.chunks_exact(channels)) {
+                colours[place as usize][..channels].copy_from_slice(value);
+            }
+            let divergence = self.divergence(&plane, &colours, warp);
+            for channel in 0..channels {
+                let right: Vec<f32> = divergence.iter().map(|more| more[channel]).collect();
+                let z = screened::solve(&self.level, &self.stretches, COLOUR_WEIGHT, right, self.instructions);
+                for (&place, result) in self.places.index.iter().zip(result.chunks_exact_mut(channels)) {
+                    result[channel] = z.re[place as usize] + colours[place as usize][channel];
                 }
             }
         }
@@ -137,31 +132,11 @@ impl TextureWarper {
         flow
     }
 
-    /// The warp that undoes `warp`: w'(y) = -w(y + w'(y)), by fixed-point iteration.
+    /// The warp that undoes `warp`: w'(y) = -w(y + w'(y)), by fixed-point iteration, to a thousandth of a texel.
     #[must_use]
     pub fn inverse(&self, warp: &[f32]) -> Vec<f32> {
         let plane = self.places.spread::<2>(&self.level, warp, 2);
-        let mut inverse: Vec<f32> = warp.iter().map(|w| -w).collect();
-        self.places.each(|number, place, [x, y]| {
-            let way = &mut inverse[2 * number..2 * number + 2];
-            for _ in 0..INVERSE_STEPS {
-                let there = sample(&self.level, &plane, place, [x + way[0], y + way[1]]).map(|there| -there);
-                // Where a step changes nothing, none after it does.
-                if there == *way {
-                    break;
-                }
-                way.copy_from_slice(&there);
-            }
-        });
-        inverse
-    }
-
-    /// Calls `show` with each active texel's number, its place, and what lies where its warp points.
-    fn direct<const C: usize>(&self, plane: &Plane<C>, warp: &[f32], mut show: impl FnMut(usize, usize, [f32; C])) {
-        self.places.each(|number, place, [x, y]| {
-            let way = &warp[2 * number..2 * number + 2];
-            show(number, place, sample(&self.level, plane, place, [x + way[0], y + way[1]]));
-        });
+        self.instructions.run(Inverse { level: &self.level, places: &self.places, plane: &plane })
     }
 
     /// How much each moved gradient differs from the gradient of the moved `colours`, gathered as a divergence.

@@ -128,6 +128,9 @@ impl Centred {
     }
 }
 
+/// Right sides of products that are used again soon, a multiple of [`BLOCK`]: a panel of them is a quarter of a megabyte.
+const NEAR: usize = 64;
+
 /// Products of all pairs of rows i <= j.
 struct Products<'a> {
     rows: &'a Centred,
@@ -146,29 +149,33 @@ impl Kernel for Products<'_> {
         let mut products = vec![0.0; n * n];
         for from in (0..rows.padded).step_by(PANEL) {
             let length = PANEL.min(rows.padded - from);
-            for i in (0..n).step_by(BLOCK) {
-                let a = rows.block(i, from, length);
-                for j in (i..n).step_by(BLOCK) {
-                    let b = rows.block(j, from, length);
-                    let mut sums = [[[0.0_f32; LANES]; BLOCK]; BLOCK];
-                    for start in (0..length).step_by(LANES) {
-                        for p in 0..BLOCK {
-                            let left = &a[p][start..start + LANES];
-                            for q in 0..BLOCK {
-                                let right = &b[q][start..start + LANES];
-                                for lane in 0..LANES {
-                                    sums[p][q][lane] = left[lane].mul_add(right[lane], sums[p][q][lane]);
+            // Some of the right sides at a time, which stay in the processor's second memory.
+            for near in (0..n).step_by(NEAR) {
+                let end = (near + NEAR).min(n);
+                for i in (0..end).step_by(BLOCK) {
+                    let a = rows.block(i, from, length);
+                    for j in (near.max(i)..end).step_by(BLOCK) {
+                        let b = rows.block(j, from, length);
+                        let mut sums = [[[0.0_f32; LANES]; BLOCK]; BLOCK];
+                        for start in (0..length).step_by(LANES) {
+                            for p in 0..BLOCK {
+                                let left = &a[p][start..start + LANES];
+                                for q in 0..BLOCK {
+                                    let right = &b[q][start..start + LANES];
+                                    for lane in 0..LANES {
+                                        sums[p][q][lane] = left[lane].mul_add(right[lane], sums[p][q][lane]);
+                                    }
                                 }
                             }
                         }
-                    }
-                    for p in 0..BLOCK.min(n - i) {
-                        for q in 0..BLOCK.min(n - j) {
-                            let mut total = 0.0;
-                            for lane in 0..LANES {
-                                total += f64::from(sums[p][q][lane]);
+                        for p in 0..BLOCK.min(n - i) {
+                            for q in 0..BLOCK.min(n - j) {
+                                let mut total = 0.0;
+                                for lane in 0..LANES {
+                                    total += f64::from(sums[p][q][lane]);
+                                }
+                                products[(i + p) * n + j + q] += total;
                             }
-                            products[(i + p) * n + j + q] += total;
                         }
                     }
                 }

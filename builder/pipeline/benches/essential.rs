@@ -42,7 +42,7 @@ fn essential(criterion: &mut Criterion) {
         group.bench_function(format!("{frames} frames, {count} candidates"), |bencher| bencher.iter(candidates));
         let found = candidates();
         group.bench_function(format!("{frames} frames, {kept} of {count} candidates stay"), |bencher| {
-            bencher.iter(|| essential_of(&found, &timeline, ALPHA));
+            bencher.iter(|| essential_of(&found, &timeline, ALPHA, &Job::silent()).unwrap());
         });
         group.bench_function(format!("{frames} frames, {kept} transitions stay"), |bencher| {
             bencher.iter(|| essential_edges(&transitions, &timeline, 0.01).unwrap());

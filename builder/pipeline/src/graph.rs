@@ -83,7 +83,7 @@ pub fn essential_graph(
     debug_assert!(alpha >= ALPHA_RESOLUTION);
     let candidates = candidate_transitions(&measured.distances, timeline, &options.transition, alpha, job)?;
     job.begin("essential graph")?;
-    let kept = essential_of(&candidates, timeline, alpha);
+    let kept = essential_of(&candidates, timeline, alpha, job)?;
     drop(candidates);
     job.begin("temporal warps")?;
     let contacts = match options.hold_contacts {

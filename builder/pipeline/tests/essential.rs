@@ -13,7 +13,7 @@ use fixtures::{Captured, Random, crane_and_jumping};
 use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
-use pipeline::essential::sparse::{Candidates, by_all_paths, by_searches, row_candidates};
+use pipeline::essential::sparse::{Candidates, Thinning, by_all_paths, by_searches, row_candidates};
 use pipeline::essential::{Essential, essential_edges, motion_graph, reach, strongly_connected};
 use pipeline::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
 
@@ -69,8 +69,15 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
     let alpha = rounded_alpha(alpha);
     assert_eq!(found.edges, plain_essential(transitions, timeline, alpha));
     assert_eq!(found.edges, hidden_paths(transitions, timeline, alpha), "by hidden paths");
-    for (decide, how) in [(by_all_paths as Decide, "all paths"), (by_searches, "searches")] {
+    for (decide, how) in [(by_all_paths as Decide, "all paths"), (searches, "searches")] {
         assert_eq!(found.edges, from_candidates(transitions, timeline, alpha, decide), "from candidates by {how}");
+    }
+    for (band, more) in [(1, 0), (3, 0), (7, 40), (64, 1000)] {
+        let decide = |candidates: &Candidates, timeline: &Timeline, alpha| {
+            searches(&thinned(candidates, timeline, alpha, band, more), timeline, alpha)
+        };
+        let edges = from_candidates(transitions, timeline, alpha, decide);
+        assert_eq!(found.edges, edges, "from bands of {band} rows, thinned out beyond {more}");
     }
 
     // The certificate: paths through the edges kept are as short as any.
@@ -104,8 +111,30 @@ fn check(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64) -> Ess
 
 type Decide = fn(&Candidates, &Timeline, f64) -> Candidates;
 
+fn searches(candidates: &Candidates, timeline: &Timeline, alpha: f64) -> Candidates {
+    by_searches(candidates, timeline, alpha, &Job::silent()).unwrap()
+}
+
+/// What is left of candidates that come in bands of rows.
+fn thinned(candidates: &Candidates, timeline: &Timeline, alpha: f64, band: usize, more: usize) -> Candidates {
+    let job = Job::silent();
+    let mut thinning = Thinning::new(timeline, alpha, more, &job);
+    let frames: Vec<u32> = (0..candidates.frame_count()).collect();
+    for band in frames.chunks(band) {
+        thinning.push(&band.iter().map(|&frame| candidates.from(frame).to_vec()).collect::<Vec<_>>()).unwrap();
+    }
+    let left = thinning.left();
+    assert!(left.frame_count() == candidates.frame_count() && left.len() <= candidates.len());
+    left
+}
+
 /// By way of candidates; the next row is not always at hand.
-fn from_candidates(transitions: &TransitionMatrix, timeline: &Timeline, alpha: f64, decide: Decide) -> Vec<(u32, u32)> {
+fn from_candidates(
+    transitions: &TransitionMatrix,
+    timeline: &Timeline,
+    alpha: f64,
+    decide: impl Fn(&Candidates, &Timeline, f64) -> Candidates,
+) -> Vec<(u32, u32)> {
     let mut candidates = Candidates::new();
     for from in 0..timeline.frame_count() {
         let next = timeline.next(from).filter(|_| from % 4 != 3).map(|next| transitions.costs_from(next as usize));

@@ -162,7 +162,7 @@ impl Wander {
         let mut walk = cheapest_walk_to(graph, timeline, from, &is_inside)?;
         let frame = walk.end(graph).unwrap_or(from);
         let steps = steps.saturating_sub(walk.steps(graph));
-        walk.append(&stroll.walk(graph, timeline, segments, frame, steps, &mut || unit(&mut random))?);
+        walk.append(&stroll.walk(graph, segments, frame, steps, &mut || unit(&mut random))?);
         self.random = random;
         Some(walk)
     }

@@ -104,7 +104,10 @@ impl Layer {
         let mut texels = vec![[0.0; 4]; level.width * level.height];
         for (index, block) in self.blocks.iter().enumerate() {
             let waves = self.block_sum(index, modes, weights);
-            let channels: Vec<[f32; AREA]> = waves.iter().map(|waves| inverse(&table, waves)).collect();
+            let mut channels = [[0.0; AREA]; 3];
+            for (channel, waves) in channels.iter_mut().zip(&waves).take(self.channels) {
+                *channel = inverse(&table, waves);
+            }
             for at in 0..AREA {
                 let (x, y) = (usize::from(block.x) * side + at % SIDE, usize::from(block.y) * side + at / SIDE);
                 if at % SIDE >= side || at / SIDE >= side || x >= level.width || y >= level.height {

@@ -37,22 +37,53 @@ impl Field {
     /// them is known.
     #[must_use]
     pub fn sample(&self, x: f32, y: f32) -> Option<[f32; 3]> {
-        let (left, top) = (x.floor(), y.floor());
-        let (u, v) = (x - left, y - top);
+        self.sample_between(Between::at(x), Between::at(y))
+    }
+
+    /// The same where `column` and `row` were found before.
+    #[inline]
+    #[must_use]
+    pub fn sample_between(&self, column: Between, row: Between) -> Option<[f32; 3]> {
         let (mut sum, mut total) = ([0.0; 3], 0.0);
-        for (dx, dy, weight) in
-            [(0.0, 0.0, (1.0 - u) * (1.0 - v)), (1.0, 0.0, u * (1.0 - v)), (0.0, 1.0, (1.0 - u) * v), (1.0, 1.0, u * v)]
-        {
-            let (x, y) = (left + dx, top + dy);
-            if x < 0.0 || y < 0.0 || x >= self.width as f32 || y >= self.height as f32 {
-                continue;
+        for (y, down) in row.texels() {
+            for (x, along) in column.texels() {
+                if x >= self.width || y >= self.height {
+                    continue;
+                }
+                let Some([r, g, b, known]) = self.texels.get(y * self.width + x) else { continue };
+                let weight = along * down * known;
+                sum = [sum[0] + weight * r, sum[1] + weight * g, sum[2] + weight * b];
+                total += weight;
             }
-            let Some([r, g, b, known]) = self.texels.get(y as usize * self.width + x as usize) else { continue };
-            let weight = weight * known;
-            sum = [sum[0] + weight * r, sum[1] + weight * g, sum[2] + weight * b];
-            total += weight;
         }
         (total > KNOWN).then(|| sum.map(|value| value / total))
+    }
+}
+
+/// A place between two neighbouring columns of texels, or rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    first: i32,
+    /// What the first counts, and the second.
+    shares: [f32; 2],
+}
+
+impl Between {
+    /// The place `at`, texel centres being whole numbers.
+    #[inline]
+    #[must_use]
+    pub fn at(at: f32) -> Self {
+        let towards_zero = at as i32;
+        let first = towards_zero.saturating_sub(i32::from(towards_zero as f32 > at));
+        let share = at - first as f32;
+        Self { first, shares: [1.0 - share, share] }
+    }
+
+    /// Both and their shares; one before the first texel has a number beyond all.
+    #[inline]
+    fn texels(self) -> [(usize, f32); 2] {
+        let number = |texel: i32| texel as u32 as usize;
+        [(number(self.first), self.shares[0]), (number(self.first.wrapping_add(1)), self.shares[1])]
     }
 }
 
@@ -73,9 +104,31 @@ pub struct Aligned {
 
 impl Aligned {
     /// The warp of a texel, in its texels.
+    #[must_use]
     pub fn warp_at(&self, x: usize, y: usize) -> [f32; 2] {
-        let at = [x, y].map(|at| (at as f32 + 0.5) * self.texel / self.cell - 0.5);
-        self.warp.sample(at[0], at[1]).map_or([0.0; 2], |[dx, dy, _]| [dx / self.texel, dy / self.texel])
+        self.warp_between(self.between(x), self.between(y))
+    }
+
+    /// The warps of all texels, row by row: [`Self::warp_at`] with what a row or a column shares found once.
+    #[must_use]
+    pub fn warps(&self) -> Vec<[f32; 2]> {
+        let columns: Vec<Between> = (0..self.texture.width).map(|x| self.between(x)).collect();
+        let mut warps = Vec::with_capacity(self.texture.width * self.texture.height);
+        for y in 0..self.texture.height {
+            let row = self.between(y);
+            warps.extend(columns.iter().map(|&column| self.warp_between(column, row)));
+        }
+        warps
+    }
+
+    /// Where the warp of a column or a row of texels lies.
+    fn between(&self, texel: usize) -> Between {
+        Between::at((texel as f32 + 0.5) * self.texel / self.cell - 0.5)
+    }
+
+    fn warp_between(&self, column: Between, row: Between) -> [f32; 2] {
+        let warp = self.warp.sample_between(column, row);
+        warp.map_or([0.0; 2], |[dx, dy, _]| [dx / self.texel, dy / self.texel])
     }
 
     fn moved(&self, x: usize, y: usize, warp: [f32; 2]) -> [f32; 3] {
@@ -85,9 +138,9 @@ impl Aligned {
     /// The texture moved directly: c(x) = I(x + w(x)).
     #[must_use]
     pub fn remap(&self) -> Vec<[f32; 3]> {
-        let (width, height) = (self.texture.width, self.texture.height);
-        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        texels.map(|(x, y)| self.moved(x, y, self.warp_at(x, y))).collect()
+        let width = self.texture.width;
+        let moved = |(at, warp): (usize, [f32; 2])| self.moved(at % width, at / width, warp);
+        self.warps().into_iter().enumerate().map(moved).collect()
     }
 
     /// `r` = lap c - div(grad I)(x + w): what the texture moved directly lacks of the moved gradients.
@@ -97,9 +150,8 @@ impl Aligned {
     #[must_use]
     pub fn residual(&self, mask: &Level, moved: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let mut residual = vec![[0.0; 3]; moved.len()];
-        for at in 0..moved.len() {
+        for (at, warp) in self.warps().into_iter().enumerate() {
             let (x, y) = (at % mask.width, at / mask.width);
-            let warp = self.warp_at(x, y);
             for (flag, other, [nx, ny]) in [(2, at + 1, [x + 1, y]), (8, at + mask.width, [x, y + 1])] {
                 if mask.flags[at] & flag != 0 {
                     let far = self.moved(nx, ny, warp);

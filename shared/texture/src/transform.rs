@@ -34,22 +34,30 @@ pub fn cosines(side: usize) -> [f32; AREA] {
 /// The block's waves: `out[v * SIDE + u]` of the colours `block[y * SIDE + x]`.
 #[must_use]
 pub fn forward(table: &[f32; AREA], block: &[f32; AREA]) -> [f32; AREA] {
-    along_rows(block, |row, u| (0..SIDE).map(|x| row[x] * table[u * SIDE + x]).sum())
+    let by_texel = std::array::from_fn(|at| table[at % SIDE * SIDE + at / SIDE]);
+    along_rows(block, &by_texel)
 }
 
 /// The colours of the waves that [`forward`] gives, or of a smaller block with a table for one.
 #[must_use]
 pub fn inverse(table: &[f32; AREA], waves: &[f32; AREA]) -> [f32; AREA] {
-    along_rows(waves, |row, x| (0..SIDE).map(|u| row[u] * table[u * SIDE + x]).sum())
+    along_rows(waves, table)
 }
 
-/// `change` along rows and then along columns: two passes that transpose.
-fn along_rows(block: &[f32; AREA], change: impl Fn(&[f32], usize) -> f32) -> [f32; AREA] {
+/// What the values of a row give, `table[i * SIDE + k]` of value `i` to value `k`, along rows and then along columns: two
+/// passes that transpose.
+fn along_rows(block: &[f32; AREA], table: &[f32; AREA]) -> [f32; AREA] {
     let pass = |from: &[f32; AREA]| -> [f32; AREA] {
         let mut to = [0.0; AREA];
         for (y, row) in from.chunks_exact(SIDE).enumerate() {
-            for x in 0..SIDE {
-                to[x * SIDE + y] = change(row, x);
+            let mut sums = [0.0; SIDE];
+            for (value, factors) in row.iter().zip(table.chunks_exact(SIDE)) {
+                for k in 0..SIDE {
+                    sums[k] += value * factors[k];
+                }
+            }
+            for k in 0..SIDE {
+                to[k * SIDE + y] = sums[k];
             }
         }
         to

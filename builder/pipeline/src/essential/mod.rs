@@ -5,7 +5,9 @@
 //! Here it is decided from all transitions, for comparison: they make nearly complete digraphs, so all shortest paths are
 //! found by blocked min-plus products, then each edge that is one of them is compared with all paths over a node in between.
 
+mod candidates;
 mod costs;
+mod detours;
 mod graph;
 pub mod hidden_paths;
 mod motion_graph;

@@ -15,7 +15,7 @@ use crate::error::EncodeError;
 use crate::limits::{MAX_MODES, MAX_TEXTURE_SIDE};
 use texture::TextureModel;
 use texture::basis::{Block, CHROMA, Layer};
-use texture::dealign::Field;
+use texture::dealign::{Between, Field};
 use texture::mask::{ACTIVE, LEVELS, Level, Mask};
 use texture::quality::Similarity;
 use texture::transform::{AREA, OPPONENT, SIDE, cosines, forward, inverse};
@@ -362,11 +362,13 @@ impl<'a> LayerCoder<'a> {
 
     /// Sum of squares of the difference between `mode` and what is `restored`, at full size.
     fn lost(&self, mode: &[f32], restored: &Field) -> f64 {
-        let (width, cell) = (self.mask.full().width, (1 << self.layer.level) as f32);
+        let (full, cell) = (self.mask.full(), (1 << self.layer.level) as f32);
+        let between = |texel: usize| Between::at((texel as f32 + 0.5) / cell - 0.5);
+        let columns: Vec<Between> = (0..full.width).map(between).collect();
+        let rows: Vec<Between> = (0..full.height).map(between).collect();
         let mut sum = 0.0;
         for (&at, values) in self.texels.iter().zip(mode.chunks_exact(self.layer.channels)) {
-            let [x, y] = [at % width, at / width].map(|at| (at as f32 + 0.5) / cell - 0.5);
-            let found = restored.sample(x, y).unwrap_or_default();
+            let found = restored.sample_between(columns[at % full.width], rows[at / full.width]).unwrap_or_default();
             sum += values.iter().zip(found).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
         }
         sum

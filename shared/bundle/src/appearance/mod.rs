@@ -117,8 +117,8 @@ impl StoredAppearance {
         let full = mask.full();
         let texture = Field { width: full.width, height: full.height, texels: Vec::new() };
         let aligned = Aligned { texture, warp, texel: 1.0, cell: (1 << warps.level) as f32, fill: [0.0; 3] };
-        let active = (0..full.flags.len()).filter(|&at| full.flags[at] & ACTIVE != 0);
-        active.flat_map(|at| aligned.warp_at(at % full.width, at / full.width)).collect()
+        let active = aligned.warps().into_iter().zip(&full.flags).filter(|(_, flags)| **flags & ACTIVE != 0);
+        active.flat_map(|(warp, _)| warp).collect()
     }
 }
 

@@ -62,6 +62,12 @@ impl Chain {
         self.row(state).map(|edge| (edge, self.ends[edge], self.probabilities[edge]))
     }
 
+    /// The state that an edge leads to.
+    #[must_use]
+    pub fn end(&self, edge: usize) -> u32 {
+        self.ends[edge]
+    }
+
     /// Numbers of the edges of a state.
     pub(super) fn row(&self, state: usize) -> std::ops::Range<usize> {
         self.first[state] as usize..self.first[state + 1] as usize

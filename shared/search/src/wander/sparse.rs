@@ -21,6 +21,8 @@ const APART: f64 = 0.66;
 /// Seconds of recorded frames for each transition of the graph, and for each that is added whatever connects.
 const SECONDS_A_TRANSITION: f64 = 1.0;
 const SECONDS_ANYWAY: f64 = 2.0;
+/// How many times that far a transition within a sequence leads at least.
+const LEADS_ON: u32 = 2;
 /// What a transition costs beside its distance, as a share of the median one's: fewer that are a little worse are better.
 const EACH: f64 = 0.5;
 /// Frames and transitions looked at that count as an expanded state.
@@ -59,6 +61,9 @@ pub(super) struct Sparse {
     /// Transitions of the order that have been looked at, and how many are to be chosen.
     next: usize,
     enough: usize,
+    /// How many are chosen when half of those that connect nothing lead to other sequences, and what they cost at most.
+    crossing: usize,
+    dearest: f64,
     chosen: Vec<u32>,
 }
 
@@ -103,6 +108,8 @@ impl Sparse {
             is_joined: false,
             next: 0,
             enough: 0,
+            crossing: 0,
+            dearest: 0.0,
             chosen: Vec::new(),
         };
         if let Some((first, last)) = sparse.longest_stretch(timeline, search_graph) {
@@ -219,6 +226,8 @@ impl Sparse {
             let seconds = self.inside.iter().filter(|&&inside| inside).count() as f64 / search_graph.fps;
             let anyway = self.chosen.len() + (seconds / SECONDS_ANYWAY) as usize;
             self.enough = anyway.max((seconds / SECONDS_A_TRANSITION) as usize);
+            self.crossing = self.chosen.len() + (self.enough - self.chosen.len()) / 2;
+            self.dearest = self.chosen.iter().map(|&index| self.cost[index as usize]).fold(0.0, f64::max);
             return looked_at;
         };
         let slack = (SLACK * f64::from(last + 1 - first)) as u32;
@@ -268,22 +277,29 @@ impl Sparse {
         looked_at
     }
 
-    /// Looks at the best transitions that are left, and takes those between joined frames that are far enough from all others.
+    /// Looks at the best transitions that are left, and takes those between joined frames that are far enough from all others:
+    /// first what leads to another sequence, then anything.
     fn fill(&mut self, graph: &EssentialGraph, search_graph: &SearchGraph) -> Option<usize> {
         let apart = (APART * search_graph.fps) as u32;
-        if self.next == self.order.len() || self.chosen.len() >= self.enough {
+        if self.next == 2 * self.order.len() || self.chosen.len() >= self.enough {
             return None;
         }
-        let end = (self.next + LOOKED_AT).min(self.order.len());
+        let end = (self.next + LOOKED_AT).min(2 * self.order.len());
         for place in self.next..end {
-            let index = self.order[place];
+            let is_second = place >= self.order.len();
+            let index = self.order[place % self.order.len()];
             let transition = &graph.transitions()[index as usize];
             let is_near = |&other: &u32| {
                 let other = &graph.transitions()[other as usize];
                 transition.from.abs_diff(other.from) < apart && transition.to.abs_diff(other.to) < apart
             };
             let is_inside = self.inside[transition.from as usize] && self.inside[transition.to as usize];
-            if is_inside && self.chosen.len() < self.enough && !self.chosen.iter().any(is_near) {
+            let [from, to] = [transition.from, transition.to].map(|frame| search_graph.sequence(frame));
+            let enough = if is_second { self.enough } else { self.crossing };
+            // What comes back to where it was shows it again, or holds it still.
+            let leads_on = from != to || is_second && transition.from.abs_diff(transition.to) >= LEADS_ON * apart;
+            let is_good = self.cost[index as usize] <= self.dearest;
+            if is_inside && leads_on && is_good && self.chosen.len() < enough && !self.chosen.iter().any(is_near) {
                 self.chosen.push(index);
             }
         }

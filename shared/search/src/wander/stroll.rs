@@ -1,13 +1,15 @@
-//! The walk itself: the chain's probabilities, and a memory.
+//! The walk itself: it goes where something was shown too seldom, by a way that shows as little again as can be.
 //!
-//! A chain forgets. Its walks come back to what they have just shown, leave where they have just arrived, and in some minutes
-//! some places are visited many times and others never, although all are equally likely in the long run. So the choices of a
-//! walk are held to the chain's probabilities as evenly as can be: each edge gathers its probability when its segment's end is
-//! reached and pays one when it is taken (as in rotor walks: Cooper and Spencer 2006), and what has gathered most is most
-//! likely. Beside that a stretch is not left before it has lasted for a second, if it can go on, and what was shown within the
-//! last ten seconds is not shown again, if anything else can be.
+//! A Markov chain forgets. Its walks come back to what they have just shown, leave where they have just arrived, and in some
+//! minutes some places are visited many times and others never, although all are equally likely in the long run. So the chain
+//! decides how often each segment is to be shown, and the walk keeps to that as evenly as can be: it counts how often each was
+//! shown, draws the next aim among those that lag behind and are not far, and takes the cheapest way there. A way is dear
+//! where it blends, where it leaves a stretch before that has lasted for a second, where it shows again what was shown within
+//! the last ten seconds, and where it shows what was shown too often already.
 
 use super::segments::Segments;
+use crate::meter;
+use crate::queue::Queue;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::{Leg, Walk, steps_of};
@@ -16,38 +18,72 @@ use actor::walk::{Leg, Walk, steps_of};
 const STRETCH: f64 = 1.0;
 /// Seconds after which something may be shown again.
 const FORGETS: f64 = 10.0;
-/// Most that an edge has gathered when a walk begins.
-const FIRST_CREDIT: f64 = 1.0;
-/// Most that an edge gathers or owes.
-const MOST_CREDIT: f64 = 3.0;
+/// What a second of a way costs: one that is recorded, a synthetic one, one by which a stretch is too short, one that was shown
+/// just now, and one that was shown a round too often.
+const RECORDED: f64 = 0.15;
+const SYNTHETIC: f64 = 1.0;
+const SHORT: f64 = 20.0;
+const AGAIN: f64 = 4.0;
+const TOO_OFTEN: f64 = 1.0;
+/// What every aim costs beside its way: else the next segment would always be the best.
+const AIM: f64 = 0.5;
+/// By how much chance raises the worth of an aim at most.
+const CHANCE: f64 = 0.5;
+/// Seconds that a transition costs beside its own, that was taken just now.
+const SAME: f64 = 8.0;
 
 /// What a walk remembers.
 #[derive(Clone, Debug)]
 pub(super) struct Stroll {
-    /// What each edge has gathered.
-    credits: Vec<f64>,
-    /// Step at which each frame was shown last.
+    /// How often each segment is to be shown, and how often it was, over that: its rounds.
+    wanted: Vec<f64>,
+    rounds: Vec<f64>,
+    /// Step at which each segment was shown last.
     shown: Vec<Option<u32>>,
+    /// Step at which each edge was taken last.
+    taken: Vec<Option<u32>>,
+    /// Edges to the aim, the last one first.
+    way: Vec<u32>,
     step: u32,
     /// Recorded steps since the last transition.
     stretch: u32,
-    /// Steps that a stretch lasts at least, and after which something may be shown again.
+    /// Steps that a stretch lasts at least, and after which something may be shown again; steps a second.
     least: u32,
     forgets: u32,
+    fps: f64,
+}
+
+/// The cheapest way to the end of a segment.
+#[derive(Clone, Copy)]
+struct Way {
+    cost: f64,
+    /// The edge that it ends with, and the state before.
+    edge: u32,
+    before: u32,
+    /// Steps that it takes, and those since its last transition.
+    steps: u32,
+    stretch: u32,
 }
 
 impl Stroll {
-    /// A walk that has shown nothing yet. What edges have gathered already is drawn from `random`, numbers in [0, 1): else all
+    /// A walk that has shown nothing yet. What was shown before it begins is drawn from `random`, numbers in [0, 1): else all
     /// walks would visit the places of a small graph in the same order.
     pub(super) fn new(segments: &Segments, timeline: &Timeline, random: &mut dyn FnMut() -> f64) -> Self {
-        let steps = |seconds: f64| (seconds * f64::from(timeline.fps())).ceil() as u32;
+        let fps = f64::from(timeline.fps());
+        let steps = |seconds: f64| (seconds * fps).ceil() as u32;
+        let wanted = segments.optimiser.wanted();
+        let mean = wanted.iter().sum::<f64>() / wanted.len().max(1) as f64;
         Self {
-            credits: segments.transitions.iter().map(|_| FIRST_CREDIT * random()).collect(),
-            shown: vec![None; timeline.frame_count() as usize],
+            wanted: wanted.iter().map(|wanted| wanted / mean).collect(),
+            rounds: wanted.iter().map(|_| random()).collect(),
+            shown: vec![None; wanted.len()],
+            taken: vec![None; segments.transitions.len()],
+            way: Vec::new(),
             step: 0,
             stretch: 0,
             least: steps(STRETCH),
             forgets: steps(FORGETS),
+            fps,
         }
     }
 
@@ -55,7 +91,6 @@ impl Stroll {
     pub(super) fn walk(
         &mut self,
         graph: &EssentialGraph,
-        timeline: &Timeline,
         segments: &Segments,
         frame: u32,
         steps: u32,
@@ -64,108 +99,133 @@ impl Stroll {
         let mut walk = Walk::default();
         let mut state = segments.segments.partition_point(|segment| segment.first <= frame).checked_sub(1)?;
         let mut frame = frame;
-        self.show(frame);
+        self.way.clear();
         let end = self.step + steps;
         while self.step < end {
             let last = segments.segments.get(state)?.last;
-            self.record(&mut walk, frame, last.checked_sub(frame)?);
-            let (edge, to) = self.choose(timeline, segments, state, random)?;
-            state = to as usize;
-            let next = segments.segments.get(state)?.first;
+            let recorded = last.checked_sub(frame)?;
+            walk.push_recorded(frame, last, recorded);
+            self.step += recorded;
+            self.stretch += recorded;
+            self.rounds[state] += 1.0 / self.wanted[state];
+            self.shown[state] = Some(self.step);
+            if self.way.is_empty() {
+                self.aim(graph, segments, state, random);
+            }
+            let edge = self.way.pop()? as usize;
+            self.taken[edge] = Some(self.step);
+            state = segments.optimiser.chain().end(edge) as usize;
+            frame = segments.segments.get(state)?.first;
             match segments.transitions[edge] {
                 None => {
-                    walk.push_recorded(last, next, 1);
+                    walk.push_recorded(last, frame, 1);
                     self.step += 1;
                     self.stretch += 1;
-                    self.show(next);
                 }
                 Some(index) => {
                     walk.legs.push(Leg::Synthetic(index));
                     self.step += steps_of(graph.transitions().get(index as usize)?);
                     self.stretch = 0;
-                    self.show(next);
                 }
             }
-            frame = next;
         }
         Walk::of_legs(walk.legs, graph).ok()
     }
 
-    fn show(&mut self, frame: u32) {
-        if let Some(shown) = self.shown.get_mut(frame as usize) {
-            *shown = Some(self.step);
+    /// Finds the way to the next aim, from the end of `state`.
+    fn aim(&mut self, graph: &EssentialGraph, segments: &Segments, state: usize, random: &mut dyn FnMut() -> f64) {
+        let ways = self.ways(graph, segments, state);
+        let level = self.level(segments);
+        let worth: Vec<f64> = ways
+            .iter()
+            .zip(&segments.segments)
+            .enumerate()
+            .map(|(to, (way, segment))| {
+                let lags = (level + 1.0 - self.rounds[to]).max(0.0);
+                let seconds = f64::from(segment.last + 1 - segment.first) / self.fps;
+                if way.cost.is_finite() { seconds * self.wanted[to] * lags * lags / (AIM + way.cost) } else { 0.0 }
+            })
+            .collect();
+        let mut drawn: Option<(usize, f64)> = None;
+        for (to, &worth) in worth.iter().enumerate() {
+            let worth = worth * (1.0 + CHANCE * random());
+            if worth > drawn.map_or(0.0, |(_, best)| best) {
+                drawn = Some((to, worth));
+            }
+        }
+        // Where nothing lags behind, what comes first.
+        let reached = || (0..ways.len()).find(|&to| ways[to].cost.is_finite());
+        let Some(mut at) = drawn.map(|(to, _)| to).or_else(reached) else { return };
+        loop {
+            self.way.push(ways[at].edge);
+            at = ways[at].before as usize;
+            if at == state || self.way.len() > ways.len() {
+                break;
+            }
         }
     }
 
-    fn record(&mut self, walk: &mut Walk, first: u32, steps: u32) {
-        walk.push_recorded(first, first + steps, steps);
-        for frame in first + 1..=first + steps {
-            self.step += 1;
-            self.show(frame);
+    /// How many rounds were shown so far, of all segments.
+    fn level(&self, segments: &Segments) -> f64 {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (state, segment) in segments.segments.iter().enumerate() {
+            let wanted = self.wanted[state] * f64::from(segment.last + 1 - segment.first);
+            sum += wanted * self.rounds[state];
+            weight += wanted;
         }
-        self.stretch += steps;
+        sum / weight
     }
 
-    /// The edge to take at the end of segment `state`, and the segment that it leads to.
-    fn choose(
-        &mut self,
-        timeline: &Timeline,
-        segments: &Segments,
-        state: usize,
-        random: &mut dyn FnMut() -> f64,
-    ) -> Option<(usize, u32)> {
-        let edges: Vec<(usize, u32, f64)> = segments.optimiser.chain().edges(state).collect();
-        let goes_on = edges.iter().any(|edge| segments.transitions[edge.0].is_none());
-        // Where going on ends too soon in any case, there is nothing to wait for.
-        let lasts = |last: u32| self.stretch + self.room(timeline, segments, last) >= self.least;
-        let must_go_on =
-            goes_on && self.stretch < self.least && segments.segments.get(state).is_some_and(|s| lasts(s.last));
-        let mut weights = Vec::with_capacity(edges.len());
-        let mut stalest = f64::INFINITY;
-        for &(edge, to, probability) in &edges {
-            let credit = (self.credits[edge] + probability).min(MOST_CREDIT);
-            self.credits[edge] = credit;
-            let allowed = !must_go_on || segments.transitions[edge].is_none();
-            let stale = if allowed { self.staleness(timeline, segments.segments[to as usize].first) } else { 2.0 };
-            stalest = stalest.min(stale);
-            weights.push((stale, credit.max(0.05 * probability).powi(2)));
-        }
-        // Of what is shown again in any case, what was shown longest ago; the sooner that was, the less it matters.
-        let most = stalest + 0.1 + 0.5 * stalest;
-        weights.iter_mut().filter(|weight| weight.0 > most).for_each(|weight| weight.1 = 0.0);
-        let mut left = random() * weights.iter().map(|weight| weight.1).sum::<f64>();
-        let chosen = weights.iter().position(|weight| {
-            left -= weight.1;
-            weight.1 > 0.0 && left < 0.0
-        });
-        let chosen = chosen.or_else(|| weights.iter().rposition(|weight| weight.1 > 0.0)).unwrap_or(0);
-        let &(edge, to, _) = edges.get(chosen)?;
-        self.credits[edge] = (self.credits[edge] - 1.0).max(-MOST_CREDIT);
-        Some((edge, to))
+    /// How fresh the memory of a step will be in some `steps`: 1 just after it, 0 where it is forgotten.
+    fn freshness(&self, step: Option<u32>, steps: u32) -> f64 {
+        let ago = step.map_or(u32::MAX, |step| (self.step - step).saturating_add(steps));
+        1.0 - f64::from(ago.min(self.forgets)) / f64::from(self.forgets)
     }
 
-    /// Recorded steps that can follow `frame`, as many as a shortest stretch has at most.
-    fn room(&self, timeline: &Timeline, segments: &Segments, frame: u32) -> u32 {
-        let is_inside = |frame: &u32| {
-            let state = segments.segments.partition_point(|segment| segment.first <= *frame);
-            state.checked_sub(1).is_some_and(|state| *frame <= segments.segments[state].last)
-        };
-        let ahead = std::iter::successors(Some(frame), |&frame| timeline.next(frame).filter(is_inside));
-        ahead.skip(1).take(self.least as usize).count() as u32
-    }
-
-    /// How lately what begins with `frame` was shown: 0 where that was long ago or never, 1 where it is shown now; the mean of
-    /// the frames of a shortest stretch.
-    fn staleness(&self, timeline: &Timeline, frame: u32) -> f64 {
-        let (mut sum, mut count) = (0.0, 0.0);
-        let mut next = Some(frame);
-        for _ in 0..=self.least {
-            let Some(frame) = next else { break };
-            let ago = self.shown.get(frame as usize).copied().flatten().map_or(u32::MAX, |shown| self.step - shown);
-            sum += 1.0 - f64::from(ago.min(self.forgets)) / f64::from(self.forgets.max(1));
-            count += 1.0;
-            next = timeline.next(frame);
+    /// The cheapest ways from the end of `from` to the ends of all segments, its own too.
+    fn ways(&self, graph: &EssentialGraph, segments: &Segments, from: usize) -> Vec<Way> {
+        let chain = segments.optimiser.chain();
+        let level = self.level(segments);
+        let nowhere = Way { cost: f64::INFINITY, edge: 0, before: 0, steps: 0, stretch: 0 };
+        let mut ways = vec![nowhere; segments.segments.len()];
+        let mut queue = Queue::default();
+        let begin = Way { cost: 0.0, stretch: self.stretch, ..nowhere };
+        let mut taken = Some((begin, from));
+        while let Some((way, state)) = taken {
+            for (edge, to, _) in chain.edges(state) {
+                let segment = &segments.segments[to as usize];
+                let (synthetic, stretch) = match segments.transitions[edge] {
+                    None => (0, way.stretch + 1),
+                    Some(index) => (graph.transitions().get(index as usize).map_or(0, steps_of), 0),
+                };
+                let short = if synthetic > 0 { self.least.saturating_sub(way.stretch) } else { 0 };
+                let arrives = way.steps + synthetic.max(1);
+                let recorded = segment.last - segment.first;
+                let again = self.freshness(self.shown[to as usize], arrives);
+                let same = if synthetic > 0 { self.freshness(self.taken[edge], way.steps) } else { 0.0 };
+                // In rounds of an ordinary segment: what is shown seldom has a long round.
+                let too_often = (self.rounds[to as usize] - level).max(0.0) * self.wanted[to as usize].min(1.0);
+                let dear = RECORDED + AGAIN * again + TOO_OFTEN * too_often;
+                let cost = SYNTHETIC * f64::from(synthetic) + SHORT * f64::from(short) + dear * f64::from(recorded + 1);
+                let cost = way.cost + cost / self.fps + SAME * same;
+                if cost < ways[to as usize].cost {
+                    ways[to as usize] = Way {
+                        cost,
+                        edge: edge as u32,
+                        before: state as u32,
+                        steps: arrives + recorded,
+                        stretch: stretch + recorded,
+                    };
+                    // Ways do not go on through where they begin.
+                    if to as usize != from {
+                        queue.push(cost, u64::from(to));
+                    }
+                }
+            }
+            let next = std::iter::from_fn(|| queue.pop()).find(|&(cost, state)| cost <= ways[state as usize].cost);
+            taken = next.map(|(_, state)| (ways[state as usize], state as usize));
         }
-        sum / f64::max(count, 1.0)
+        meter::count(chain.states());
+        ways
     }
 }
