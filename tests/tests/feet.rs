@@ -141,7 +141,7 @@ fn the_performer_stands_in_transitions() {
 #[test]
 #[ignore = "reads ../shared/data"]
 fn a_captured_actor_stands_in_transitions() {
-    let files = ["crane", "jumping"].map(|name| fixtures::unpacked(name));
+    let files = ["crane", "jumping"].map(fixtures::unpacked);
     let inputs = files.map(|files| files[0].parent().unwrap().to_str().unwrap().to_owned());
     let options = ImportOptions { fps: Some(25.0), ..ImportOptions::default() };
     check(&import(&inputs, &options, &Job::silent()).unwrap().capture, 1.5);
