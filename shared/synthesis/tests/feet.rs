@@ -191,10 +191,10 @@ fn what_stands_is_where_its_side_played_alone_has_it() {
                 let source = alone(from + node as u32, &start);
                 let destination = alone(timeline.offset(to, node as i64 - 24).unwrap(), &ends[node]);
                 // No poses between frames: the warp has no pause.
-                if step.weight(node) == 0.0 {
+                if step.progress(node) == 0.0 {
                     assert!(point.distance(source) < 2e-5, "{from} to {to}, node {node}: {point} {source}");
                     stood += 1;
-                } else if step.weight(node) == 1.0 {
+                } else if step.progress(node) == 1.0 {
                     assert!(point.distance(destination) < 2e-5, "{from} to {to}, node {node}: {point} {destination}");
                     stood += 1;
                 }
