@@ -82,14 +82,16 @@ pub fn fit(
         let rows = opened(step)?;
         let improve = |(frame, mut model): (usize, Vec<f32>)| -> Result<(), AppearanceError> {
             let warp = warp(frame);
-            // Where the step before was done before this program was started, the way there is not known.
-            let way = match step > 0 && ways.has(frame) {
-                true => ways.row(frame)?,
-                false => {
-                    let way = aligned.warper.inverse(&warp);
-                    ways.write(frame, &way)?;
-                    way
+            let way = if step == 0 {
+                let way = aligned.warper.inverse(&warp);
+                ways.write(frame, &way)?;
+                way
+            } else {
+                // The step before was done before this program was started. Its stores are less exact than what is put there.
+                if !ways.has(frame) {
+                    ways.write(frame, &aligned.warper.inverse(&warp))?;
                 }
+                ways.row(frame)?
             };
             let mut missing = colours(&source.read(frame)?, &aligned.charts);
             let shown = aligned.warper.warp(&model, 3, &warp, WarpMethod::Direct);
