@@ -24,10 +24,15 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
         }
     }
     // The page's last step optimises all of it as one, on one core: the builder takes the others meanwhile.
-    let compiled = Beside::start("the builder", build("release").arg("-q"))?;
+    let compiled = Beside::start("the builder", &mut small_builder("build"))?;
     let dist = web::build()?;
     compiled.finish()?;
-    pack(&dist.join("demo.reprise"), &|| Ok(small_builder("release")))?;
+    let builder = || {
+        let mut builder = small_builder("run");
+        builder.arg("--");
+        Ok(builder)
+    };
+    pack(&dist.join("demo.reprise"), &builder)?;
     if serving { serve::serve(&dist, port) } else { Ok(()) }
 }
 
@@ -42,17 +47,11 @@ pub fn pack(bundle: &Path, builder: &dyn Fn() -> Result<Command>) -> Result<Path
     Ok(capture)
 }
 
-/// Compiles the builder that the demo runs: without scans and evaluation, which take as long to compile as all the rest.
-fn build(profile: &str) -> Command {
+/// What cargo is to do (`build` or `run`) with the builder that the demo needs: without scans and evaluation, which are a third
+/// of what a builder compiles.
+fn small_builder(what: &str) -> Command {
     let mut command = cargo();
-    command.args(["build", "-p", "reprise-builder", "--no-default-features", "--profile", profile]);
-    command
-}
-
-/// The `builder` that was compiled for the demo.
-fn small_builder(profile: &str) -> Command {
-    let mut command = cargo();
-    command.args(["run", "-q", "-p", "reprise-builder", "--no-default-features", "--profile", profile, "--"]);
+    command.args([what, "-q", "-p", "reprise-builder", "--no-default-features", "--release"]);
     command
 }
 

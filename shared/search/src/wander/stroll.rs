@@ -1,11 +1,11 @@
 //! The walk itself: it goes where something was shown too seldom, by a way that shows as little again as can be.
 //!
 //! A Markov chain forgets. Its walks come back to what they have just shown, leave where they have just arrived, and in some
-//! minutes some places are visited many times and others never, although all are equally likely in the long run. So the chain
-//! decides how often each segment is to be shown, and the walk keeps to that as evenly as can be: it counts how often each was
-//! shown, draws the next aim among those that lag behind and are not far, and takes the cheapest way there. A way is dear
-//! where it blends, where it leaves a stretch before that has lasted for a second, where it shows again what was shown within
-//! the last ten seconds, and where it shows what was shown too often already.
+//! minutes some places are visited many times and others never, although all are equally likely in the long run. So the
+//! walk keeps to what the chain is optimised for, not to its probabilities: it counts how often each segment was shown against
+//! how often it is wanted, draws the next aim among those that lag behind and are not far, and takes the cheapest way there. A
+//! way is dear where it blends, where it leaves a stretch before that has lasted for a second, where it shows again what was
+//! shown within the last ten seconds, and where it shows what was shown too often already.
 
 use super::segments::Segments;
 use crate::meter;
