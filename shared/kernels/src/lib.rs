@@ -21,4 +21,5 @@ pub mod random;
 pub mod scalar;
 pub mod simd;
 pub mod sort;
+pub mod srgb;
 pub mod topology;
