@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[&str]; 12] = [
     &["shared/kernels", "builder/job"],
     &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
-    &["shared/bundle", "shared/synthesis", "shared/search", "builder/rig", "builder/registration"],
+    &["shared/bundle", "shared/synthesis", "shared/search", "builder/rig", "builder/motion", "builder/registration"],
     &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
     &["builder/reprise"],
     &["builder/evaluate"],

@@ -300,3 +300,33 @@ fn loops_are_found_or_named_or_none() {
     let unknown = builder(&["inspect", path, "--cyclic", "walk"]);
     assert!(code(&unknown) == 1 && stderr(&unknown).contains("swing"), "{}", stderr(&unknown));
 }
+
+#[test]
+fn variations_are_packed_beside_what_they_vary() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 60);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let vary = |output: &str, more: &[&str]| {
+        let output = path(output);
+        let usual = ["vary", frames.to_str().unwrap(), "-o", &output, "--fps", "25", "--count", "2", "--json"];
+        builder(&[&usual[..], more].concat())
+    };
+    let varied = vary("one.reprise", &["--threads", "1"]);
+    assert_eq!(code(&varied), 0, "{}", stderr(&varied));
+    let report: Value = serde_json::from_slice(&varied.stdout).unwrap();
+    assert_eq!((report["capture"]["frames"].as_u64(), report["capture"]["sequences"].as_u64()), (Some(180), Some(3)));
+    let told = &report["variations"][0];
+    assert_eq!((told["name"].as_str(), told["variations"].as_u64()), (Some("turn"), Some(2)));
+    assert!(told["distance"].as_f64().unwrap() > 1e-4 && told["acceleration"].as_f64().unwrap() < 1.2, "{told}");
+    assert_eq!(code(&vary("two.reprise", &["--threads", "2"])), 0);
+    assert_eq!(fs::read(path("one.reprise")).unwrap(), fs::read(path("two.reprise")).unwrap());
+    assert_eq!(code(&vary("other.reprise", &["--seed", "2"])), 0);
+    assert_ne!(fs::read(path("one.reprise")).unwrap(), fs::read(path("other.reprise")).unwrap());
+
+    let unknown = vary("none.reprise", &["--sequences", "walk"]);
+    assert_eq!(code(&unknown), 1);
+    assert!(stderr(&unknown).contains("there is no sequence \"walk\"; there are: turn"), "{}", stderr(&unknown));
+    assert_eq!(code(&vary("none.reprise", &["--amount", "0"])), 2);
+    assert!(!Path::new(&path("none.reprise")).exists());
+}

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// Rounds of aligning and weighing.
 const ROUNDS: usize = 8;
-/// A vertex that moves by this much, in metres, has half the weight of one that does not.
-const MOVES: f32 = 0.01;
+/// A vertex that moves by this much has half the weight of one that does not: 1 cm of 1.8 m.
+const MOVES: f32 = 0.0056;
 /// Vertices that are looked at, at most.
 const LOOKED_AT: usize = 2000;
 
@@ -38,9 +38,20 @@ impl BodyFrame {
     }
 }
 
-/// The body's frame in each of `frames`; `areas` are the topology's weights. The body's own frame is that of the first one.
+/// How far the body reaches at most along an axis, in metres, in the frames that are looked at.
 #[must_use]
-pub fn body_frames(poses: &Poses, frames: &[u32], areas: &[f32]) -> Vec<BodyFrame> {
+pub fn body_size(poses: &Poses, frames: &[u32]) -> f32 {
+    let reach = |frame: &u32| {
+        let pose = poses.frame(*frame);
+        let low = pose.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        (pose.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max) - low).max_element()
+    };
+    frames.iter().step_by(frames.len().div_ceil(20).max(1)).map(reach).fold(0.0, f32::max)
+}
+
+/// The body's frame in each of `frames`; `areas` are the topology's weights, `size` is the body's. The body's own frame is that of the first one.
+#[must_use]
+pub fn body_frames(poses: &Poses, frames: &[u32], areas: &[f32], size: f32) -> Vec<BodyFrame> {
     let stride = areas.len().div_ceil(LOOKED_AT).max(1);
     let chosen: Vec<usize> = (0..areas.len()).step_by(stride).collect();
     let areas: Vec<f32> = chosen.iter().map(|&vertex| areas[vertex]).collect();
@@ -65,7 +76,7 @@ pub fn body_frames(poses: &Poses, frames: &[u32], areas: &[f32]) -> Vec<BodyFram
         for (vertex, middle) in middle.iter_mut().enumerate() {
             *middle = own.iter().map(|shape| shape[vertex]).sum::<Vec3>() / count;
             let variance = own.iter().map(|shape| shape[vertex].distance_squared(*middle)).sum::<f32>() / count;
-            weights[vertex] = areas[vertex] / (variance + MOVES * MOVES);
+            weights[vertex] = areas[vertex] / (variance + (MOVES * size).powi(2));
         }
         // As the first frame is turned, so that rounds do not turn the whole.
         let back = found[0].rotation;
@@ -115,7 +126,7 @@ mod tests {
             poses.push(&pose);
         }
         let frames: Vec<u32> = (0..20).collect();
-        let found = body_frames(&poses, &frames, &[1.0; 300]);
+        let found = body_frames(&poses, &frames, &[1.0; 300], 2.0);
         for (found, truth) in found.iter().zip(&truth) {
             assert!(
                 found.rotation.angle_between(truth.rotation) < 2e-3,

@@ -9,15 +9,15 @@ use learn::dense::Matrix;
 use learn::symmetric::eigen;
 use rayon::prelude::*;
 
-use crate::body::{BodyFrame, body_frames};
+use crate::body::{BodyFrame, body_frames, body_size};
 use crate::smooth::smoothed;
 
-/// Components are added until this much is missing, in metres (root mean square).
-const MISSING: f64 = 0.002;
+/// Components are added until this much is missing (root mean square): 2 mm of 1.8 m.
+const MISSING: f64 = 0.0011;
 /// Components at most.
 const MOST: usize = 40;
-/// How far from its axis a turn counts, in metres.
-const LEVER: f64 = 0.3;
+/// How far from its axis a turn counts: 30 cm of 1.8 m.
+const LEVER: f64 = 0.17;
 /// Deviation of what smooths the way, in seconds: shorter than a step, longer than a sway.
 const SMOOTH: f64 = 0.35;
 /// Numbers of how the body stands.
@@ -34,6 +34,8 @@ pub struct Numbers {
     pub rows: Matrix,
     /// What a number of a row is in metres.
     pub scale: f64,
+    /// How far from its axis a turn counts, in metres.
+    lever: f64,
     /// Components of the shape in the body's own frame, in metres a metre.
     modes: Vec<Vec<Vec3>>,
     /// How the body is turned on its smoothed way, and where it is, for each frame of the sequence from the first of `frames`.
@@ -49,22 +51,23 @@ impl Numbers {
         if chosen.len() < 3 {
             return None;
         }
-        let body = body_frames(poses, &all, areas);
-        let stances = stances(&body, SMOOTH * f64::from(fps));
+        let size = body_size(poses, &all);
+        let (body, lever) = (body_frames(poses, &all, areas, size), LEVER * f64::from(size));
+        let stances = stances(&body, SMOOTH * f64::from(fps), lever);
         let own = |&frame: &u32| -> Vec<Vec3> {
             let body = &body[(frame - all[0]) as usize];
             poses.frame(frame).iter().map(|&point| body.own(point)).collect()
         };
         let shapes: Vec<Vec<Vec3>> = chosen.par_iter().map(own).collect();
-        let (coefficients, modes) = components(shapes, areas);
+        let (coefficients, modes) = components(shapes, areas, MISSING * f64::from(size));
         let mut rows =
             Matrix::from_fn(chosen.len(), modes.len() + STANCE, |row, column| match column.checked_sub(modes.len()) {
                 None => coefficients[(row, column)],
                 Some(number) => stances[row * stride as usize].1[number],
             });
-        let scale = normalise(&mut rows)?;
+        let scale = normalise(&mut rows).filter(|scale| *scale > 1e-6 * f64::from(size))?;
         let ways = stances.iter().zip(&body).map(|((heading, _), body)| (*heading, *body)).collect();
-        Some(Self { frames: chosen, stride, rows, scale, modes, ways })
+        Some(Self { frames: chosen, stride, rows, scale, lever, modes, ways })
     }
 
     /// Number of the shape's components.
@@ -81,8 +84,8 @@ impl Numbers {
         let stance: Vec<f32> = stance.iter().map(|number| (number * self.scale) as f32).collect();
         let (heading, body) = self.ways[offset];
         // Turned on the spot: the tilt about the body's centre, the turn about what is up.
-        let turn = stance[3] / LEVER as f32;
-        let tilt = Vec3::new(stance[4], stance[5], stance[6]) / LEVER as f32;
+        let turn = stance[3] / self.lever as f32;
+        let tilt = Vec3::new(stance[4], stance[5], stance[6]) / self.lever as f32;
         let yaw = Quat::from_rotation_y(heading as f32);
         let rotation = Quat::from_rotation_y(turn) * yaw * Quat::from_scaled_axis(tilt) * yaw.inverse() * body.rotation;
         let centre = body.centre + yaw * Vec3::new(stance[0], stance[1], stance[2]);
@@ -96,7 +99,7 @@ impl Numbers {
 }
 
 /// The heading of the smoothed way, and how the body stands off it, for each frame.
-fn stances(body: &[BodyFrame], deviation: f64) -> Vec<(f64, [f64; STANCE])> {
+fn stances(body: &[BodyFrame], deviation: f64, lever: f64) -> Vec<(f64, [f64; STANCE])> {
     let mut headings: Vec<f64> = Vec::with_capacity(body.len());
     for frame in body {
         let q = frame.rotation;
@@ -117,14 +120,14 @@ fn stances(body: &[BodyFrame], deviation: f64) -> Vec<(f64, [f64; STANCE])> {
         let off = (yaw.inverse() * off).as_dvec3();
         let tilt = Quat::from_rotation_y(way[3] as f32).inverse() * frame.rotation;
         // Both signs are the same rotation; this one is the short way round.
-        let tilt = (tilt * tilt.w.signum()).normalize().to_scaled_axis().as_dvec3() * LEVER;
-        (heading, [off.x, off.y, off.z, (way[3] - heading) * LEVER, tilt.x, tilt.y, tilt.z])
+        let tilt = (tilt * tilt.w.signum()).normalize().to_scaled_axis().as_dvec3() * lever;
+        (heading, [off.x, off.y, off.z, (way[3] - heading) * lever, tilt.x, tilt.y, tilt.z])
     };
     body.iter().zip(ways.iter().zip(&smooth)).map(stance).collect()
 }
 
-/// Coefficients, a row a shape, and modes of shapes, so many that little is missing.
-fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32]) -> (Matrix, Vec<Vec<Vec3>>) {
+/// Coefficients, a row a shape, and modes of shapes, so many that less than `allowed` is missing, in metres.
+fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32], allowed: f64) -> (Matrix, Vec<Vec<Vec3>>) {
     let (count, total) = (shapes.len(), areas.iter().sum::<f32>().max(f32::MIN_POSITIVE));
     for vertex in 0..areas.len() {
         let mean = shapes.iter().map(|shape| shape[vertex]).sum::<Vec3>() / count as f32;
@@ -139,7 +142,7 @@ fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32]) -> (Matrix, Vec<Vec<Vec
     let found = eigen(gram.values(), count);
     let mut missing: f64 = found.values.iter().filter(|&&value| value > 0.0).sum();
     let mut kept = 0;
-    while kept < MOST.min(count - 1) && missing > MISSING * MISSING * count as f64 && found.values[kept] > 0.0 {
+    while kept < MOST.min(count - 1) && missing > allowed * allowed * count as f64 && found.values[kept] > 0.0 {
         missing -= found.values[kept];
         kept += 1;
     }
@@ -164,7 +167,7 @@ fn normalise(rows: &mut Matrix) -> Option<f64> {
         (0..n).for_each(|row| rows[(row, column)] -= mean);
     }
     let scale = (rows.dot(rows) / n as f64).sqrt();
-    if !(scale > 1e-6 && scale.is_finite()) {
+    if !(scale > 0.0 && scale.is_finite()) {
         return None;
     }
     rows.values_mut().iter_mut().for_each(|value| *value /= scale);

@@ -24,8 +24,10 @@ use crate::smooth::{between, ramp, smoothed};
 const LEARNED: f32 = 25.0;
 /// Frames of one model: the time of its training grows with the cube.
 const MODEL: usize = 150;
-/// Deviation of what smooths samples, in learned frames.
-const SMOOTH: f64 = 2.0;
+/// Deviations of what smooths samples, in learned frames: the first that does not shake, or the last.
+const SMOOTH: [f64; 4] = [2.0, 3.0, 5.0, 8.0];
+/// What shakes no more than this, over the recording, does not.
+const SHAKES: f64 = 1.04;
 /// Samples come in and go out over so many learned frames.
 const RAMP: f64 = 5.0;
 /// Ways in which a sequence is cut into stretches: frames that are held in one are free in the other.
@@ -158,9 +160,13 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
                 drawn.rejected += 1;
                 continue;
             }
-            for (k, place) in softened(&recorded, sample).iter().enumerate() {
-                let (own, was) = (model.frame(place), model.frame(recorded.row(k)));
-                differences[range.start + k] = own.iter().zip(&was).map(|(own, was)| own - was).collect();
+            for deviation in SMOOTH {
+                let stretch = decoded(model, &recorded, &softened(&recorded, sample, deviation));
+                let shakes = shakes(model, range.start, &stretch) > SHAKES;
+                differences[range.clone()].clone_from_slice(&stretch);
+                if !shakes {
+                    break;
+                }
             }
         }
     }
@@ -192,13 +198,35 @@ fn acceptable(model: &Gpdm, recorded: &Matrix, sample: &Matrix) -> bool {
     near && LENGTHS.contains(&(way(sample) / way(recorded).max(f64::MIN_POSITIVE)))
 }
 
+/// How the frames of places differ from those of the recorded ones.
+fn decoded(model: &Gpdm, recorded: &Matrix, places: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let difference = |(k, place): (usize, &Vec<f64>)| {
+        let (own, was) = (model.frame(place), model.frame(recorded.row(k)));
+        own.iter().zip(&was).map(|(own, was)| own - was).collect()
+    };
+    places.iter().enumerate().map(difference).collect()
+}
+
+/// The mean acceleration of a stretch with these differences over that of the recording.
+fn shakes(model: &Gpdm, first: usize, differences: &[Vec<f64>]) -> f64 {
+    let bend = |of: &dyn Fn(usize, usize) -> f64, k: usize| {
+        let columns = 0..model.frames.columns();
+        columns.map(|c| (of(k - 1, c) + of(k + 1, c) - 2.0 * of(k, c)).powi(2)).sum::<f64>().sqrt()
+    };
+    let inner = 1..differences.len() - 1;
+    let recorded = |k: usize, column: usize| model.frames[(first + k, column)];
+    let varied = |k: usize, column: usize| recorded(k, column) + differences[k][column];
+    let sum = |of: &dyn Fn(usize, usize) -> f64| inner.clone().map(|k| bend(of, k)).sum::<f64>();
+    sum(&varied) / sum(&recorded).max(f64::MIN_POSITIVE)
+}
+
 /// Places of a sample without its shaking, at rest on the recording at both ends.
-fn softened(recorded: &Matrix, sample: &Matrix) -> Vec<Vec<f64>> {
+fn softened(recorded: &Matrix, sample: &Matrix, deviation: f64) -> Vec<Vec<f64>> {
     let off: Vec<Vec<f64>> = (0..sample.rows())
         .map(|row| sample.row(row).iter().zip(recorded.row(row)).map(|(own, was)| own - was).collect())
         .collect();
     let last = sample.rows() - 1;
-    let soft = smoothed(&off, SMOOTH);
+    let soft = smoothed(&off, deviation);
     let place = |(row, soft): (usize, &Vec<f64>)| {
         let share = ramp(row.min(last - row) as f64 / RAMP);
         soft.iter().zip(recorded.row(row)).map(|(off, was)| was + share * off).collect()

@@ -4,6 +4,8 @@ use appearance::{AppearanceError, AppearanceOptions};
 use bundle::EncodeError;
 use capture_io::import::{ImportError, ImportOptions};
 use job::Stopped;
+#[cfg(feature = "variations")]
+use motion::vary::VaryOptions;
 use pipeline::distance::{DistanceError, DistanceOptions};
 use pipeline::graph::{GraphError, GraphOptions};
 use pipeline::transitions::TransitionError;
@@ -31,7 +33,17 @@ pub struct PackOptions {
     pub appearance: AppearanceChoice,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
-    pub variations: Option<crate::vary::Variations>,
+    pub variations: Option<Variations>,
+}
+
+#[cfg(feature = "variations")]
+/// Which sequences get variations, and which.
+#[derive(Clone, Debug, Default)]
+pub struct Variations {
+    /// Names or labels of the sequences; all where there is none.
+    pub sequences: Vec<String>,
+    /// How they are varied.
+    pub options: VaryOptions,
 }
 
 /// What becomes of textures that change from frame to frame.

@@ -12,15 +12,7 @@ pub use motion::vary::VaryOptions;
 use serde::Serialize;
 
 use crate::options::PackError;
-
-/// Which sequences get variations, and which.
-#[derive(Clone, Debug, Default)]
-pub struct Variations {
-    /// Names or labels of the sequences; all where there is none.
-    pub sequences: Vec<String>,
-    /// How they are varied.
-    pub options: VaryOptions,
-}
+pub use crate::options::Variations;
 
 /// What came of one sequence.
 #[derive(Clone, Debug, Serialize)]
