@@ -1,13 +1,14 @@
 //! All WGSL through naga, and the Rust twins of its uniforms against its layout.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that panics has failed")]
 
+use kernels::srgb::linear_from_srgb;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{Expression, Literal, Module, TypeInner};
 use texture::mask::NEIGHBOURS;
 use texture::{basis, dealign, transform};
 use web::gpu::appearance::basis::{GROUP, LayerUniform, ROW};
 use web::gpu::appearance::dealign::{Motion, TILE};
-use web::gpu::frame::{FrameUniform, linear};
+use web::gpu::frame::FrameUniform;
 use web::gpu::mesh::MaterialUniform;
 use web::gpu::pose::{ActorUniform, NUMBERS};
 use web::gpu::shadow::{BlurUniform, TAPS_PER_DEVIATION};
@@ -184,7 +185,7 @@ fn srgb_is_decoded_as_on_the_processor() {
         for byte in 0..=255 {
             let srgb = byte as f32 / 255.0;
             let own = if srgb <= end { srgb / slope } else { ((srgb + shift) / scale).powf(power) };
-            assert_eq!(own, linear(srgb), "{byte}");
+            assert_eq!(own, linear_from_srgb(srgb), "{byte}");
         }
     }
 }

@@ -22,4 +22,5 @@ pub mod rotation;
 pub mod scalar;
 pub mod simd;
 pub mod sort;
+pub mod srgb;
 pub mod topology;

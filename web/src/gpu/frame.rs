@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
+use kernels::srgb::linear_from_srgb;
 use wgpu::{BufferUsages, ShaderStages};
 
 use super::context::{Gpu, UNIFORM};
@@ -78,7 +79,7 @@ impl Look {
 
     fn background(&self) -> [f32; 4] {
         match (self.background, self.dark) {
-            (Some([r, g, b]), _) => [r, g, b, 1.0].map(linear),
+            (Some([r, g, b]), _) => [r, g, b, 1.0].map(linear_from_srgb),
             (None, true) => rgb(0x16181c, 1.0),
             (None, false) => rgb(0xeeeeec, 1.0),
         }
@@ -114,20 +115,8 @@ impl Look {
 
 /// `hex` (sRGB) in linear light, with alpha.
 fn rgb(hex: u32, alpha: f32) -> [f32; 4] {
-    let channel = |shift: u32| linear(((hex >> shift) & 255) as f32 / 255.0);
+    let channel = |shift: u32| linear_from_srgb(((hex >> shift) & 255) as f32 / 255.0);
     [channel(16), channel(8), channel(0), alpha]
-}
-
-/// Linear light of an sRGB value, both 0 to 1.
-#[must_use]
-pub fn linear(srgb: f32) -> f32 {
-    if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
-}
-
-/// sRGB value of linear light, both 0 to 1.
-#[must_use]
-pub fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// The buffer that holds a frame's uniform, and its group.

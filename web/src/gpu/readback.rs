@@ -1,9 +1,9 @@
 //! Pixels back from the GPU.
 
+use kernels::srgb::{linear_from_srgb, srgb_from_linear};
 use wgpu::{BufferUsages, TextureFormat};
 
 use super::context::{Gpu, extent, named};
-use super::frame::{linear, srgb};
 
 /// Copies `texture`, of `size` pixels in the picture's format, and hands its RGBA bytes to `then`; `None` on a loss.
 ///
@@ -53,8 +53,8 @@ fn tidy(pixels: &mut [u8], swap: bool, straight: bool) {
         if straight && pixel[3] > 0 && pixel[3] < 255 {
             for channel in &mut pixel[..3] {
                 // Premultiplied in linear light, then encoded.
-                let light = linear(f32::from(*channel) / 255.0) / alpha;
-                *channel = (srgb(light.min(1.0)) * 255.0 + 0.5) as u8;
+                let light = linear_from_srgb(f32::from(*channel) / 255.0) / alpha;
+                *channel = (srgb_from_linear(light.min(1.0)) * 255.0 + 0.5) as u8;
             }
         }
     }
@@ -68,7 +68,8 @@ mod tests {
     fn straight_alpha_gives_the_colour_back() {
         let alpha = 128.0 / 255.0;
         let colour = [200u8, 90, 30];
-        let premultiplied = colour.map(|c| (srgb(linear(f32::from(c) / 255.0) * alpha) * 255.0 + 0.5) as u8);
+        let premultiplied =
+            colour.map(|c| (srgb_from_linear(linear_from_srgb(f32::from(c) / 255.0) * alpha) * 255.0 + 0.5) as u8);
         let mut pixel = [premultiplied[2], premultiplied[1], premultiplied[0], 128];
         tidy(&mut pixel, true, true);
         for (got, wanted) in pixel.iter().zip(colour) {

@@ -21,6 +21,7 @@ use std::path::Path;
 
 use actor::surface::Material;
 use glam::{DVec3, Vec3};
+use kernels::srgb::linear_from_srgb;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use synthesis::FrameKind;
@@ -195,10 +196,7 @@ impl Vertices {
 
 /// A colour in linear light, as glTF wants it.
 fn linear(colour: [u8; 4]) -> [f32; 4] {
-    let component = |byte: u8| {
-        let value = f32::from(byte) / 255.0;
-        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-    };
+    let component = |byte: u8| linear_from_srgb(f32::from(byte) / 255.0);
     [component(colour[0]), component(colour[1]), component(colour[2]), f32::from(colour[3]) / 255.0]
 }
 

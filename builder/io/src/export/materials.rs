@@ -6,6 +6,7 @@ use std::path::Path;
 
 use actor::surface::{Image, ImageFormat, Surface};
 use image::RgbaImage;
+use kernels::srgb::srgb_from_linear;
 
 use super::error::ExportError;
 use super::output::{FramePattern, write_whole};
@@ -37,7 +38,7 @@ pub(super) fn library(surface: &Surface, names: &[String], textures: &[Option<St
     for ((material, name), texture) in surface.materials.iter().zip(names).zip(textures) {
         // MTL says nothing of colour spaces; programs take colours as sRGB.
         let [r, g, b, a] = material.base_colour;
-        let rounded = |component: f32| (1e6 * srgb_from_linear(component)).round() / 1e6;
+        let rounded = |component: f32| (1e6 * srgb_from_linear(component.clamp(0.0, 1.0))).round() / 1e6;
         let [r, g, b] = [r, g, b].map(rounded);
         let _ = writeln!(text, "newmtl {name}\nKd {r} {g} {b}\nd {a}");
         if let Some(texture) = texture {
@@ -45,12 +46,6 @@ pub(super) fn library(surface: &Surface, names: &[String], textures: &[Option<St
         }
     }
     text
-}
-
-/// The colour component `linear` (0 to 1) in sRGB.
-pub(super) fn srgb_from_linear(linear: f32) -> f32 {
-    let c = linear.clamp(0.0, 1.0);
-    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Writes the static textures beside frames, but for that of the material `changing` where it is of no other; the file of

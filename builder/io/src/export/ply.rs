@@ -4,12 +4,13 @@ use glam::{DVec3, Vec3};
 
 use super::error::ExportError;
 use super::frame_textures::write_frame_textures;
-use super::materials::{srgb_from_linear, write_textures};
+use super::materials::write_textures;
 use super::mesh::FileMesh;
 use super::output::{FramePattern, write_whole};
 use super::play::Played;
 use super::{Actor, ExportOptions};
 use job::Job;
+use kernels::srgb::srgb_from_linear;
 
 /// Writes all frames: the files' vertices and faces, in their order and at their place. PLY knows textures, but no materials:
 /// where the faces of several have textures, `texnumber` says which; the colours of materials are written into the vertices.
@@ -118,7 +119,8 @@ fn colours(actor: &Actor) -> Vec<[u8; 4]> {
     let mut tinted = vec![false; mesh.vertices.len()];
     for face in &mesh.faces {
         let [r, g, b, a] = surface.materials[face.material as usize].base_colour;
-        let tint = [srgb_from_linear(r), srgb_from_linear(g), srgb_from_linear(b), a.clamp(0.0, 1.0)];
+        let [r, g, b] = [r, g, b].map(|light| srgb_from_linear(light.clamp(0.0, 1.0)));
+        let tint = [r, g, b, a.clamp(0.0, 1.0)];
         for corner in &face.corners {
             let vertex = corner.vertex as usize;
             // A vertex between two materials has the colour of the first.

@@ -134,18 +134,6 @@ pub(super) fn plain_material(name: &str) -> Material {
     Material { name: name.to_owned(), base_colour: [1.0; 4], image: None, double_sided: true }
 }
 
-/// The colour component `linear` (0 to 1) in sRGB.
-pub(super) fn srgb_from_linear(linear: f32) -> f32 {
-    let c = linear.clamp(0.0, 1.0);
-    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The colour component `srgb` (0 to 1) in linear light.
-pub(super) fn linear_from_srgb(srgb: f32) -> f32 {
-    let c = srgb.clamp(0.0, 1.0);
-    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-}
-
 /// A component between 0 and 1 as a byte.
 pub(super) fn byte(component: f32) -> u8 {
     (component.clamp(0.0, 1.0) * 255.0).round() as u8

@@ -36,21 +36,28 @@
 mod assemble;
 mod beside;
 mod colour;
+#[cfg(feature = "gltf")]
 mod draco;
 mod error;
 mod faces;
 mod folder;
 mod formats;
 mod frames;
+#[cfg(feature = "gltf")]
+mod gltf;
+#[cfg(not(feature = "gltf"))]
+#[path = "no_gltf.rs"]
 mod gltf;
 mod images;
 mod inputs;
+#[cfg(feature = "gltf")]
 mod ktx2;
 mod looks;
 mod loops;
 mod manifest;
 mod masks;
 mod mesh;
+#[cfg(feature = "gltf")]
 mod meshopt;
 mod mtl;
 mod nearby;

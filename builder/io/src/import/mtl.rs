@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use actor::surface::Material;
+use kernels::srgb::linear_from_srgb;
 
 use super::colour;
 use super::error::ImportError;
-use super::mesh::{linear_from_srgb, plain_material};
+use super::mesh::plain_material;
 use super::text::{Continues, for_each_line, keyword_and_rest, number, without_comment};
 use super::warning::Note;
 use super::worn::UvTransform;
@@ -128,7 +129,7 @@ impl Draft {
             let colour::Range { full, note } = colour::range(colour.into_iter());
             notes.extend(note.map(|note| Note { message: format!("material \"{name}\": {}", note.message), ..note }));
             for (slot, component) in material.base_colour.iter_mut().zip(colour) {
-                *slot = linear_from_srgb(component / full);
+                *slot = linear_from_srgb((component / full).clamp(0.0, 1.0));
             }
         }
         let opacity = self.opacity.or(self.from_transparency).filter(|opacity| !opacity.is_nan()).unwrap_or(1.0);

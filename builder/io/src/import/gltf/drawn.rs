@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
+use kernels::srgb::srgb_from_linear;
 
 use super::document::Document;
 use super::material::Materials;
 use super::primitive::PrimitiveData;
 use super::shape::{Joints, Shape};
 use crate::import::error::ImportError;
-use crate::import::mesh::{byte, srgb_from_linear};
+use crate::import::mesh::byte;
 use crate::import::warning::Warning;
 
 /// Vertices and triangles of a small file. A large one may draw more, but each vertex of a mesh of its own takes six bytes
@@ -113,7 +114,7 @@ impl<'a> Reader<'a> {
             return Err(self.document.wrong(format!("{user}: the colours do not match the vertices")));
         }
         // The format's colours are in linear light.
-        let srgb = |linear| byte(srgb_from_linear(linear));
+        let srgb = |linear| byte(srgb_from_linear(f32::clamp(linear, 0.0, 1.0)));
         let colours = colours.into_iter().map(|[r, g, b, a]| [srgb(r), srgb(g), srgb(b), byte(a)]).collect();
         // Nothing that is drawn depends on normals, so damaged ones are none.
         let normals = data.floats::<3>(&Semantic::Normals).ok().flatten().unwrap_or_default();
