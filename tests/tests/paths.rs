@@ -5,13 +5,14 @@
     reason = "a test that panics has failed; what it measured is printed"
 )]
 
+use std::sync::OnceLock;
+
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::PoseSource;
 use actor::timeline::Timeline;
 use bundle::BundleReader;
 use fixtures::Random;
-use fixtures::data as _;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use job::Job;
 use kernels::align::{Placement, centre_of_mass};
@@ -36,8 +37,8 @@ struct Actor {
     search_graph: SearchGraph,
     /// What is below touches the ground.
     touches: f32,
-    /// Mean slide of recorded frames in metres.
-    slide: f64,
+    /// Slide from each recorded frame to the next one, in metres.
+    slides: Vec<Option<f64>>,
 }
 
 impl Actor {
@@ -60,16 +61,17 @@ impl Actor {
         }
         lowest.sort_unstable_by(f32::total_cmp);
         let touches = lowest[lowest.len() / 4] + TOUCHES * height;
-        let mut slides = Vec::new();
+        let mut slides = vec![None; timeline.frame_count() as usize];
         for sequence in timeline.sequences() {
-            let mut before = None;
+            let mut before: Option<Vec<Vec3>> = None;
             for frame in sequence.first_frame..sequence.end_frame() {
                 reader.read(frame, &mut pose).unwrap();
-                slides.extend(slide(before.replace(pose.clone()).as_deref(), &pose, touches));
+                if let Some(before) = before.replace(pose.clone()) {
+                    slides[frame as usize - 1] = slide(Some(&before), &pose, touches);
+                }
             }
         }
-        let slide = mean(&slides);
-        Self { reader, timeline, graph, search_graph, touches, slide }
+        Self { reader, timeline, graph, search_graph, touches, slides }
     }
 
     fn ask(&self, start: Option<Start>, target: Target) -> Answer {
@@ -92,6 +94,7 @@ impl Actor {
             walked.centres.push(centre_of_mass(&pose, &weights));
             let facing = self.search_graph.facings[info.kind.frame() as usize] + info.placement.heading;
             walked.facings.push(Vec2::new(facing.sin(), facing.cos()));
+            walked.recorded.extend(self.slides[info.kind.frame() as usize]);
             walked.slides.extend(slide(before.replace(pose.clone()).as_deref(), &pose, self.touches));
         }
         walked
@@ -103,6 +106,8 @@ struct Walked {
     centres: Vec<Vec3>,
     facings: Vec<Vec2>,
     slides: Vec<f64>,
+    /// Slides of the recorded frames that these are or are nearest to.
+    recorded: Vec<f64>,
 }
 
 fn placement([heading, x, z]: [f32; 3]) -> Placement {
@@ -190,7 +195,7 @@ fn follow(actor: &mut Actor, points: &[Vec<f32>], exactness: f64) -> (Kept, Walk
 struct Sums {
     /// Paths that are kept to a centimetre on average and to four at most.
     kept: usize,
-    /// Means of all: distances and headings before and after, slide before and after, times recorded.
+    /// Means of all, before and after: distances, headings, slides in times the recorded one.
     distance: [f64; 2],
     heading: [f64; 2],
     slide: [f64; 2],
@@ -202,7 +207,7 @@ fn all(actor: &mut Actor, paths: &[(String, Vec<Vec<f32>>)]) -> Sums {
         let mut row = String::new();
         for (side, exactness) in [0.0, 1.0].into_iter().enumerate() {
             let (kept, walked, answer) = follow(actor, points, exactness);
-            let slide = mean(&walked.slides) / actor.slide;
+            let slide = mean(&walked.slides) / mean(&walked.recorded);
             row += &format!(
                 "  {:.1} cm, {:.1} at most, {:.1} degrees, slide {slide:.2}, planned {:.1} {}",
                 100.0 * kept.mean,
@@ -227,6 +232,87 @@ fn all(actor: &mut Actor, paths: &[(String, Vec<Vec<f32>>)]) -> Sums {
 
 fn named(paths: Vec<(&str, Vec<Vec<f32>>)>) -> Vec<(String, Vec<Vec<f32>>)> {
     paths.into_iter().map(|(name, points)| (name.to_owned(), points)).collect()
+}
+
+/// As many frames as there are motions to follow paths with, and few vertices, which do not matter here.
+fn performed() -> Actor {
+    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
+    Actor::of(BYTES.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let small = PerformerOptions { frames: 900, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
+        write_performer(&small, folder.path(), &|_| ()).unwrap();
+        let inputs = [folder.path().to_str().unwrap().to_owned()];
+        pack(&inputs, &PackOptions::default(), &Job::silent()).unwrap().0
+    }))
+}
+
+#[test]
+fn the_performer_keeps_to_paths() {
+    let mut actor = performed();
+    let sums = all(&mut actor, &named(standard()));
+    assert!(sums.kept >= 4, "{sums:?}");
+    assert!(sums.distance[1] < 0.2 * sums.distance[0], "{sums:?}");
+    assert!(sums.heading[1] < sums.heading[0] + 1.0, "{sums:?}");
+    assert!(sums.slide[1] < 1.5 * sums.slide[0], "{sums:?}");
+    let drawn: Vec<_> = (0..10).map(|seed| (format!("drawn {seed}"), drawn(seed))).collect();
+    let sums = all(&mut actor, &drawn);
+    // The mark is nine.
+    assert!(sums.kept >= 5, "{sums:?}");
+}
+
+#[test]
+fn a_walk_without_exactness_is_what_the_search_found() {
+    let mut actor = performed();
+    let points = &standard()[5].1;
+    let (_, plain, answer) = follow(&mut actor, points, 0.0);
+    assert!(answer.walk.bend.is_empty());
+    let (_, half, bent) = follow(&mut actor, points, 0.5);
+    assert_eq!(answer.walk.legs, bent.walk.legs);
+    assert_eq!(bent.walk.bend.len(), bent.steps as usize + 1);
+    let (_, whole, _) = follow(&mut actor, points, 1.0);
+    // Half as exact is half way between.
+    for ((plain, half), whole) in plain.centres.iter().zip(&half.centres).zip(&whole.centres).skip(20) {
+        assert!(half.distance(plain.lerp(*whole, 0.5)) < 0.5 * plain.distance(*whole) + 0.02);
+    }
+}
+
+#[test]
+fn places_are_reached() {
+    let mut actor = performed();
+    let start = Start {
+        frame: actor.search_graph.main.iter().position(|&main| main).unwrap() as u32,
+        placement: Placement::IDENTITY,
+    };
+    let mut random = Random::new(3);
+    let (mut missed, mut count) = ([0.0, 0.0], 0);
+    for _ in 0..12 {
+        let (x, z) = (random.range(-3.0, 3.0), random.range(-3.0, 3.0));
+        let heading = Some(random.range(-3.0, 3.0));
+        for (side, exactness) in [0.0, 1.0].into_iter().enumerate() {
+            let place = PlaceRequest { x, z, heading, exactness, ..PlaceRequest::default() };
+            let answer = actor.ask(Some(start), Target::Place(place));
+            let walked = actor.walk(&answer);
+            let off = f64::from(walked.centres[walked.centres.len() - 1].xz().distance(Vec2::new(x, z)));
+            let Goal::Place(report) = answer.parts[0].goal else { panic!() };
+            assert!((report.distance - off).abs() < 0.01, "{} against {off}", report.distance);
+            missed[side] += off;
+            count += usize::from(side == 1 && off < 0.01);
+        }
+    }
+    println!("places: {missed:.3?} m in all, {count} of 12 within a centimetre");
+    assert!(count >= 10, "{count}");
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn a_captured_actor_keeps_to_paths() {
+    let inputs =
+        ["crane", "jumping"].map(|name| fixtures::unpacked(name)[0].parent().unwrap().to_str().unwrap().to_owned());
+    let mut options = PackOptions::default();
+    options.import.fps = Some(25.0);
+    let mut actor = Actor::of(&pack(&inputs, &options, &Job::silent()).unwrap().0);
+    let sums = all(&mut actor, &named(standard()));
+    assert!(sums.distance[1] < sums.distance[0], "{sums:?}");
 }
 
 #[test]
