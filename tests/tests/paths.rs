@@ -251,9 +251,9 @@ fn the_performer_keeps_to_paths() {
     let mut actor = performed();
     let sums = all(&mut actor, &named(standard()));
     assert!(sums.kept >= 4, "{sums:?}");
-    assert!(sums.distance[1] < 0.2 * sums.distance[0], "{sums:?}");
+    assert!(sums.distance[1] < 0.01, "{sums:?}");
     assert!(sums.heading[1] < sums.heading[0] + 1.0, "{sums:?}");
-    assert!(sums.slide[1] < 1.5 * sums.slide[0], "{sums:?}");
+    assert!(sums.slide[1] < 1.5, "{sums:?}");
     let drawn: Vec<_> = (0..10).map(|seed| (format!("drawn {seed}"), drawn(seed))).collect();
     let sums = all(&mut actor, &drawn);
     // The mark is nine.
@@ -312,15 +312,7 @@ fn a_captured_actor_keeps_to_paths() {
     options.import.fps = Some(25.0);
     let mut actor = Actor::of(&pack(&inputs, &options, &Job::silent()).unwrap().0);
     let sums = all(&mut actor, &named(standard()));
-    assert!(sums.distance[1] < sums.distance[0], "{sums:?}");
-}
-
-#[test]
-#[ignore = "dev"]
-fn dev() {
-    let bytes = std::fs::read(std::env::var("REPRISE_BUNDLE").unwrap()).unwrap();
-    let mut actor = Actor::of(&bytes);
-    all(&mut actor, &named(standard()));
-    let drawn: Vec<_> = (0..20).map(|seed| (format!("drawn {seed}"), drawn(seed))).collect();
-    all(&mut actor, &drawn);
+    // The mark is all of them to a centimetre on average and to four at most: this walks sideways and hops.
+    assert!(sums.distance[1] < 0.01, "{sums:?}");
+    assert!(sums.slide[1] < 1.5, "{sums:?}");
 }
