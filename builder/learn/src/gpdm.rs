@@ -102,14 +102,16 @@ fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Gpdm {
-    /// The model of `frames`, one a row, of which those in each of `sequences` follow each other. Their columns have mean zero and
+    /// The model of `frames`, one a row: sequences of as many rows as `lengths` says, one after the other. Columns have mean zero and
     /// vary by one in all. `None` where nothing can be learned: fewer than three frames a sequence, or all alike.
     #[must_use]
-    pub fn train(frames: Matrix, sequences: &[Range<usize>], options: &GpdmOptions) -> Option<Self> {
+    pub fn train(frames: Matrix, lengths: &[usize], options: &GpdmOptions) -> Option<Self> {
         let dimensions = options.dimensions;
-        if dimensions == 0 || sequences.iter().any(|sequence| sequence.len() < 3) {
+        if dimensions == 0 || lengths.iter().any(|&length| length < 3) || lengths.iter().sum::<usize>() != frames.rows()
+        {
             return None;
         }
+        let sequences = &ranges(lengths);
         let guess = first_guess(&frames, dimensions)?;
         let mean_step = mean_step(&guess, sequences);
         if !(mean_step > 0.0 && mean_step.is_finite()) {
@@ -214,6 +216,15 @@ impl Steps<'_> {
             *out += near * (a - b) + linear * a;
         }
     }
+}
+
+/// The rows of sequences of these lengths, one after the other.
+fn ranges(lengths: &[usize]) -> Vec<Range<usize>> {
+    let ends = lengths.iter().scan(0, |end, length| {
+        *end += length;
+        Some(*end)
+    });
+    ends.zip(lengths).map(|(end, length)| end - length..end).collect()
 }
 
 /// The first components of the frames, scaled so that the first one has deviation 1.
@@ -417,7 +428,7 @@ mod tests {
     #[test]
     fn the_gradient_is_that_of_differences() {
         let frames = motion(14);
-        let sequences = [0..8, 8..14];
+        let sequences = ranges(&[8, 6]);
         let training = Training::new(&frames, &sequences, 3, [1e-4, 1e-4]);
         let mut at = first_guess(&frames, 3).unwrap().values().to_vec();
         at.extend([-2.0, 0.3, -4.0, -0.5, 0.2, -0.3, -3.0]);
@@ -440,7 +451,7 @@ mod tests {
     fn frames_come_back_from_few_dimensions() {
         let frames = motion(60);
         let options = GpdmOptions { dimensions: 2, steps: 200 };
-        let model = Gpdm::train(frames.clone(), &[0..60], &options).unwrap();
+        let model = Gpdm::train(frames.clone(), &[60], &options).unwrap();
         let error = |of: &dyn Fn(usize) -> Vec<f64>| {
             let apart = (0..60).map(|row| squared_distance(&of(row), frames.row(row))).sum::<f64>();
             (apart / 60.0).sqrt()
@@ -455,8 +466,8 @@ mod tests {
     #[test]
     fn what_holds_no_motion_has_no_model() {
         let options = GpdmOptions::default();
-        assert!(Gpdm::train(Matrix::zeros(20, 4), &[0..20], &options).is_none());
-        assert!(Gpdm::train(motion(4), &[0..2, 2..4], &options).is_none());
-        assert!(Gpdm::train(motion(3), &[0..3], &options).is_some());
+        assert!(Gpdm::train(Matrix::zeros(20, 4), &[20], &options).is_none());
+        assert!(Gpdm::train(motion(4), &[2, 2], &options).is_none());
+        assert!(Gpdm::train(motion(3), &[3], &options).is_some());
     }
 }

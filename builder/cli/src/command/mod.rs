@@ -17,6 +17,8 @@ mod report;
 mod terminal;
 mod typed;
 mod validate;
+#[cfg(feature = "complete")]
+mod vary;
 mod walked;
 mod work;
 
@@ -61,6 +63,8 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
         #[cfg(feature = "complete")]
         Command::Register(arguments) => register::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
+        Command::Vary(arguments) => vary::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
