@@ -104,6 +104,21 @@ impl Bending {
         }
     }
 
+    /// Says where frames are put now; from now on they are taken to be there already.
+    pub fn fold(&mut self) -> Placement {
+        let here = self.at(self.taken);
+        let back = here.inverse();
+        (self.ahead, self.taken) = (vec![Placement::IDENTITY], 0);
+        for foot in &mut self.feet {
+            foot.stances.clear();
+            foot.now = foot
+                .now
+                .filter(|now| *now != here)
+                .map(|now| if here == Placement::IDENTITY { now } else { now.after(&back) });
+        }
+        here
+    }
+
     /// A step was taken.
     pub fn take(&mut self) {
         self.taken += 1;
@@ -138,7 +153,7 @@ impl Foot {
     fn places(&self, step: usize, here: Placement) -> (Placement, Option<(Placement, f32)>) {
         let next = self.stances.partition_point(|stance| stance.0 <= step);
         let Some(&(_, end, from)) = next.checked_sub(1).and_then(|index| self.stances.get(index)) else {
-            return (here, None);
+            return (self.now.unwrap_or(here), None);
         };
         match self.stances.get(next) {
             _ if step <= end => (from, None),

@@ -213,7 +213,17 @@ impl Synthesiser {
     pub fn halt(&mut self) {
         if let Some(standing) = self.standing {
             let (frame, placement) = standing.recorded();
-            self.stand(frame, put_at(&self.bending.after(0), placement));
+            let placement = put_at(&self.bending.after(0), placement);
+            match standing {
+                // The feet stay where they are.
+                Standing::Recorded { .. } => {
+                    self.bending.fold();
+                    self.walker = Walker::standing(frame);
+                    self.standing = Some(Standing::Recorded { frame, placement });
+                    (self.is_due, self.coming) = (false, None);
+                }
+                Standing::Node { .. } => self.stand(frame, placement),
+            }
         }
     }
 
@@ -241,7 +251,17 @@ impl Synthesiser {
         self.coming = None;
         self.bending.replace(left, bend);
         self.bending.plan(graph, timeline, &self.walker);
+        self.settle();
         Ok(())
+    }
+
+    /// Where the walk has arrived, the frame stands where it was put.
+    fn settle(&mut self) {
+        if let Some(Standing::Recorded { placement, .. }) = &mut self.standing
+            && self.walker.has_arrived()
+        {
+            *placement = put_at(&self.bending.fold(), *placement);
+        }
     }
 
     /// Goes on with `legs`, which start where the route ends and are bent by `bend` ([`Walk::bend`]).
@@ -402,6 +422,7 @@ impl Synthesiser {
         self.standing = Some(standing);
         self.bending.take();
         self.bending.apply(graph.feet(), out);
+        self.settle();
         if matches!(step, Step::Node { .. }) {
             self.coming = None;
         }
