@@ -146,8 +146,8 @@ export interface PictureOptions {
  * (x, y, z). It is followed by the middle of the body, or by that of some vertices, such as a hand's.
  */
 export type GroundTarget =
-  | { x: number; z: number; heading?: number | null }
-  | { path: number[][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline'; vertices?: number[] };
+  | { x: number; z: number; heading?: number | null; exactness?: number }
+  | { path: number[][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline'; vertices?: number[]; exactness?: number };
 
 /** A part of a path that demands a behaviour. Ends are counted in points: 1.5 is between the second and the third. */
 export interface Stretch {
@@ -169,7 +169,8 @@ export interface Request {
 export type RequestTarget =
   | { pose: FrameRef }
   | { behaviour: { name: string; hold?: number } }
-  | { place: { x: number; z: number; heading?: number; realism?: number } }
+  /** `exactness`, from 0 to 1 (the default), is how far the walk is bent onto its place or path. */
+  | { place: { x: number; z: number; heading?: number; realism?: number; exactness?: number } }
   | {
       path: {
         /** All [x, z], or all [x, y, z]. */
@@ -181,6 +182,7 @@ export type RequestTarget =
         /** Vertices whose mean follows the path, in place of the body's middle. */
         vertices?: number[];
         realism?: number;
+        exactness?: number;
       };
     }
   | { keys: { poses: { pose: FrameRef; time: number }[] } }

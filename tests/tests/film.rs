@@ -1,7 +1,7 @@
 //! The page and a film of the same route show the same frames, bit for bit, however often its mind was changed on the way.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use actor::walk::{Leg, Walk};
+use actor::walk::Walk;
 use bundle::BundleReader;
 use fixtures::Random;
 use glam::Vec3;
@@ -17,11 +17,11 @@ use web::player::produce::ShownFrame;
 /// Seconds of a tick: half a frame of the performer's.
 const TICK: f64 = 0.01;
 
-/// What the page showed, and the routes it was given: after so many frames these legs.
+/// What the page showed, and the routes it was given: after so many frames these walks.
 #[derive(Default)]
 struct Shown {
     frames: Vec<ShownFrame>,
-    routes: Vec<(usize, Vec<Leg>)>,
+    routes: Vec<(usize, Walk)>,
     turned_inside: usize,
 }
 
@@ -36,9 +36,9 @@ impl Shown {
         }
     }
 
-    fn route(&mut self, legs: Vec<Leg>) {
+    fn route(&mut self, walk: Walk) {
         self.turned_inside += usize::from(self.frames.last().unwrap().kind.is_synthetic());
-        self.routes.push((self.frames.len(), legs));
+        self.routes.push((self.frames.len(), walk));
     }
 }
 
@@ -59,13 +59,20 @@ fn page(bytes: &[u8], start: u32, targets: &[u32]) -> Shown {
         match random.below(120) {
             0 => {
                 player.cancel();
-                shown.route(Vec::new());
+                shown.route(Walk::default());
             }
             1..4 => {
                 let to = some(&mut random);
-                let walk = plan_walk(&graph, &timeline, player.leaves().unwrap().0, &[to]).unwrap();
-                assert_eq!(player.go_to(to).unwrap().cost, walk.cost);
-                shown.route(walk.legs);
+                let from = player.leaves().unwrap().0;
+                let mut walk = plan_walk(&graph, &timeline, from, &[to]).unwrap();
+                if random.below(2) == 0 && !walk.legs.is_empty() {
+                    walk.bend =
+                        (0..walk.steps(&graph)).map(|step| [0.002, 0.003, -0.001].map(|a| a * step as f32)).collect();
+                    player.follow(from, &walk).unwrap();
+                } else {
+                    assert_eq!(player.go_to(to).unwrap().cost, walk.cost);
+                }
+                shown.route(walk);
             }
             4..10 => {
                 player.arrival(some(&mut random)).unwrap();
@@ -91,8 +98,8 @@ fn film(bytes: &[u8], shown: &Shown) -> Vec<Vec<Vec3>> {
     let mut routes = shown.routes.iter().peekable();
     let mut frames: Vec<Vec<Vec3>> = Vec::new();
     for wanted in &shown.frames {
-        while let Some((_, legs)) = routes.next_if(|(after, _)| *after == frames.len()) {
-            synthesiser.retarget(&graph, &timeline, legs).unwrap();
+        while let Some((_, walk)) = routes.next_if(|(after, _)| *after == frames.len()) {
+            synthesiser.retarget_bent(&graph, &timeline, &walk.legs, &walk.bend).unwrap();
         }
         let mut pose = vec![Vec3::ZERO; topology.vertex_count()];
         let info = synthesiser.next_frame(&graph, &timeline, &mut reader, &mut pose).unwrap().unwrap();
@@ -116,6 +123,8 @@ fn the_page_shows_what_a_film_shows() {
 
     let shown = page(&bytes, targets[3], &targets);
     let film = film(&bytes, &shown);
+    let bent = shown.routes.iter().filter(|(_, walk)| !walk.bend.is_empty()).count();
+    assert!(bent > 5, "{bent} bent walks");
     let synthetic = shown.frames.iter().filter(|frame| frame.kind.is_synthetic()).count();
     assert!(synthetic > 200 && shown.turned_inside > 5, "{synthetic} nodes, {} turns inside", shown.turned_inside);
     // The pose that it was put in was moved there after it was placed: the same but for rounding.

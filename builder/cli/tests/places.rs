@@ -45,6 +45,8 @@ impl Actor {
             z: here.z + metres * direction.cos(),
             heading: Some(heading),
             realism: DEFAULT_REALISM,
+            // What searches find is measured here.
+            exactness: 0.0,
         };
         let start = Some(Start { frame, placement: Placement::IDENTITY });
         let request = Request::new(Target::Place(place));

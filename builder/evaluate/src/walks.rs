@@ -71,6 +71,7 @@ fn paths(scene: &Scene, section: &mut SectionReport, job: &Job) {
     let columns = [
         "path",
         "tool",
+        "exactness",
         "length, m",
         "mean, cm",
         "most, cm",
@@ -79,20 +80,26 @@ fn paths(scene: &Scene, section: &mut SectionReport, job: &Job) {
         "seconds",
         "transitions",
     ];
-    let caption = "Five paths with both path tools, begun with any pose: distance of the centre of mass.";
+    let caption = "Five paths with both path tools, begun with any pose, as they are found (exactness 0) and bent (1): \
+                   distance of the centre of mass.";
     let mut table = Table::new("walk_paths", caption, &columns);
     for (name, points) in standard_paths() {
-        for (tool, shape) in [("polyline", Shape::Polyline), ("spline", Shape::Spline)] {
-            let request = PathRequest { points: points.clone(), shape, free_start: true, ..PathRequest::default() };
+        let tools = [("polyline", Shape::Polyline), ("spline", Shape::Spline)];
+        for ((tool, shape), exactness) in tools.into_iter().flat_map(|tool| [(tool, 0.0), (tool, 1.0)]) {
+            let request =
+                PathRequest { points: points.clone(), shape, free_start: true, exactness, ..PathRequest::default() };
             let answer = ask(scene, None, &Request::new(Target::Path(request)), job, "paths");
             let goal = answer.as_ref().and_then(|answer| Some((answer, &answer.parts.first()?.goal)));
             let Some((answer, Goal::Path(found))) = goal else {
-                let empty = std::iter::repeat_n(Cell::Empty, columns.len() - 2);
-                table.rows.push([name.into(), tool.into()].into_iter().chain(empty).collect());
+                let empty = std::iter::repeat_n(Cell::Empty, columns.len() - 3);
+                table
+                    .rows
+                    .push([name.into(), tool.into(), Cell::Number(exactness, 1)].into_iter().chain(empty).collect());
                 continue;
             };
-            table.rows.push([name.into(), tool.into()].into_iter().chain(path_row(found, answer)).collect());
-            if shape == Shape::Spline {
+            let named = [name.into(), tool.into(), Cell::Number(exactness, 1)];
+            table.rows.push(named.into_iter().chain(path_row(found, answer)).collect());
+            if shape == Shape::Spline && exactness > 0.0 {
                 section.plots.push(path_plot(name, found));
             }
         }

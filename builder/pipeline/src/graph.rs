@@ -4,6 +4,7 @@ use actor::capture::Capture;
 use actor::contacts::Contacts;
 use actor::feet::Feet;
 use actor::graph::{ALPHA_RESOLUTION, DEFAULT_ALPHA, EssentialGraph, rounded_alpha};
+use actor::ties::Ties;
 use job::{Job, Stopped};
 use thiserror::Error;
 
@@ -14,6 +15,7 @@ use crate::essential::{
     BuildError, EssentialError, GraphInput, StrongComponents, build_graph, reach, strongly_connected,
 };
 use crate::feet;
+use crate::ties;
 use crate::transitions::{TransitionError, TransitionOptions};
 
 /// How the graph of a capture is made.
@@ -24,7 +26,8 @@ pub struct GraphOptions {
     pub transition: TransitionOptions,
     /// Weight of a frame's duration against surface deformation (thesis section 3.3.2).
     pub alpha: f64,
-    /// Whether transitions keep still what stands on the ground on both sides; else they follow the papers alone.
+    /// Whether transitions keep still what stands on the ground on both sides, and components on each other; else they follow
+    /// the papers alone.
     pub hold_contacts: bool,
 }
 
@@ -94,8 +97,12 @@ pub fn essential_graph(
         true => feet::feet(&capture.topology, timeline, &capture.poses),
         false => Feet::default(),
     };
+    let ties = match options.hold_contacts {
+        true => ties::ties(&capture.topology, &capture.poses),
+        false => Ties::default(),
+    };
     let graphed = graph_of(capture, measured, &kept, options, contacts)?;
-    Ok(Graphed { graph: graphed.graph.with_feet(feet), ..graphed })
+    Ok(Graphed { graph: graphed.graph.with_feet(feet).with_ties(ties), ..graphed })
 }
 
 /// The graph of the transitions `kept`.

@@ -5,4 +5,5 @@ pub mod distance;
 pub mod essential;
 pub mod feet;
 pub mod graph;
+pub mod ties;
 pub mod transitions;

@@ -8,6 +8,7 @@ use thiserror::Error;
 use crate::contacts::Contacts;
 use crate::feet::Feet;
 use crate::temporal_warp::TemporalWarp;
+use crate::ties::Ties;
 use crate::timeline::Timeline;
 use kernels::align::Placement;
 
@@ -76,6 +77,7 @@ pub struct EssentialGraph {
     first_transition: Vec<u32>,
     contacts: Contacts,
     feet: Feet,
+    ties: Ties,
 }
 
 impl EssentialGraph {
@@ -102,8 +104,8 @@ impl EssentialGraph {
         for frame in 0..frame_count {
             first_transition[frame + 1] += first_transition[frame];
         }
-        let (contacts, feet) = (Contacts::default(), Feet::default());
-        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet })
+        let (contacts, feet, ties) = (Contacts::default(), Feet::default(), Ties::default());
+        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet, ties })
     }
 
     /// The same graph, whose transitions keep still what stands on the ground on both sides. Their placements have to be
@@ -117,6 +119,18 @@ impl EssentialGraph {
     #[must_use]
     pub fn with_feet(self, feet: Feet) -> Self {
         Self { feet, ..self }
+    }
+
+    /// The same graph, in whose transitions components stay on each other. Where its transitions lead does not change.
+    #[must_use]
+    pub fn with_ties(self, ties: Ties) -> Self {
+        Self { ties, ..self }
+    }
+
+    /// Which components stay on which; none where that is not known.
+    #[must_use]
+    pub fn ties(&self) -> &Ties {
+        &self.ties
     }
 
     /// The feet that stay where they stand; none where they are not known.

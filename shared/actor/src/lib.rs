@@ -1,7 +1,7 @@
 //! What an actor is: the data that every side works with.
 //!
 //! A capture becomes an actor once its sequences ([`timeline`]), what is drawn ([`surface`]), its poses ([`capture`],
-//! [`pose_source`]), what stands on the ground ([`contacts`], [`feet`]), how it moves over the ground ([`motion`], [`ground`]) and its
+//! [`pose_source`]), what stands on the ground ([`contacts`], [`feet`]), which parts hold together ([`ties`]), how it moves over the ground ([`motion`], [`ground`]) and its
 //! transitions ([`temporal_warp`], [`graph`]) are known; [`files`] remembers what it was read from. A [`walk`] is a way through the
 //! graph; [`blend`] says where on the ground both sides of a transition are, and [`components`] which frames lead to which.
 //! Searches, synthesis and the file format all build on this and on nothing of each other.
@@ -23,5 +23,6 @@ pub mod motion;
 pub mod pose_source;
 pub mod surface;
 pub mod temporal_warp;
+pub mod ties;
 pub mod timeline;
 pub mod walk;

@@ -74,6 +74,11 @@ pub struct Walk {
     pub deformation: f64,
     /// Duration in frames: recorded steps and transition lengths.
     pub duration: u32,
+    /// How it is bent: after each step, from none on, where the frame is put from where the legs alone lead, in the world:
+    /// heading in radians about +Y, then metres along X and Z. Steps beyond the last one are put as that one; empty where
+    /// the walk is not bent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bend: Vec<[f32; 3]>,
 }
 
 impl Walk {
@@ -196,7 +201,7 @@ impl Walk {
         }
     }
 
-    /// Appends `other`, which begins where this walk ends.
+    /// Appends `other`, which begins where this walk ends; neither is bent.
     pub fn append(&mut self, other: &Self) {
         for leg in &other.legs {
             match *leg {

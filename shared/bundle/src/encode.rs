@@ -14,7 +14,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{contacts, feet, files, graph, integers, motion, surface};
+use super::{contacts, feet, files, graph, integers, motion, surface, ties};
 use actor::capture::Capture;
 use actor::files::Files;
 use actor::graph::EssentialGraph;
@@ -242,6 +242,9 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     }
     if input.graph.feet().count() > 0 {
         drafts.push(one(SectionKind::Feet, feet::encode(input.graph.feet(), capture.timeline.frame_count())));
+    }
+    if !input.graph.ties().all().is_empty() {
+        drafts.push(one(SectionKind::Ties, ties::encode(input.graph.ties())));
     }
     drafts.push(one(SectionKind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {

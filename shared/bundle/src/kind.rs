@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 5;
+pub const VERSION_MINOR: u16 = 6;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,6 +48,8 @@ pub enum SectionKind {
     Contacts,
     /// Which vertices follow each foot, and when it stands. Since 1.5.
     Feet,
+    /// Which components of the mesh stay on which. Since 1.6.
+    Ties,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -56,7 +58,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -76,6 +78,7 @@ impl SectionKind {
         Self::Motion,
         Self::Contacts,
         Self::Feet,
+        Self::Ties,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -104,6 +107,7 @@ impl SectionKind {
             Self::Motion => 64,
             Self::Contacts => 65,
             Self::Feet => 66,
+            Self::Ties => 67,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -138,6 +142,7 @@ impl SectionKind {
             Self::Motion => "motion",
             Self::Contacts => "contacts",
             Self::Feet => "feet",
+            Self::Ties => "ties",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -154,6 +159,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Ties => 6,
             Self::Feet => 5,
             Self::FileFaces | Self::FilePlace => 4,
             Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,

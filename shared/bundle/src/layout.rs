@@ -63,6 +63,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         SectionKind::Model
         | SectionKind::Image
         | SectionKind::Order
+        | SectionKind::Ties
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

@@ -24,6 +24,7 @@ mod motion;
 mod reader;
 mod sections;
 mod surface;
+mod ties;
 mod triangles;
 mod validate;
 

@@ -11,7 +11,7 @@ use super::kind::SectionKind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, surface};
+use super::{Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, surface, ties};
 use actor::contacts::Contacts;
 use actor::feet::Feet;
 use actor::files::{FileFaces, FilePlace};
@@ -19,6 +19,7 @@ use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::{PoseError, PoseSource};
 use actor::surface::{Image, Surface};
+use actor::ties::Ties;
 use actor::timeline::Timeline;
 use kernels::topology::Topology;
 
@@ -55,6 +56,7 @@ pub struct BundleReader {
     motion: Option<Motion>,
     contacts: Contacts,
     feet: Feet,
+    ties: Ties,
     looks: [ArrivedTextures; 2],
 }
 
@@ -359,7 +361,8 @@ impl BundleReader {
         if kind == SectionKind::Graph {
             let graph = graph::decode(&raw, meta.transition_count, timeline)?;
             let (contacts, feet) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.feet));
-            self.graph = Some(graph.with_contacts(contacts).with_feet(feet));
+            let ties = std::mem::take(&mut self.ties);
+            self.graph = Some(graph.with_contacts(contacts).with_feet(feet).with_ties(ties));
             return Ok(());
         }
         if kind == SectionKind::Contacts {
@@ -414,6 +417,13 @@ impl BundleReader {
             }
             SectionKind::FileVertices => {
                 self.file_vertices = Some(integers::decode(&raw, MAX_CORNERS, meta.vertex_count).map_err(wrong)?);
+            }
+            SectionKind::Ties => {
+                let ties = ties::decode(&raw, topology).map_err(wrong)?;
+                match self.graph.take() {
+                    Some(graph) => self.graph = Some(graph.with_ties(ties)),
+                    None => self.ties = ties,
+                }
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::EarlierAppearance

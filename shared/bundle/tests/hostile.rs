@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use actor::pose_source::PoseSource;
 use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode, validate};
-use captures::{cloth, feet, graph};
+use captures::{cloth, feet, graph, ties};
 use forge::{Section, assembled, meta_of, raw_sections};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ const LARGEST_BLOCK: usize = 32 << 20;
 fn small_bundle() -> Vec<u8> {
     let capture = cloth(4, 3, &[5, 3]);
     let feet = feet(capture.topology.vertex_count(), &capture.timeline);
-    let graph = graph(&capture.timeline).with_feet(feet);
+    let graph = graph(&capture.timeline).with_feet(feet).with_ties(ties(&capture.topology));
     let order: Vec<u32> = (0..21).rev().collect();
     let generator = "reprise test".into();
     let poisson_order = Some(&order[..]);
@@ -151,6 +151,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Motion,
             SectionKind::Contacts,
             SectionKind::Feet,
+            SectionKind::Ties,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);

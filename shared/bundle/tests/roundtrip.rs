@@ -8,7 +8,7 @@ use actor::capture::{Capture, Poses};
 use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
 use bundle::{BundleError, BundleInput, BundleReader, EncodeError, default_max_error, encode, validate};
-use captures::{cloth, graph};
+use captures::{cloth, graph, ties};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -70,6 +70,7 @@ fn check_surface(reader: &BundleReader, capture: &Capture) {
 fn check_graph(read: &EssentialGraph, written: &EssentialGraph) {
     assert_eq!(read.alpha(), written.alpha());
     assert_eq!((read.contacts(), read.feet()), (written.contacts(), written.feet()));
+    assert_eq!(read.ties(), written.ties());
     assert_eq!(read.transitions().len(), written.transitions().len());
     for (read, written) in read.transitions().iter().zip(written.transitions()) {
         assert_eq!((read.from, read.to, &read.warp), (written.from, written.to, &written.warp));
@@ -100,7 +101,7 @@ fn check_poses(reader: &mut BundleReader, input: &BundleInput) {
 #[test]
 fn a_capture_comes_back() {
     let capture = cloth(12, 9, &[40, 1, 9, 70]);
-    let graph = graph(&capture.timeline);
+    let graph = graph(&capture.timeline).with_ties(ties(&capture.topology));
     let order: Vec<u32> = (0..117).map(|i| i * 50 % 117).collect();
     let mut input = BundleInput { first_frame: 47, poisson_order: Some(&order), ..input(&capture, &graph) };
     for max_error in [input.max_error, 1e-5, 0.05] {

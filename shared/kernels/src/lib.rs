@@ -18,6 +18,7 @@ pub mod laplacian;
 pub mod lru;
 pub mod poisson;
 pub mod random;
+pub mod rotation;
 pub mod scalar;
 pub mod simd;
 pub mod sort;

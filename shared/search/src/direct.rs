@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::answer::Answer;
 use super::anytime::Progress;
+use super::bend::Bend;
 use super::ground_pose::GroundPose;
 use super::request::{Request, RequestError, Target, VERSION};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
@@ -62,6 +63,7 @@ impl Direction {
                 frame: start.frame,
                 ground_pose: GroundPose::from(&start.placement),
                 walk: Walk::default(),
+                bend: Vec::new(),
                 parts: Vec::new(),
             },
         };
@@ -132,7 +134,7 @@ impl Direction {
             seconds: f64::from(steps) / scene.search_graph.fps,
             end_frame: done.frame,
             end_placement: placement(done.ground_pose.into()),
-            walk: done.walk,
+            walk: Walk { bend: Bend(done.bend).placements().collect(), ..done.walk },
             parts: done.parts,
             progress: self.progress(),
             expanded: self.expanded,

@@ -41,6 +41,13 @@ impl GroundPose {
         Self { turn, shift: self.rotate(inner.shift) + self.shift }
     }
 
+    /// What takes everything back.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let back = Self { turn: Vec2::new(self.turn.x, -self.turn.y), shift: Vec2::ZERO };
+        Self { shift: -back.rotate(self.shift), ..back }
+    }
+
     /// The heading in radians, between -pi and pi.
     #[must_use]
     pub fn heading(&self) -> f32 {

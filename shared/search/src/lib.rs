@@ -17,6 +17,7 @@ mod answer;
 mod anytime;
 mod behaviour;
 mod behaviours;
+mod bend;
 mod components;
 mod curve;
 mod depth_first;
@@ -56,8 +57,8 @@ pub use place::{PlaceReport, PlaceTask};
 pub use plan::plan_walk;
 pub use random::{Chain, Optimiser};
 pub use request::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest,
-    Request, RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
+    BehaviourRequest, DEFAULT_EXACTNESS, DEFAULT_REALISM, FrameRef, Json, Key, KeysRequest, PATH_REALISM, PathRequest,
+    PlaceRequest, Request, RequestError, Stretch, Target, VERSION, WanderRequest, WithinSequence, limits,
 };
 pub use scene::{Scene, Start};
 pub use search_graph::{Edge, SAMPLE_STRIDE, Sample, SearchGraph, SearchGraphBuilder};

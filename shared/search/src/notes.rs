@@ -8,13 +8,21 @@ use super::place::PlaceReport;
 const PLACE_OFF: f64 = 0.1;
 const HEADING_OFF: f64 = 0.175;
 
-pub(super) fn path_notes(report: &PathReport) -> Vec<String> {
+/// Metres that a bent walk is off its path that are worth a sentence.
+const LEFT: f64 = 0.06;
+
+pub(super) fn path_notes(report: &PathReport, is_bent: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if report.travelled + 0.05 < report.length {
         let (travelled, length) = (report.travelled, report.length);
         notes.push(format!("The motion does not get to the path's end: it travels {travelled:.1} of {length:.1} m."));
     }
-    if report.max_aside > 0.5 {
+    if is_bent && report.max_aside > LEFT {
+        let aside = 100.0 * report.max_aside;
+        notes.push(format!(
+            "The walk strays up to {aside:.0} cm from the path: no step is bent by more than 10 degrees and 10 cm."
+        ));
+    } else if report.max_aside > 0.5 {
         let aside = report.max_aside;
         notes.push(format!(
             "The walk strays up to {aside:.1} m from the path: no motion of this capture turns like it."

@@ -1,6 +1,9 @@
 //! Following a path: the centre of mass, or a group of vertices, against the point of equal arc length of a curve, over
 //! stretches that may demand a behaviour (thesis section 3.5.1; TVCG section 4.3.1).
 
+use glam::Vec3Swizzles;
+
+use super::bend::Bend;
 use super::curve::Curve;
 use super::ground_pose::{GroundPose, half_turn};
 use super::search_graph::{SAMPLE_STRIDE, SearchGraph};
@@ -58,6 +61,8 @@ pub struct PathTask {
     pub starts: Vec<State>,
     /// Weight of the graph's cost against metre-seconds of deviation.
     pub realism: f64,
+    /// How far the walk is bent onto the path, from 0 (not at all) to 1. Searches do not depend on it.
+    pub exactness: f64,
     seconds_per_step: f64,
     step_cost: f64,
     most_steps: u32,
@@ -84,13 +89,13 @@ impl PathTask {
             demands,
             starts,
             realism,
+            exactness: 0.0,
         }
     }
 
     /// Places where `frame` may begin the path: at its first point, facing along it.
     #[must_use]
     pub fn start_on(search_graph: &SearchGraph, curve: &Curve, frame: u32) -> Option<State> {
-        use glam::Vec3Swizzles;
         let facing = search_graph.facings.get(frame as usize)?;
         let heading = half_turn(curve.first_heading() - facing);
         Some(State::start(
@@ -122,16 +127,41 @@ impl PathTask {
         travelled
     }
 
-    /// How well a walk that was found follows the path.
+    /// How a walk that was found is bent onto the path.
+    pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> Bend {
+        if self.exactness <= 0.0 {
+            return Bend::default();
+        }
+        let (track, fps) = (found.track(search_graph), search_graph.fps as f32);
+        Bend::onto(&self.curve, &track, fps, self.exactness as f32, is_free)
+    }
+
+    /// How well a walk that was found follows the path as it is.
     #[must_use]
     pub fn judge(&self, search_graph: &SearchGraph, found: &Found) -> PathReport {
+        self.judge_bent(search_graph, found, &Bend::default())
+    }
+
+    /// The same once it is bent.
+    pub(super) fn judge_bent(&self, search_graph: &SearchGraph, found: &Found, bend: &Bend) -> PathReport {
         let curve = self.curve.polyline(0.05).iter().map(|point| point.to_array()).collect();
         let mut report =
             PathReport { length: self.curve.length(), curve, flat: self.curve.is_flat(), ..PathReport::default() };
         let (mut steps, mut demanded, mut kept) = (0_u32, 0_u32, 0_u32);
         let states = found.states(self, search_graph);
+        let (mut before, mut way) = (None, 0.0);
         for (state, &edge) in states.iter().zip(&found.edges) {
-            report.travelled = self.along(search_graph, state, edge, |travelled, point, weight, frame| {
+            let planned = self.along(search_graph, state, edge, |travelled, point, weight, frame| {
+                let mut travelled = travelled;
+                let mut point = point;
+                if let Some(pose) = bend.0.get((steps + weight) as usize) {
+                    // What it travels is longer or shorter than planned.
+                    point = pose.apply(point);
+                    let start = || bend.0[0].apply(search_graph.point_at(state.frame, state.ground_pose));
+                    let step = point - before.unwrap_or_else(start);
+                    way += f64::from(if self.curve.is_flat() { step.xz().length() } else { step.length() });
+                    (before, travelled) = (Some(point), way);
+                }
                 let (off, aside) = (self.curve.distance(point, travelled), self.curve.nearest(point, travelled));
                 report.mean += off * f64::from(weight);
                 report.max = report.max.max(off);
@@ -144,6 +174,7 @@ impl PathTask {
                     kept += if self.is_wrong(search_graph, travelled, frame) { 0 } else { weight };
                 }
             });
+            report.travelled = if bend.0.is_empty() { planned } else { way };
         }
         report.mean /= f64::from(steps.max(1));
         report.mean_aside /= f64::from(steps.max(1));

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec2Swizzles, Vec3Swizzles};
 
+use super::bend::Bend;
 use super::detour::Detour;
 use super::ground_pose::{angle, turn_of};
 use super::search_graph::SearchGraph;
@@ -50,6 +51,8 @@ pub struct PlaceTask {
     pub start: State,
     /// Weight of the graph's cost against seconds.
     pub realism: f64,
+    /// How far the walk is bent so that it ends there, from 0 (not at all) to 1. Searches do not depend on it.
+    pub exactness: f64,
     seconds_per_step: f64,
     /// Steps after which a walk gives up.
     pub most_steps: u32,
@@ -80,6 +83,7 @@ impl PlaceTask {
             detour: wanted.map(|wanted| Detour::new(search_graph, place, wanted, a_step)),
             start,
             realism,
+            exactness: 0.0,
             seconds_per_step: 1.0 / search_graph.fps,
             step_cost: a_step,
             most_steps: ((PATIENCE + distance / SLOWEST) * search_graph.fps).min(1e6) as u32,
@@ -116,10 +120,29 @@ impl PlaceTask {
         f64::from(nearest.distance(self.place)) * METRE_OFF + turn * RADIAN_OFF
     }
 
-    /// How well a walk that was found reaches the place.
+    /// How a walk that was found is bent so that it ends at the place.
+    pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found) -> Bend {
+        if self.exactness <= 0.0 {
+            return Bend::default();
+        }
+        let turn = self.wanted.map_or(0.0, |wanted| {
+            let face = search_graph.face_at(found.end.frame, found.end.ground_pose);
+            angle(-face.perp_dot(wanted), face.dot(wanted))
+        });
+        let (track, fps) = (found.track(search_graph), search_graph.fps as f32);
+        Bend::to_place(self.place, turn, &track, fps, self.exactness as f32)
+    }
+
+    /// How well a walk that was found reaches the place as it is.
     #[must_use]
     pub fn judge(&self, search_graph: &SearchGraph, found: &Found) -> PlaceReport {
-        let (distance, turn) = self.missing(search_graph, &found.end);
+        self.judge_bent(search_graph, found, &Bend::default())
+    }
+
+    /// The same once it is bent.
+    pub(super) fn judge_bent(&self, search_graph: &SearchGraph, found: &Found, bend: &Bend) -> PlaceReport {
+        let bent = bend.0.last().map(|pose| State { ground_pose: pose.after(&found.end.ground_pose), ..found.end });
+        let (distance, turn) = self.missing(search_graph, &bent.unwrap_or(found.end));
         PlaceReport { distance, turn: self.heading.map(|_| turn) }
     }
 }

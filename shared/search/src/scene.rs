@@ -6,6 +6,7 @@ use actor::walk::{Leg, Walk};
 use kernels::align::Placement;
 
 use super::answer::{Goal, Part};
+use super::bend::Bend;
 use super::ground_pose::GroundPose;
 use super::search_graph::SearchGraph;
 use super::task::State;
@@ -39,16 +40,26 @@ pub(super) struct Done {
     pub frame: u32,
     pub ground_pose: GroundPose,
     pub walk: Walk,
+    /// How the walk is bent, as [`Walk::bend`].
+    pub bend: Vec<GroundPose>,
     pub parts: Vec<Part>,
 }
 
 impl Done {
-    pub fn push(&mut self, scene: &Scene, walk: &Walk, goal: Goal, notes: Vec<String>) {
+    pub fn push(&mut self, scene: &Scene, walk: &Walk, bend: &Bend, goal: Goal, notes: Vec<String>) {
         let first_step = self.walk.steps(scene.graph);
         for leg in &walk.legs {
             self.follow(scene, leg);
         }
         self.walk.append(walk);
+        if let Some(last) = bend.0.last() {
+            self.ground_pose = last.after(&self.ground_pose);
+        }
+        if !bend.0.is_empty() || !self.bend.is_empty() {
+            let before = self.bend.last().copied().unwrap_or(GroundPose::IDENTITY);
+            self.bend.resize(first_step as usize + 1, before);
+            self.bend.extend(bend.0.iter().skip(1).map(|pose| pose.after(&before)));
+        }
         self.parts.push(Part { first_step, steps: walk.steps(scene.graph), goal, notes });
     }
 

@@ -1,5 +1,7 @@
 //! What a search over the ground looks for, so that the oracle and the tool search for the same thing.
 
+use glam::Vec3;
+
 use super::ground_pose::GroundPose;
 use super::search_graph::SearchGraph;
 use actor::walk::{Leg, Walk};
@@ -120,6 +122,21 @@ impl Found {
     #[must_use]
     pub fn walk(&self, search_graph: &SearchGraph) -> Walk {
         walk_of(search_graph, self.start.frame, &self.edges)
+    }
+
+    /// The followed point after each step, from the start on; between two samples on a straight line.
+    #[must_use]
+    pub fn track(&self, search_graph: &SearchGraph) -> Vec<Vec3> {
+        let mut ground_pose = self.start.ground_pose;
+        let mut track = vec![search_graph.point_at(self.start.frame, ground_pose)];
+        for &index in &self.edges {
+            for sample in search_graph.samples(index) {
+                let (from, to) = (track[track.len() - 1], ground_pose.apply(sample.point));
+                track.extend((1..=sample.steps).map(|step| from.lerp(to, step as f32 / sample.steps as f32)));
+            }
+            ground_pose = ground_pose.after(&search_graph.edge(index).ground_pose);
+        }
+        track
     }
 
     /// Its states, from the start on: what following `task` along its edges gives.

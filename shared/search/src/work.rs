@@ -5,6 +5,7 @@ use glam::Vec3Swizzles;
 use super::answer::Goal;
 use super::anytime::{Anytime, Progress};
 use super::behaviour::{LoopSearch, walk_to_any, walk_to_behaviour};
+use super::bend::Bend;
 use super::curve::Curve;
 use super::key_plan::KeyPlan;
 use super::notes::{keys_notes, path_notes, place_notes, substitute_note};
@@ -101,23 +102,30 @@ impl Work {
             Self::Path(work) => {
                 let (task, search, notes) = work.as_ref();
                 let Some(found) = search.best() else { return };
+                let mut bend = task.bend(scene.search_graph, found, is_free);
+                let report = task.judge_bent(scene.search_graph, found, &bend);
                 if is_free {
-                    *start = Start { frame: found.start.frame, placement: found.start.ground_pose.into() };
-                    (done.frame, done.ground_pose) = (found.start.frame, found.start.ground_pose);
+                    let ground_pose = bend.begin().after(&found.start.ground_pose);
+                    *start = Start { frame: found.start.frame, placement: ground_pose.into() };
+                    (done.frame, done.ground_pose) = (found.start.frame, ground_pose);
                 }
-                let report = task.judge(scene.search_graph, found);
-                let notes = [notes.clone(), path_notes(&report)].concat();
-                done.push(scene, &found.walk(scene.search_graph), Goal::Path(report), notes);
+                let notes = [notes.clone(), path_notes(&report, !bend.0.is_empty())].concat();
+                done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Path(report), notes);
             }
             Self::Place(work) => {
                 let (task, search) = work.as_ref();
                 let Some(found) = search.best() else { return };
-                let report = task.judge(scene.search_graph, found);
-                done.push(scene, &found.walk(scene.search_graph), Goal::Place(report), place_notes(&report));
+                let bend = task.bend(scene.search_graph, found);
+                let report = task.judge_bent(scene.search_graph, found, &bend);
+                done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Place(report), place_notes(&report));
             }
-            Self::Keys(plan) => {
-                done.push(scene, &plan.walk, plan.goal(), keys_notes(scene.search_graph.fps, &plan.rows))
-            }
+            Self::Keys(plan) => done.push(
+                scene,
+                &plan.walk,
+                &Bend::default(),
+                plan.goal(),
+                keys_notes(scene.search_graph.fps, &plan.rows),
+            ),
             Self::Hold(holding) => hold(scene, done, holding),
             Self::Wander(work) => {
                 let (mut wander, steps) = work.as_ref().clone();
@@ -129,7 +137,7 @@ impl Work {
                 };
                 let objectives = wander.optimiser().map_or([0.0; 3], Optimiser::objectives);
                 let goal = Goal::Wander { objectives, frames: wander.frames().len() as u32 };
-                done.push(scene, &walk.unwrap_or_default(), goal, notes);
+                done.push(scene, &walk.unwrap_or_default(), &Bend::default(), goal, notes);
             }
         }
     }
@@ -151,7 +159,7 @@ fn go_to_pose(scene: &Scene, done: &mut Done, frame: u32) {
     };
     let reached = found.is_some();
     let (shown, walk) = found.unwrap_or((frame, Walk::default()));
-    done.push(scene, &walk, Goal::Pose { frame, shown, reached }, notes);
+    done.push(scene, &walk, &Bend::default(), Goal::Pose { frame, shown, reached }, notes);
 }
 
 /// A behaviour to be held: a loop is looked for.
@@ -205,7 +213,7 @@ fn hold(scene: &Scene, done: &mut Done, holding: &Holding) {
         notes.push(format!("No walk leads from here to {:?}; the actor stays.", request.name));
     }
     let goal = Goal::Behaviour { name: request.name.clone(), reached: walk.is_some(), held };
-    done.push(scene, &walk.unwrap_or_default(), goal, notes);
+    done.push(scene, &walk.unwrap_or_default(), &Bend::default(), goal, notes);
 }
 
 /// Appends recorded frames for as long as they show a behaviour and do not lead into a dead end.
@@ -224,7 +232,8 @@ fn play_on(scene: &Scene, walk: &mut Walk, start: u32, number: usize, wanted: u3
 
 fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Work {
     let place = glam::Vec2::new(request.x, request.z);
-    let task = PlaceTask::new(scene.search_graph, done.state(), place, request.heading, request.realism);
+    let mut task = PlaceTask::new(scene.search_graph, done.state(), place, request.heading, request.realism);
+    task.exactness = request.exactness;
     let search = Anytime::new(&task, scene.search_graph);
     Work::Place(Box::new((task, search)))
 }
@@ -251,7 +260,8 @@ fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -
         Some(_) => vec![format!("The path begins {gap:.1} m away: the actor goes there first.")],
         None => Vec::new(),
     };
-    let task = PathTask::new(search_graph, curve, demands, starts, request.realism);
+    let mut task = PathTask::new(search_graph, curve, demands, starts, request.realism);
+    task.exactness = request.exactness;
     let search = Anytime::new(&task, search_graph);
     Ok(Work::Path(Box::new((task, search, notes))))
 }

@@ -439,7 +439,7 @@ fn requests_are_refused_in_the_same_words_everywhere() {
 
 #[test]
 fn requests_are_the_same_after_a_round_trip() {
-    let text = r#"{"version":1,"seed":3,"target":{"path":{"points":[[0.0,1.0],[2.5,3.0]],"shape":"spline","stretches":[{"from":0.0,"to":0.5,"behaviour":"a"}],"free_start":true,"realism":0.5}}}"#;
+    let text = r#"{"version":1,"seed":3,"target":{"path":{"points":[[0.0,1.0],[2.5,3.0]],"shape":"spline","stretches":[{"from":0.0,"to":0.5,"behaviour":"a"}],"free_start":true,"realism":0.5,"exactness":0.25}}}"#;
     let request = Request::from_json(text).unwrap();
     assert_eq!(request.to_json(), text);
     assert_eq!(Request::from_json(&request.to_json()), Ok(request));

@@ -18,6 +18,7 @@ use kernels::topology::Topology;
 
 use crate::feet::{self, Sides};
 use crate::steps::{FootStep, foot_steps};
+use crate::ties::Components;
 use crate::walker::Step;
 
 /// What frames are made from.
@@ -52,6 +53,7 @@ impl Standing {
 /// Makes frames.
 pub(crate) struct FrameMaker {
     weights: Vec<f32>,
+    components: Components,
     /// Made last: until then frames are recorded ones.
     interpolator: Option<PoissonInterpolator>,
     memory: PoseMemory,
@@ -95,6 +97,7 @@ impl FrameMaker {
     pub fn new(topology: &Topology) -> Self {
         Self {
             weights: topology.weights().to_vec(),
+            components: Components::of(topology),
             interpolator: None,
             memory: PoseMemory::default(),
             placed: Default::default(),
@@ -176,6 +179,7 @@ impl FrameMaker {
                 let factorised = interpolator.effort().factorisations > before;
                 if is_done {
                     ahead.effort = Some(interpolator.finish(&mut ahead.pose));
+                    self.components.hold(over.graph.ties(), &self.placed, blend.lambda, &mut ahead.pose);
                     keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, &mut ahead.pose)?;
                 }
                 Ok(Piece { more: !is_done, factorised })
@@ -263,6 +267,7 @@ impl FrameMaker {
         let [source, destination] = keyed(&self.placed, &blend);
         let effort = interpolator.interpolate(source, destination, blend.lambda, out);
         let effort = effort.map_err(|_| PoseError::Damaged(source.frame))?;
+        self.components.hold(over.graph.ties(), &self.placed, blend.lambda, out);
         keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, out)?;
         Ok((Standing::Node { transition: index, blend }, effort))
     }

@@ -14,9 +14,11 @@
 //! count a repeated frame's displacement twice. Walks may change their mind; wraps of cyclic sequences are bridged
 //! ([`recorded_step`](actor::ground::recorded_step)).
 
+mod bend;
 mod feet;
 mod frames;
 pub mod steps;
+mod ties;
 mod walker;
 
 pub use walker::{Step, Walker};
@@ -28,6 +30,7 @@ use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
 use actor::timeline::Timeline;
 use actor::walk::{Leg, Walk, WalkError};
+use bend::{Bending, until_departure};
 use frames::{FrameMaker, Recording, Standing};
 use kernels::align::Placement;
 use kernels::cholesky::CholeskyError;
@@ -113,6 +116,11 @@ pub enum Made {
     Arrived,
 }
 
+/// Where a frame is that is put elsewhere; what is left where it is stays so to the last bit.
+fn put_at(put: &Placement, placement: Placement) -> Placement {
+    if *put == Placement::IDENTITY { placement } else { put.after(&placement) }
+}
+
 /// Makes the frames of walks.
 pub struct Synthesiser {
     maker: FrameMaker,
@@ -123,6 +131,8 @@ pub struct Synthesiser {
     is_due: bool,
     /// The next transition of the route, and where the frame that it leaves will stand, once that was asked for.
     coming: Option<(u32, Placement)>,
+    /// Where frames are put from where `standing` has them.
+    bending: Bending,
 }
 
 impl Synthesiser {
@@ -140,7 +150,14 @@ impl Synthesiser {
     #[must_use]
     pub fn unprepared(topology: &Topology) -> Self {
         let maker = FrameMaker::new(topology);
-        Self { maker, walker: Walker::default(), standing: None, is_due: false, coming: None }
+        Self {
+            maker,
+            walker: Walker::default(),
+            standing: None,
+            is_due: false,
+            coming: None,
+            bending: Bending::default(),
+        }
     }
 
     /// Makes what transitions need, where that is missing; the same `topology` as before. `order` as in [`Self::new`].
@@ -166,6 +183,8 @@ impl Synthesiser {
         walker.retarget(graph, timeline, &walk.legs)?;
         self.stand(frame, placement);
         (self.walker, self.is_due) = (walker, true);
+        self.bending.replace(0, &walk.bend);
+        self.bending.plan(graph, timeline, &self.walker);
         Ok(())
     }
 
@@ -173,7 +192,7 @@ impl Synthesiser {
     pub fn stand(&mut self, frame: u32, placement: Placement) {
         self.walker = Walker::standing(frame);
         self.standing = Some(Standing::Recorded { frame, placement });
-        (self.is_due, self.coming) = (false, None);
+        (self.is_due, self.coming, self.bending) = (false, None, Bending::default());
     }
 
     /// Writes `frame`, placed, into `out`; where the actor stands does not change.
@@ -194,7 +213,17 @@ impl Synthesiser {
     pub fn halt(&mut self) {
         if let Some(standing) = self.standing {
             let (frame, placement) = standing.recorded();
-            self.stand(frame, placement);
+            let placement = put_at(&self.bending.after(0), placement);
+            match standing {
+                // The feet stay where they are.
+                Standing::Recorded { .. } => {
+                    self.bending.fold();
+                    self.walker = Walker::standing(frame);
+                    self.standing = Some(Standing::Recorded { frame, placement });
+                    (self.is_due, self.coming) = (false, None);
+                }
+                Standing::Node { .. } => self.stand(frame, placement),
+            }
         }
     }
 
@@ -203,18 +232,56 @@ impl Synthesiser {
     /// # Errors
     /// Legs that are not in the graph, or have gaps. The route stays as it was.
     pub fn retarget(&mut self, graph: &EssentialGraph, timeline: &Timeline, legs: &[Leg]) -> Result<(), WalkError> {
-        self.walker.retarget(graph, timeline, legs)?;
-        self.coming = None;
-        Ok(())
+        self.retarget_bent(graph, timeline, legs, &[])
     }
 
-    /// Goes on with `legs`, which start where the route ends.
+    /// The same with legs that are bent ([`Walk::bend`]).
     ///
     /// # Errors
     /// As [`Self::retarget`].
-    pub fn extend(&mut self, graph: &EssentialGraph, timeline: &Timeline, legs: &[Leg]) -> Result<(), WalkError> {
+    pub fn retarget_bent(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        legs: &[Leg],
+        bend: &[[f32; 3]],
+    ) -> Result<(), WalkError> {
+        let left = until_departure(graph, &self.walker);
+        self.walker.retarget(graph, timeline, legs)?;
+        self.coming = None;
+        self.bending.replace(left, bend);
+        self.bending.plan(graph, timeline, &self.walker);
+        self.settle();
+        Ok(())
+    }
+
+    /// Where the walk has arrived, the frame stands where it was put.
+    fn settle(&mut self) {
+        if let Some(Standing::Recorded { placement, .. }) = &mut self.standing
+            && self.walker.has_arrived()
+        {
+            *placement = put_at(&self.bending.fold(), *placement);
+        }
+    }
+
+    /// Goes on with `legs`, which start where the route ends and are bent by `bend` ([`Walk::bend`]).
+    ///
+    /// # Errors
+    /// As [`Self::retarget`].
+    pub fn extend(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        legs: &[Leg],
+        bend: &[[f32; 3]],
+    ) -> Result<(), WalkError> {
+        let left = self.walker.remaining(graph) as usize;
         self.walker.extend(graph, timeline, legs)?;
         self.coming = None;
+        if !self.bending.is_straight() || !bend.is_empty() {
+            self.bending.replace(left, bend);
+            self.bending.plan(graph, timeline, &self.walker);
+        }
         Ok(())
     }
 
@@ -236,6 +303,17 @@ impl Synthesiser {
     /// # Errors
     /// A frame that cannot be read.
     pub fn departure_placement(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+    ) -> Result<Option<Placement>, PoseError> {
+        let put = self.bending.after(until_departure(graph, &self.walker));
+        Ok(self.unbent_departure(graph, timeline, source)?.map(|placement| put_at(&put, placement)))
+    }
+
+    /// The same where nothing is bent.
+    fn unbent_departure(
         &mut self,
         graph: &EssentialGraph,
         timeline: &Timeline,
@@ -270,6 +348,17 @@ impl Synthesiser {
         arrival(graph, timeline, &mut self.maker.ground(source), start, legs).map(Some)
     }
 
+    fn unbent_arrival(
+        &mut self,
+        graph: &EssentialGraph,
+        timeline: &Timeline,
+        source: &mut dyn PoseSource,
+        legs: &[Leg],
+    ) -> Result<Option<Placement>, PoseError> {
+        let Some(start) = self.unbent_departure(graph, timeline, source)? else { return Ok(None) };
+        arrival(graph, timeline, &mut self.maker.ground(source), start, legs).map(Some)
+    }
+
     /// Does a piece of the work for the beginning of the next transition ahead of time, at most one factorisation; whether
     /// more of it is left. For idle moments while recorded frames are shown; within a transition it does nothing.
     ///
@@ -283,7 +372,7 @@ impl Synthesiser {
     ) -> Result<bool, PoseError> {
         if self.coming.is_none() {
             let Some((way, transition)) = self.walker.coming() else { return Ok(false) };
-            let Some(placement) = self.arrival(graph, timeline, source, &way)? else { return Ok(false) };
+            let Some(placement) = self.unbent_arrival(graph, timeline, source, &way)? else { return Ok(false) };
             self.coming = Some((transition, placement));
         }
         let Some((transition, placement)) = self.coming else { return Ok(false) };
@@ -303,7 +392,7 @@ impl Synthesiser {
     ) -> Result<bool, PoseError> {
         let first = legs.iter().enumerate().find_map(|(index, leg)| Some((&legs[..index], leg.transition()?)));
         let (Some((way, transition)), None) = (first, self.walker.inside()) else { return Ok(false) };
-        let Some(placement) = self.arrival(graph, timeline, source, way)? else { return Ok(false) };
+        let Some(placement) = self.unbent_arrival(graph, timeline, source, way)? else { return Ok(false) };
         Ok(self.maker.prepare(&mut Recording { graph, timeline, source }, transition, placement)?.more)
     }
 
@@ -324,12 +413,16 @@ impl Synthesiser {
             let (frame, placement) = standing.recorded();
             self.maker.recorded(source, frame, placement, out)?;
             self.is_due = false;
+            self.bending.apply(graph.feet(), out);
             return Ok(Some(self.info(standing, Effort::default())));
         }
         let Some(step) = self.walker.next(timeline) else { return Ok(None) };
         let (standing, effort) = self.maker.make(&mut Recording { graph, timeline, source }, standing, step, out)?;
         self.walker.take(graph, timeline);
         self.standing = Some(standing);
+        self.bending.take();
+        self.bending.apply(graph.feet(), out);
+        self.settle();
         if matches!(step, Step::Node { .. }) {
             self.coming = None;
         }
@@ -377,6 +470,7 @@ impl Synthesiser {
 
     fn info(&self, standing: Standing, effort: Effort) -> FrameInfo {
         let (frame, placement) = standing.recorded();
+        let placement = put_at(&self.bending.after(0), placement);
         let kind = match standing {
             Standing::Recorded { .. } => FrameKind::Recorded { frame },
             Standing::Node { transition, blend } => FrameKind::Synthetic {

@@ -112,6 +112,12 @@ impl Walker {
         self.legs.get(self.index).and_then(Leg::transition).filter(|_| self.taken > 0)
     }
 
+    /// Steps of the leg under way that are taken.
+    #[must_use]
+    pub fn taken(&self) -> u32 {
+        self.taken
+    }
+
     /// What is left of the way to the next transition that has not begun, and that transition; `None` where there is none,
     /// or another one is under way.
     #[must_use]

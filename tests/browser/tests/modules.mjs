@@ -99,8 +99,8 @@ export const tests = {
     const targets = [
       { place: { x: 1, z: 2, realism: 0.3 } },
       { place: { x: 1, z: 2, heading: 0, realism: 0.3 } },
-      { place: { x: 1.5, z: -2 } },
-      { path: { points: [[0, 0], [1, 1]], stretches: [{ from: 0, to: 1, behaviour: 's1' }], shape: 'spline', realism: 0.5 } },
+      { place: { x: 1.5, z: -2, exactness: 0.5 } },
+      { path: { points: [[0, 0], [1, 1]], stretches: [{ from: 0, to: 1, behaviour: 's1' }], shape: 'spline', realism: 0.5, exactness: 0.25 } },
       { path: { points: [[0, 1, 0], [1, 1.5, 1]], stretches: [], shape: 'polyline', vertices: [1, 2] } },
       { keys: { poses: [{ pose: 3, time: 1 }, { pose: 120, time: 2 }] } },
       { wander: { seconds: 60, weights: { s0: 2 } } },

@@ -2,6 +2,7 @@
 
 use actor::graph::EssentialGraph;
 use actor::walk::{Leg, Walk, steps_of};
+use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 use search::{Answer, GroundPose, SearchGraph};
 use serde::Serialize;
@@ -82,13 +83,27 @@ pub(crate) fn track(search_graph: &SearchGraph, start: u32, placement: Placement
         [place.x, place.z]
     };
     let mut pieces = Vec::with_capacity(walk.legs.len());
+    // Points come after so many steps, and are put where the bend has them then.
+    let mut taken = 0;
+    let bent = |step: u32, [x, z]: [f32; 2]| {
+        let Some(&[heading, shift_x, shift_z]) = walk.bend.get(step as usize).or(walk.bend.last()) else {
+            return [x, z];
+        };
+        let put = Placement { heading, translation: Vec2::new(shift_x, shift_z) };
+        let Vec3 { x, z, .. } = put.apply(Vec3::new(x, 0.0, z));
+        [x, z]
+    };
     for leg in &walk.legs {
         let transition = leg.transition();
         let here = search_graph.points.get(frame as usize).copied().unwrap_or_default();
-        let mut piece = TrackPiece { synthetic: transition.is_some(), points: vec![ground(&ground_pose, here)] };
+        let mut piece =
+            TrackPiece { synthetic: transition.is_some(), points: vec![bent(taken, ground(&ground_pose, here))] };
         if let Leg::Back { first, last, .. } = *leg {
             let frames = search_graph.points.get(last as usize..first as usize).unwrap_or_default();
-            piece.points.extend(frames.iter().rev().map(|&point| ground(&ground_pose, point)));
+            for &point in frames.iter().rev() {
+                taken += 1;
+                piece.points.push(bent(taken, ground(&ground_pose, point)));
+            }
             frame = last;
         }
         let steps = match *leg {
@@ -101,7 +116,10 @@ pub(crate) fn track(search_graph: &SearchGraph, start: u32, placement: Placement
             else {
                 break;
             };
-            piece.points.extend(search_graph.samples(index).iter().map(|sample| ground(&ground_pose, sample.point)));
+            for sample in search_graph.samples(index) {
+                taken += sample.steps;
+                piece.points.push(bent(taken, ground(&ground_pose, sample.point)));
+            }
             let edge = search_graph.edge(index);
             (frame, ground_pose) = (edge.to, ground_pose.after(&edge.ground_pose));
         }

@@ -177,10 +177,12 @@ impl Searcher {
     /// # Errors
     /// No search is under way.
     pub fn report(&self) -> Result<AnswerReport, SearchError> {
-        let answer = self.answer()?;
+        let mut answer = self.answer()?;
         let Scene { graph, search_graph, .. } = self.scene()?;
         let placement = placement_of(answer.start_placement);
         let track = track(search_graph, answer.start_frame, placement, &answer.walk);
+        // The page takes it from the walk's numbers.
+        answer.walk.bend.clear();
         Ok(AnswerReport { legs: report_legs(&answer.walk.legs, graph), track, answer })
     }
 

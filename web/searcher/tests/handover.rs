@@ -78,7 +78,7 @@ fn a_walk_comes_out_as_it_went_in() {
     let answer = search::Answer {
         start_frame: 3,
         start_placement: [0.1, -1.3, 2.7],
-        walk: Walk { legs: legs.clone(), ..Walk::default() },
+        walk: Walk { legs, bend: vec![[0.0; 3], [0.125, 2.5, -1.5]], ..Walk::default() },
         version: 1,
         steps: 0,
         seconds: 0.0,
@@ -89,10 +89,12 @@ fn a_walk_comes_out_as_it_went_in() {
         expanded: 0,
     };
     let numbers = numbers(&answer);
-    assert_eq!(from_numbers(&numbers), Some((Start { frame: 3, placement }, legs)));
+    assert_eq!(from_numbers(&numbers), Some((Start { frame: 3, placement }, answer.walk.clone())));
     assert_eq!(from_numbers(&numbers[..3]), None);
     assert_eq!(from_numbers(&numbers[..6]), None);
-    let mut other = numbers;
-    other[4] = 3.0;
-    assert_eq!(from_numbers(&other), None);
+    for (at, number) in [(4, 4.0), (21, f64::NAN), (22, 1e9)] {
+        let mut other = numbers.clone();
+        other[at] = number;
+        assert_eq!(from_numbers(&other), None);
+    }
 }

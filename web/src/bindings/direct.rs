@@ -32,8 +32,8 @@ impl Player {
     /// # Errors
     /// There is no walk, or the actor has moved on since the search began.
     pub fn set_off(&mut self, walk: &[f64], anywhere: bool) -> Result<String, JsValue> {
-        let (start, legs) = from_numbers(walk).ok_or_else(no_walk)?;
-        json(&self.inner.set_off(&start, legs, anywhere)?)
+        let (start, found) = from_numbers(walk).ok_or_else(no_walk)?;
+        json(&self.inner.set_off(&start, found, anywhere)?)
     }
 
     /// Goes on with a walk that a `Searcher` has found where the walk under way ends; whether it could.
@@ -41,8 +41,8 @@ impl Player {
     /// # Errors
     /// It is no walk of this actor.
     pub fn go_on(&mut self, walk: &[f64]) -> Result<bool, JsValue> {
-        let (start, legs) = from_numbers(walk).ok_or_else(no_walk)?;
-        Ok(self.inner.go_on(&start, legs)?)
+        let (start, found) = from_numbers(walk).ok_or_else(no_walk)?;
+        Ok(self.inner.go_on(&start, found)?)
     }
 
     /// Where a walk would leave from now: the frame, and its placement as heading, x and z.

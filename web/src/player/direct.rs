@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use actor::motion::{Motion, MotionMeter, measure_group};
-use actor::walk::{Leg, Walk};
+use actor::walk::Walk;
 use glam::Vec3;
 use search::Start;
 use searcher::scene::words;
@@ -83,15 +83,15 @@ impl Player {
         Ok(Some(std::mem::take(&mut directing.middles)))
     }
 
-    /// Sets off on a walk of `legs` that a search has found from `start`. Where it may begin `anywhere`, the actor is put there
+    /// Sets off on a walk that a search has `found` from `start`. Where it may begin `anywhere`, the actor is put there
     /// first.
     ///
     /// # Errors
     /// The walk is empty or none of this actor, or the actor is not where it begins any more.
-    pub fn set_off(&mut self, start: &Start, legs: Vec<Leg>, anywhere: bool) -> Result<PlanReport, PlayerError> {
+    pub fn set_off(&mut self, start: &Start, found: Walk, anywhere: bool) -> Result<PlanReport, PlayerError> {
         let (frame, placement) = self.leaves()?;
         let wanted = start.placement;
-        let walk = self.walk_of(start, legs)?;
+        let walk = self.walk_of(start, found)?;
         let off = (placement.heading - wanted.heading).abs() + placement.translation.distance(wanted.translation);
         if frame != start.frame || off > SAME {
             if !anywhere {
@@ -102,18 +102,20 @@ impl Player {
         self.follow(start.frame, &walk)
     }
 
-    /// Goes on with a walk of `legs` from `start` where the walk under way ends; whether it could.
+    /// Goes on with a walk `found` from `start` where the walk under way ends; whether it could.
     ///
     /// # Errors
     /// It is no walk of this actor.
-    pub fn go_on(&mut self, start: &Start, legs: Vec<Leg>) -> Result<bool, PlayerError> {
-        let walk = self.walk_of(start, legs)?;
+    pub fn go_on(&mut self, start: &Start, found: Walk) -> Result<bool, PlayerError> {
+        let walk = self.walk_of(start, found)?;
         Ok(self.extend(start.frame, &walk))
     }
 
-    fn walk_of(&mut self, start: &Start, legs: Vec<Leg>) -> Result<Walk, PlayerError> {
+    /// What was found, with its sums.
+    fn walk_of(&mut self, start: &Start, found: Walk) -> Result<Walk, PlayerError> {
         let (_, graph) = self.ready(start.frame)?;
         let unreachable = PlayerError::Unreachable { from: start.frame, to: start.frame };
-        Walk::of_legs(legs, &graph).map_err(|_| unreachable)
+        let walk = Walk::of_legs(found.legs, &graph).map_err(|_| unreachable)?;
+        Ok(Walk { bend: found.bend, ..walk })
     }
 }

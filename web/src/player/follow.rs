@@ -40,7 +40,7 @@ impl Player {
         to: u32,
         walk: &Walk,
     ) -> Result<(), PlayerError> {
-        let left = self.producer.retarget(actor, graph, &walk.legs);
+        let left = self.producer.retarget(actor, graph, walk);
         left.map_err(|_| PlayerError::Unreachable { from: self.departure(graph), to })?;
         self.goal = Some(Goal::Target(to));
         self.playing = true;
@@ -52,7 +52,7 @@ impl Player {
     pub fn extend(&mut self, start: u32, walk: &Walk) -> bool {
         let (Ok((actor, graph)), Some(Goal::Target(end))) = (self.ready(start), self.goal) else { return false };
         let Some(to) = walk.end(&graph) else { return false };
-        if end != start || self.producer.extend(&actor, &graph, &walk.legs).is_err() {
+        if end != start || self.producer.extend(&actor, &graph, walk).is_err() {
             return false;
         }
         self.goal = Some(Goal::Target(to));

@@ -24,6 +24,7 @@ use std::rc::Rc;
 use actor::capture::Capture;
 use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
+use actor::walk::Walk;
 use bundle::BundleError;
 use kernels::align::Placement;
 use search::{UnknownBehaviour, cheapest_walk, main_component};
@@ -259,7 +260,7 @@ impl Player {
     fn come_to_stand(&mut self, goal: Goal) {
         let Some(actor) = self.loading.actor.clone() else { return };
         if let Some(graph) = self.graph(&actor)
-            && self.producer.retarget(&actor, &graph, &[]).is_ok()
+            && self.producer.retarget(&actor, &graph, &Walk::default()).is_ok()
         {
             self.goal = Some(goal);
         }

@@ -115,8 +115,8 @@ impl Player {
 
     /// Plays on from frame `from`; whether anything goes on there.
     fn set_out(&mut self, actor: &Actor, graph: &EssentialGraph, from: u32) -> bool {
-        let legs = self.way_on(&actor.timeline, graph, from);
-        let goes_on = !legs.is_empty() && self.producer.retarget(actor, graph, &legs).is_ok();
+        let way = Walk { legs: self.way_on(&actor.timeline, graph, from), ..Walk::default() };
+        let goes_on = !way.legs.is_empty() && self.producer.retarget(actor, graph, &way).is_ok();
         if goes_on {
             self.goal = Some(Goal::PlayOn);
         }

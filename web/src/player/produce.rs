@@ -2,7 +2,7 @@
 
 use actor::graph::EssentialGraph;
 use actor::pose_source::PoseError;
-use actor::walk::{Leg, WalkError};
+use actor::walk::{Leg, Walk, WalkError};
 use glam::{Vec2, Vec3};
 use kernels::align::{Placement, align_heading, centre_of_mass};
 use kernels::sort::sort;
@@ -85,20 +85,20 @@ impl Producer {
         }
     }
 
-    /// Leaves for the end of `legs`, which begin at [`Self::departure`]; a transition under way is finished first.
+    /// Leaves for the end of `walk`, which begins at [`Self::departure`]; a transition under way is finished first.
     ///
     /// # Errors
     /// Legs that are not in the graph, or have gaps.
-    pub fn retarget(&mut self, actor: &Actor, graph: &EssentialGraph, legs: &[Leg]) -> Result<(), WalkError> {
-        self.synthesiser(actor).retarget(graph, &actor.timeline, legs)
+    pub fn retarget(&mut self, actor: &Actor, graph: &EssentialGraph, walk: &Walk) -> Result<(), WalkError> {
+        self.synthesiser(actor).retarget_bent(graph, &actor.timeline, &walk.legs, &walk.bend)
     }
 
-    /// Goes on with `legs`, which begin where the route ends.
+    /// Goes on with `walk`, which begins where the route ends.
     ///
     /// # Errors
     /// As [`Self::retarget`].
-    pub fn extend(&mut self, actor: &Actor, graph: &EssentialGraph, legs: &[Leg]) -> Result<(), WalkError> {
-        self.synthesiser(actor).extend(graph, &actor.timeline, legs)
+    pub fn extend(&mut self, actor: &Actor, graph: &EssentialGraph, walk: &Walk) -> Result<(), WalkError> {
+        self.synthesiser(actor).extend(graph, &actor.timeline, &walk.legs, &walk.bend)
     }
 
     /// The frame after the present one on the route; `None` at its end, and where the beginning of a transition takes more

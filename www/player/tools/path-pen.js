@@ -66,7 +66,7 @@ export class PathPen {
       end: () => {
         const points = simplify(stop(), SLACK).slice(0, MOST_POINTS);
         tool.armed = false;
-        if (points.length > 1) tool.set({ ...EMPTY.path, vertices: tool.path.vertices, points });
+        if (points.length > 1) tool.set({ ...EMPTY.path, vertices: tool.path.vertices, exactness: tool.path.exactness, points });
         else tool.refresh();
       },
       drop: stop,

@@ -44,8 +44,12 @@ export class PathTool extends Tool {
     this.longer = button('Add point', 'A point one metre on', () => this.extend());
     this.space = button('3D', 'Gives the points heights: what follows the path does so through the air', () => this.toggleHeights(), { 'aria-pressed': 'false' });
     this.height = new NumberField('height', 'm', 'Of the point chosen last; or Alt and drag it, or Page Up and Down', { min: -HIGHEST, max: HIGHEST, step: 0.05 }, (value) => value !== null && this.setHeight(this.chosen, value));
+    this.exact = h('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1, 'aria-label': 'Exactness' });
+    this.exact.addEventListener('input', () => this.set({ ...this.path, exactness: Number(this.exact.value) }, 'exactness'));
+    this.exact.addEventListener('change', () => box.history.settle());
+    const exact = h('label', { class: 'field', title: 'How far the walk is bent onto the path: not at all, or as far as its steps can be' }, h('span', {}, 'exact'), this.exact);
     this.strip = new PathStrip({ paint: (from, to, merge) => this.paint(from, to, merge), brush: () => this.brush });
-    this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, this.part.button, this.space, this.anew, this.longer), this.strip.root, this.row.root);
+    this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, exact, this.part.button, this.space, this.anew, this.longer), this.strip.root, this.row.root);
     this.labels = h('div', { class: 'ground-labels', 'aria-hidden': 'true' });
     this.air = new Air();
     this.handles = new Handles(box, {
@@ -157,17 +161,17 @@ export class PathTool extends Tool {
 
   removePoint(index) {
     const points = this.path.points.toSpliced(index, 1);
-    if (points.length < 2) this.set({ ...EMPTY.path, vertices: this.path.vertices });
+    if (points.length < 2) this.set({ ...EMPTY.path, vertices: this.path.vertices, exactness: this.path.exactness });
     else this.set({ ...this.path, points, stretches: pointDeleted(this.path.stretches, index, points.length) });
   }
 
   /** One metre on from the end: a path can be made with the keyboard alone. */
   extend() {
-    const { points, vertices } = this.path;
+    const { points, vertices, exactness } = this.path;
     const [x, z] = this.box.director ? this.part.middle() : [0, 0];
     if (points.length < 2) {
       const yaw = this.box.core.view.stage.stage?.camera()[0] ?? 0;
-      this.set({ ...EMPTY.path, vertices, points: [[x, z], [x + Math.cos(yaw), z - Math.sin(yaw)]] });
+      this.set({ ...EMPTY.path, vertices, exactness, points: [[x, z], [x + Math.cos(yaw), z - Math.sin(yaw)]] });
     } else {
       const [before, end] = points.slice(-2);
       this.insertPoint(points.length, mix(before, end, 1 + 1 / (apart(end, before) || 1)));
@@ -225,6 +229,7 @@ export class PathTool extends Tool {
     stage.root.toggleAttribute('data-drawing', this.isDrawing || this.brush !== null || this.part.cross !== null);
     for (const one of [this.anew, this.space]) one.disabled = !this.curve;
     this.showHeight();
+    this.exact.value = String(this.path.exactness ?? 1);
     this.part.show();
     this.strip.show(this.curve, stretches, (behaviour) => this.hue(behaviour));
     this.answered(this.box.answer);

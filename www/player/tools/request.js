@@ -60,8 +60,8 @@ export function partOf({ target, seed = 0 }, timeline) {
   if (place) return { tool: 'place', part: { place: { ...place, heading: place.heading ?? null } } };
   const editable = path && path.points.length <= MOST_POINTS && !path.free_start;
   if (editable) {
-    const { points, stretches = [], shape = 'polyline', vertices, realism } = path;
-    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape, vertices, realism } } };
+    const { points, stretches = [], shape = 'polyline', vertices, realism, exactness } = path;
+    return { tool: 'path', part: { path: { points: points.map(swapped), stretches, shape, vertices, realism, exactness } } };
   }
   if (keys) {
     const poses = keys.poses.map(({ pose, time }) => ({ frame: frameOf(pose, timeline), seconds: time }));

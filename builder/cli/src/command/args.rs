@@ -335,6 +335,9 @@ pub struct DirectArguments {
     /// A JSON file with a path to follow: {"points": [[x, z], ...], "shape": "spline"}.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
+    /// How far the walk is bent onto its paths and places, from 0 (not at all) to 1; what the path says where not given, or 1.
+    #[arg(long, value_name = "SHARE")]
+    pub exactness: Option<f64>,
     /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,

@@ -30,6 +30,8 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
     if let Some(path) = &arguments.request {
         let mut asked = saved(path)?;
         asked.request.seed = arguments.seed.unwrap_or(asked.request.seed);
+        bend(&mut asked.request.target, arguments.exactness);
+        asked.request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
         return Ok(asked);
     }
     if let Some(path) = &arguments.path {
@@ -54,9 +56,22 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
             return Err(Failure::Usage(format!("say what to do: {options}")));
         }
     };
+    let mut target = target;
+    bend(&mut target, arguments.exactness);
     let request = Request { seed: arguments.seed.unwrap_or(0), ..Request::new(target) };
     request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
     Ok(Asked { request, start: None })
+}
+
+/// Bends walks to paths and places as far as was said.
+fn bend(target: &mut Target, exactness: Option<f64>) {
+    let Some(wanted) = exactness else { return };
+    match target {
+        Target::Path(path) => path.exactness = wanted,
+        Target::Place(place) => place.exactness = wanted,
+        Target::Queue(targets) => targets.iter_mut().for_each(|target| bend(target, exactness)),
+        _ => {}
+    }
 }
 
 /// A request from a file: by itself, or as `request` beside `start`, as links and files of the page hold it, or as `request`

@@ -1,6 +1,6 @@
 //! Values as they are typed.
 
-use search::{BehaviourRequest, DEFAULT_REALISM, FrameRef, PlaceRequest, WithinSequence};
+use search::{BehaviourRequest, FrameRef, PlaceRequest, WithinSequence};
 
 /// Reads a place as it is typed: `2,1.5` or `2,1.5,0.8`.
 pub fn parse_place(text: &str) -> Result<PlaceRequest, String> {
@@ -8,8 +8,8 @@ pub fn parse_place(text: &str) -> Result<PlaceRequest, String> {
     let numbers: Vec<f32> =
         text.split(',').map(|part| part.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
     match *numbers.as_slice() {
-        [x, z] => Ok(PlaceRequest { x, z, heading: None, realism: DEFAULT_REALISM }),
-        [x, z, heading] => Ok(PlaceRequest { x, z, heading: Some(heading), realism: DEFAULT_REALISM }),
+        [x, z] => Ok(PlaceRequest { x, z, ..PlaceRequest::default() }),
+        [x, z, heading] => Ok(PlaceRequest { x, z, heading: Some(heading), ..PlaceRequest::default() }),
         _ => Err(wrong()),
     }
 }

@@ -2,6 +2,7 @@
 //! frames that freeze or leap, slide, all against the capture's own, on cheapest walks between frames drawn at random.
 
 mod added;
+mod parts;
 mod pictures;
 mod played;
 mod series;
@@ -45,7 +46,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
          it, and leaps where it is more than 1.8 times as long, as seen or once both frames are aligned in the plane."
             .into(),
     );
-    let mut lengths = lengths_table();
+    let (mut lengths, mut parts) = (lengths_table(), parts::table());
     let mut frames = frames_table(&own);
     frames.rows.push(own.row());
     for choice in LengthChoice::ALL {
@@ -60,12 +61,16 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
         frames.rows.push(own.compare(choice.word(), &shown));
         if choice == subject.options.transition.choice {
+            parts.rows = parts::rows(&subject.capture, &order, &graph, &few)?;
             let ground = Look::of(&subject.capture.poses, subject.capture.topology.weights()).ground;
             let strips = Strips { capture: &subject.capture, order: &order, graph: &graph, ground };
             section.pictures = strips.of(&added)?;
         }
     }
     section.tables.extend([lengths, frames]);
+    if !parts.rows.is_empty() {
+        section.tables.push(parts);
+    }
     Ok(section)
 }
 

@@ -7,6 +7,7 @@ use actor::feet::{Feet, FootVertex};
 use actor::graph::{EssentialGraph, Transition};
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use actor::temporal_warp::{Move, TemporalWarp};
+use actor::ties::{Tie, Ties};
 use actor::timeline::{Sequence, Timeline};
 use glam::{Quat, Vec2, Vec3};
 use kernels::align::Placement;
@@ -144,6 +145,17 @@ pub fn crane_and_jumping() -> Capture {
     let fixtures::Captured { topology, poses, timeline } = fixtures::crane_and_jumping(1);
     let surface = Surface::plain(&topology);
     Capture::new("crane and jumping", topology, surface, timeline, poses).unwrap()
+}
+
+/// The last component follows the first one, where there are two.
+pub fn ties(topology: &Topology) -> Ties {
+    let ends = |component: u32| {
+        let of = (0_u32..).zip(topology.component_of_vertex()).filter(move |(_, of)| **of == component);
+        of.map(|(vertex, _)| vertex).step_by(3).take(20).collect()
+    };
+    let last = topology.component_count() as u32 - 1;
+    let ties = (last > 0).then(|| Tie { contact: ends(last), patch: ends(0) });
+    Ties::new(ties.into_iter().collect(), topology).unwrap()
 }
 
 /// Two feet over some of a mesh's vertices that stand now and then.

@@ -32,6 +32,7 @@ impl Target {
                 metres("x", request.x)?;
                 metres("z", request.z)?;
                 weight("realism", request.realism)?;
+                range("exactness", request.exactness, 0.0, 1.0)?;
                 request.heading.map_or(Ok(()), |heading| range("heading", f64::from(heading), -1e3, 1e3))
             }
             Self::Path(request) => request.check(),
@@ -58,6 +59,7 @@ impl PathRequest {
         count("stretches", self.stretches.len(), limits::MAX_STRETCHES)?;
         count("vertices", self.vertices.len(), limits::MAX_VERTICES)?;
         weight("realism", self.realism)?;
+        range("exactness", self.exactness, 0.0, 1.0)?;
         let coordinates = self.points.first().map_or(0, Vec::len);
         for (index, point) in self.points.iter().enumerate() {
             if point.len() != coordinates || !matches!(coordinates, 2 | 3) {

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use super::check::check_version;
 use super::value::Json;
 use super::{
-    BehaviourRequest, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest, PlaceRequest, Request,
-    RequestError, Stretch, Target, WanderRequest, WithinSequence,
+    BehaviourRequest, DEFAULT_EXACTNESS, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest,
+    PlaceRequest, Request, RequestError, Stretch, Target, WanderRequest, WithinSequence,
 };
 use crate::curve::Shape;
 
@@ -61,18 +61,19 @@ fn behaviour(value: &Json) -> Read<BehaviourRequest> {
 }
 
 fn place(value: &Json) -> Read<PlaceRequest> {
-    let fields = Fields::new(value, "the place")?.only(&["x", "z", "heading", "realism"])?;
+    let fields = Fields::new(value, "the place")?.only(&["x", "z", "heading", "realism", "exactness"])?;
     Ok(PlaceRequest {
         x: fields.number("x")? as f32,
         z: fields.number("z")? as f32,
         heading: fields.maybe("heading").map(|heading| number(heading, "heading")).transpose()?.map(|h| h as f32),
         realism: fields.number_or("realism", DEFAULT_REALISM)?,
+        exactness: fields.number_or("exactness", DEFAULT_EXACTNESS)?,
     })
 }
 
 /// A path.
 pub(super) fn path(value: &Json) -> Read<PathRequest> {
-    let known = ["points", "shape", "stretches", "free_start", "vertices", "realism"];
+    let known = ["points", "shape", "stretches", "free_start", "vertices", "realism", "exactness"];
     let fields = Fields::new(value, "the path")?.only(&known)?;
     let coordinate = |part: &Json| Ok(number(part, "a point's coordinate")? as f32);
     let shape = match fields.maybe("shape") {
@@ -93,6 +94,7 @@ pub(super) fn path(value: &Json) -> Read<PathRequest> {
         free_start,
         vertices: fields.list("vertices", |vertex| whole(vertex, "a vertex"))?,
         realism: fields.number_or("realism", PATH_REALISM)?,
+        exactness: fields.number_or("exactness", DEFAULT_EXACTNESS)?,
     })
 }
 

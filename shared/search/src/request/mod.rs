@@ -85,7 +85,7 @@ pub struct BehaviourRequest {
 }
 
 /// Go to a place.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlaceRequest {
     /// Metres along X.
     pub x: f32,
@@ -96,6 +96,8 @@ pub struct PlaceRequest {
     pub heading: Option<f32>,
     /// Weight of the graph's cost against seconds.
     pub realism: f64,
+    /// How far the walk is bent so that it ends there, from 0 (not at all) to 1.
+    pub exactness: f64,
 }
 
 /// Follow a path.
@@ -116,6 +118,8 @@ pub struct PathRequest {
     pub vertices: Vec<u32>,
     /// Weight of the graph's cost against metre-seconds of deviation.
     pub realism: f64,
+    /// How far the walk is bent onto the path, from 0 (not at all) to 1.
+    pub exactness: f64,
 }
 
 /// A stretch of a path.
@@ -161,6 +165,15 @@ pub const DEFAULT_REALISM: f64 = 0.05;
 /// off for a second.
 pub const PATH_REALISM: f64 = 0.02;
 
+/// How far walks are bent onto their paths and places, where nothing else is said: as far as may be.
+pub const DEFAULT_EXACTNESS: f64 = 1.0;
+
+impl Default for PlaceRequest {
+    fn default() -> Self {
+        Self { x: 0.0, z: 0.0, heading: None, realism: DEFAULT_REALISM, exactness: DEFAULT_EXACTNESS }
+    }
+}
+
 impl Default for PathRequest {
     fn default() -> Self {
         Self {
@@ -170,6 +183,7 @@ impl Default for PathRequest {
             free_start: false,
             vertices: Vec::new(),
             realism: PATH_REALISM,
+            exactness: DEFAULT_EXACTNESS,
         }
     }
 }
