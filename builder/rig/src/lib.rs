@@ -3,11 +3,9 @@
 //! Knows no particular skeleton: joints are indices, and which of them owns a vertex is the caller's to say.
 
 pub mod ik;
-pub mod rigid;
-pub mod skin;
 pub mod weights;
 
+pub use editing::{INFLUENCES, Influences, Rigid, Skin};
+
 pub use self::ik::{TwoBones, two_bones};
-pub use self::rigid::Rigid;
-pub use self::skin::{INFLUENCES, Influences, Skin};
 pub use self::weights::{diffuse, spread};
