@@ -65,7 +65,10 @@ impl RigFile {
         for one in &self.bone {
             let Some(index) = find(&one.found) else {
                 let names: Vec<&str> = rig.bones().iter().map(|bone| bone.name.as_str()).collect();
-                return refuse(&one.found, format!("no bone was found under this name; there are: {}", names.join(", ")));
+                return refuse(
+                    &one.found,
+                    format!("no bone was found under this name; there are: {}", names.join(", ")),
+                );
             };
             if let Some(name) = &one.name {
                 bones[index].name.clone_from(name);
@@ -75,7 +78,9 @@ impl RigFile {
             }
             if let Some(parent) = &one.parent {
                 match find(parent) {
-                    _ if index == 0 => return refuse(&one.found, "the root hangs on nothing: leave its parent out".into()),
+                    _ if index == 0 => {
+                        return refuse(&one.found, "the root hangs on nothing: leave its parent out".into());
+                    }
                     Some(parent) => bones[index].parent = parent,
                     None => return refuse(&one.found, format!("its parent {parent:?} was not found")),
                 }
@@ -172,9 +177,13 @@ mod tests {
         )
         .unwrap();
         let names: Vec<&str> = changed.bones().iter().map(|bone| bone.name.as_str()).collect();
-        assert_eq!((names, changed.bones()[1].parent, changed.bones()[1].joint), (vec!["a", "tail"], 0, Vec3::new(1.0, 2.0, 3.0)));
+        assert_eq!(
+            (names, changed.bones()[1].parent, changed.bones()[1].joint),
+            (vec!["a", "tail"], 0, Vec3::new(1.0, 2.0, 3.0))
+        );
         assert_eq!(changed.influences()[0], Influences { joints: [0, 1, 0, 0], weights: [0.5, 0.5, 0.0, 0.0] });
-        let turned = correct("[[bone]]\nfound = \"b\"\nparent = \"c\"\n[[bone]]\nfound = \"c\"\nparent = \"a\"").unwrap();
+        let turned =
+            correct("[[bone]]\nfound = \"b\"\nparent = \"c\"\n[[bone]]\nfound = \"c\"\nparent = \"a\"").unwrap();
         assert_eq!(turned.bones().iter().map(|bone| bone.name.as_str()).collect::<Vec<_>>(), ["a", "c", "b"]);
         assert_eq!(turned.influences()[0].joints[..3], [0, 2, 1]);
     }

@@ -92,9 +92,10 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         self.source.read(frame, &mut recorded)?;
         let asked = &self.document.edits[edit];
         let pins = match &asked.pins {
-            Pins::Contacts => {
-                (0..self.feet.count()).filter(|&foot| self.feet.stands(frame, foot)).flat_map(|foot| self.sole(foot)).collect()
-            }
+            Pins::Contacts => (0..self.feet.count())
+                .filter(|&foot| self.feet.stands(frame, foot))
+                .flat_map(|foot| self.sole(foot))
+                .collect(),
             Pins::None => Vec::new(),
             Pins::Vertices(pins) => pins.clone(),
         };
@@ -103,7 +104,8 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         let grip = Grip { handles, pins, scope: asked.scope, method: asked.method };
         let numbered = |error: EditError| error.of_edit(edit);
         if asked.method == Method::Rig && self.editor.rig.is_none() {
-            self.notes.push(format!("edit {edit}: this actor has no rig: the surface alone is moved, as rigid as possible"));
+            self.notes
+                .push(format!("edit {edit}: this actor has no rig: the surface alone is moved, as rigid as possible"));
         }
         let mut grab = self.editor.grab(&recorded, &grip).map_err(numbered)?;
         let dragged = self.editor.settle(&mut grab, &to).map_err(numbered)?;
@@ -146,9 +148,9 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         }
         let (linear, others): (Vec<Active>, Vec<Active>) =
             active.into_iter().partition(|one| self.document.edits[one.edit].propagate == Propagation::Linear);
-        let (bones, surfaces): (Vec<Active>, Vec<Active>) = others.into_iter().partition(|one| {
-            self.edits[one.edit].2.as_ref().is_some_and(|keyed| keyed.released.bones.is_some())
-        });
+        let (bones, surfaces): (Vec<Active>, Vec<Active>) = others
+            .into_iter()
+            .partition(|one| self.edits[one.edit].2.as_ref().is_some_and(|keyed| keyed.released.bones.is_some()));
         if !bones.is_empty() {
             self.bend(frame, &bones, pose)?;
         }
@@ -213,8 +215,10 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         let reach = Reach::new(rig, &motions, free, |limb| limbs.contains(&limb), vec![false; count]);
         let firm: Vec<u32> = pins.iter().filter(|(_, firm)| *firm >= 1.0).map(|(pin, _)| *pin).collect();
         let mut targets = goals;
-        let loose = pins.iter().filter(|(_, firm)| *firm > 0.0 && *firm < 1.0).map(|(_, firm)| *firm).fold(0.0, f32::max);
-        let fading: Vec<u32> = pins.iter().filter(|(_, firm)| *firm == loose && loose > 0.0).map(|(pin, _)| *pin).collect();
+        let loose =
+            pins.iter().filter(|(_, firm)| *firm > 0.0 && *firm < 1.0).map(|(_, firm)| *firm).fold(0.0, f32::max);
+        let fading: Vec<u32> =
+            pins.iter().filter(|(_, firm)| *firm == loose && loose > 0.0).map(|(pin, _)| *pin).collect();
         let (firm, fading) = (pin_targets(rig, pose, &firm, 1.0), pin_targets(rig, pose, &fading, loose));
         let begun = reach.motions(&centre);
         let drifts = |target: &crate::reach::Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
@@ -307,7 +311,8 @@ pub enum PreparedError {
 
 impl<S: PoseSource + ?Sized> PoseSource for EditedPoses<'_, S> {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
-        let reaches = |(key, window, _): &(u32, [i64; 2], Option<Keyed>)| share(self.timeline, *key, *window, frame) > 0.0;
+        let reaches =
+            |(key, window, _): &(u32, [i64; 2], Option<Keyed>)| share(self.timeline, *key, *window, frame) > 0.0;
         if !self.edits.iter().any(reaches) {
             return self.source.read(frame, pose);
         }

@@ -163,7 +163,8 @@ mod tests {
 
     fn strip() -> (Topology, Vec<Vec3>) {
         let pose: Vec<Vec3> = (0..24).map(|k| Vec3::new((k / 2) as f32 * 0.1, (k % 2) as f32 * 0.1, 0.0)).collect();
-        let triangles = (0..11).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]).collect();
+        let triangles =
+            (0..11).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]).collect();
         (Topology::new(24, triangles, vec![1.0; 24]).unwrap(), pose)
     }
 

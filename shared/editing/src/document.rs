@@ -142,7 +142,8 @@ impl EditDocument {
     /// [`EditError::Json`] and others that say which edit.
     pub fn from_json(text: &str) -> Result<Self, EditError> {
         limit("bytes", text.len(), MOST_BYTES)?;
-        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| EditError::Json(error.to_string()))?;
+        let value: serde_json::Value =
+            serde_json::from_str(text).map_err(|error| EditError::Json(error.to_string()))?;
         // A later version may have other fields: that is to be said first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(version) if version == u64::from(VERSION) => {}

@@ -280,13 +280,7 @@ impl Reach {
     }
 
     /// How a bone's direction turns with each unknown, seen through `change`.
-    fn turn_blocks(
-        &self,
-        bone: usize,
-        motions: &[Rigid],
-        first: &[Option<usize>],
-        change: Mat3,
-    ) -> Vec<(usize, Mat3)> {
+    fn turn_blocks(&self, bone: usize, motions: &[Rigid], first: &[Option<usize>], change: Mat3) -> Vec<(usize, Mat3)> {
         let mut blocks = Vec::new();
         self.each_above(bone, |above| {
             blocks.extend(first[above].map(|unknown| (unknown, change * self.axes(above, motions))));

@@ -49,7 +49,11 @@ impl Rig {
             return refuse(format!("it has {} bones, but 1 to {MOST_BONES} are allowed", bones.len()));
         }
         if influences.len() != rest.len() {
-            return refuse(format!("it has weights for {} vertices, but the mesh has {}", influences.len(), rest.len()));
+            return refuse(format!(
+                "it has weights for {} vertices, but the mesh has {}",
+                influences.len(),
+                rest.len()
+            ));
         }
         for (index, bone) in bones.iter().enumerate() {
             let name = &bone.name;

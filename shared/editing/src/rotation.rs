@@ -134,9 +134,7 @@ mod tests {
             let mut fit = Fit::default();
             points.iter().for_each(|&p| fit.add(p, wanted * p + Vec3::new(1.0, 2.0, 3.0), 0.5));
             let found = fit.rigid();
-            points
-                .iter()
-                .for_each(|&p| assert!(found.apply(p).distance(wanted * p + Vec3::new(1.0, 2.0, 3.0)) < 1e-5));
+            points.iter().for_each(|&p| assert!(found.apply(p).distance(wanted * p + Vec3::new(1.0, 2.0, 3.0)) < 1e-5));
         }
     }
 

@@ -39,7 +39,8 @@ pub fn split(keys: &Keys, around: &[Vec<u32>], count: usize, least: f32) -> Clus
     clusters.refit(keys, 1);
     let mut unsplittable: Vec<bool> = vec![false];
     while clusters.motions.len() < count {
-        let errors: Vec<f32> = (0..n).into_par_iter().map(|v| error(keys, v, &clusters.motions[clusters.of_vertex[v]])).collect();
+        let errors: Vec<f32> =
+            (0..n).into_par_iter().map(|v| error(keys, v, &clusters.motions[clusters.of_vertex[v]])).collect();
         let mut sums = vec![(0.0_f64, 0_usize); clusters.motions.len()];
         for (&part, &error) in clusters.of_vertex.iter().zip(&errors) {
             sums[part].0 += f64::from(error);
@@ -72,7 +73,8 @@ pub fn split(keys: &Keys, around: &[Vec<u32>], count: usize, least: f32) -> Clus
 /// Mean square distance, over the key frames, of vertex `v` from where `motions` take it.
 pub fn error(keys: &Keys, v: usize, motions: &[Rigid]) -> f32 {
     let rest = keys.poses[0][v];
-    let sum: f32 = keys.poses.iter().zip(motions).map(|(pose, motion)| motion.apply(rest).distance_squared(pose[v])).sum();
+    let sum: f32 =
+        keys.poses.iter().zip(motions).map(|(pose, motion)| motion.apply(rest).distance_squared(pose[v])).sum();
     sum / motions.len() as f32
 }
 
@@ -116,7 +118,8 @@ impl Clusters {
     /// worst; whether both halves have enough vertices.
     fn split(&mut self, keys: &Keys, around: &[Vec<u32>], worst: usize, errors: &[f32]) -> bool {
         let members: Vec<u32> = (0..errors.len() as u32).filter(|&v| self.of_vertex[v as usize] == worst).collect();
-        let largest = |of: &dyn Fn(u32) -> f32| members.iter().copied().reduce(|a, b| if of(b) > of(a) { b } else { a });
+        let largest =
+            |of: &dyn Fn(u32) -> f32| members.iter().copied().reduce(|a, b| if of(b) > of(a) { b } else { a });
         let Some(first) = largest(&|v| errors[v as usize]) else { return false };
         let patch = |seed: u32| fit(keys, &self.patch(around, seed, worst));
         let one = patch(first);
@@ -124,8 +127,10 @@ impl Clusters {
         let mut two = [one, patch(second)];
         let new = self.motions.len();
         for _ in 0..4 {
-            let nearer: Vec<bool> =
-                members.par_iter().map(|&v| error(keys, v as usize, &two[0]) <= error(keys, v as usize, &two[1])).collect();
+            let nearer: Vec<bool> = members
+                .par_iter()
+                .map(|&v| error(keys, v as usize, &two[0]) <= error(keys, v as usize, &two[1]))
+                .collect();
             let half = |first: bool| -> Vec<u32> {
                 members.iter().zip(&nearer).filter(|(_, nearer)| **nearer == first).map(|(v, _)| *v).collect()
             };

@@ -12,13 +12,14 @@ use super::keys::Keys;
 use super::skeleton::{Segment, Skeleton};
 
 /// Shares of the height: from the toe's tip to the ankle, shin, thigh, upper arm, from the elbow to the fingertips, from the
-/// neck to the top of the head.
+/// neck to the top of the head, from the hips to the waist.
 const TOE_TO_ANKLE: f32 = 0.11;
 const SHIN: f32 = 0.243;
 const THIGH: f32 = 0.246;
 const UPPER_ARM: f32 = 0.168;
 const ELBOW_TO_TIP: f32 = 0.245;
 const HEAD: f32 = 0.17;
+const WAIST: f32 = 0.12;
 /// A share that is off by so much is as bad as a gap of [`GAP`] of the height.
 const SHARE: f32 = 0.05;
 const GAP: f32 = 0.01;
@@ -59,7 +60,7 @@ pub fn human(keys: &Keys, clusters: &Clusters, tree: &[Joint], tips: &[(u32, f32
     let sides = sides(clusters, rest, [&first, &second], [&left, &right])?;
     let mut builder = Builder::new(pelvis, middle(&first, &second));
     let trunk = way(tree, pelvis, chest);
-    let chest_bone = builder.trunk(&trunk);
+    let chest_bone = builder.trunk(&trunk, height);
     builder.head(&way(tree, part(head), chest), chest_bone, place(head), height);
     for (side, limb) in sides.arms {
         builder.limb(&["upper_arm", "forearm"], side, limb, chest_bone);
@@ -95,7 +96,8 @@ fn off(length: f32, wanted: f32) -> f32 {
 
 /// The way from the end of a limb inwards, cut at its joints `cuts`, in the order of the way.
 fn cut(way: &[Joint], cuts: &[usize]) -> Limb {
-    let nodes: Vec<usize> = way.iter().take(1).map(|joint| joint.parts[0]).chain(way.iter().map(|j| j.parts[1])).collect();
+    let nodes: Vec<usize> =
+        way.iter().take(1).map(|joint| joint.parts[0]).chain(way.iter().map(|j| j.parts[1])).collect();
     let mut cores = Vec::new();
     let mut from = 0;
     for &at in cuts {
@@ -133,8 +135,7 @@ fn arm(way: &[Joint], tip: Vec3, height: f32) -> Option<Limb> {
             let [e, s] = [elbow, shoulder].map(|at| way[at].place);
             let gaps: f32 = [elbow, shoulder].map(|at| way[at].gap / height / GAP).iter().sum();
             // A bent wrist shortens the way to the tip; the elbow's own place counts less.
-            let lengths =
-                0.6 * off(tip.distance(e) / height, ELBOW_TO_TIP) + off(e.distance(s) / height, UPPER_ARM);
+            let lengths = 0.6 * off(tip.distance(e) / height, ELBOW_TO_TIP) + off(e.distance(s) / height, UPPER_ARM);
             if best.is_none_or(|(badness, _)| gaps + lengths < badness) {
                 best = Some((gaps + lengths, [elbow, shoulder]));
             }
@@ -182,8 +183,10 @@ impl Builder {
     }
 
     /// The chest, where the trunk has a joint; the bone that arms and head hang on.
-    fn trunk(&mut self, way: &[Joint]) -> usize {
-        let Some(waist) = (0..way.len()).min_by(|&a, &b| way[a].gap.total_cmp(&way[b].gap)) else { return 0 };
+    fn trunk(&mut self, way: &[Joint], height: f32) -> usize {
+        let hips = self.segments[0].joint;
+        let badness = |at: usize| way[at].gap / height / GAP + off(hips.distance(way[at].place) / height, WAIST);
+        let Some(waist) = (0..way.len()).min_by(|&a, &b| badness(a).total_cmp(&badness(b))) else { return 0 };
         let Limb { mut cores, joints, rest } = cut(way, &[waist]);
         self.segments[0].core.append(&mut cores[0]);
         self.segments[0].core.dedup();

@@ -1,5 +1,7 @@
 //! Where two parts meet, and which of them hang together.
 
+use std::collections::BTreeSet;
+
 use editing::Rigid;
 use glam::{DMat3, DVec3, Vec3};
 
@@ -8,6 +10,8 @@ use super::keys::Keys;
 
 /// Pull of each key frame towards the middle of the border: a hinge says nothing of where along it the joint is.
 const PULL: f64 = 0.02;
+/// How much wider the gap of parts that do not touch counts.
+const APART: f32 = 1.3;
 
 /// A joint between two parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +22,8 @@ pub struct Joint {
     pub place: Vec3,
     /// How far apart the two parts put it, root of the mean square over the key frames, in metres.
     pub gap: f32,
+    /// The gap as it counts for the tree: parts that do not touch have to agree better.
+    pub loose: f32,
 }
 
 /// The point of the rest pose that two motions agree on best, with a pull towards `middle`; and how far they disagree.
@@ -36,33 +42,59 @@ pub fn agree(a: &[Rigid], b: &[Rigid], middle: Vec3) -> (Vec3, f32) {
     (place, (sum / a.len().max(1) as f32).sqrt())
 }
 
-/// Joints between all parts that touch.
+/// Joints between all parts that touch, and between those that touch the same part: a thigh meets the pelvis under a skirt.
 #[must_use]
 pub fn candidates(keys: &Keys, clusters: &Clusters, around: &[Vec<u32>]) -> Vec<Joint> {
     let rest = &keys.poses[0];
+    let (members, beside) = (clusters.members(), clusters.beside(around));
     let mut joints = Vec::new();
-    for (a, beside) in clusters.beside(around).iter().enumerate() {
-        for &b in beside.keys().filter(|&&b| b > a) {
-            let border: Vec<Vec3> = (0..rest.len())
-                .filter(|&v| {
-                    let own = clusters.of_vertex[v];
-                    let other = if own == a { b } else { a };
-                    (own == a || own == b) && around[v].iter().any(|&u| clusters.of_vertex[u as usize] == other)
-                })
-                .map(|v| rest[v])
-                .collect();
-            let middle = border.iter().sum::<Vec3>() / border.len().max(1) as f32;
+    for a in 0..members.len() {
+        let touches = |b: &usize| beside[a].contains_key(b);
+        let further: BTreeSet<usize> = beside[a].keys().flat_map(|&other| beside[other].keys().copied()).collect();
+        for b in further.iter().chain(beside[a].keys()).copied().collect::<BTreeSet<_>>().into_iter().filter(|&b| b > a)
+        {
+            let middle = if touches(&b) {
+                border(clusters, around, rest, [a, b])
+            } else {
+                between(rest, [&members[a], &members[b]])
+            };
             let (place, gap) = agree(&clusters.motions[a], &clusters.motions[b], middle);
-            joints.push(Joint { parts: [a, b], place, gap });
+            let factor = if touches(&b) { 1.0 } else { APART };
+            joints.push(Joint { parts: [a, b], place, gap, loose: gap * factor });
         }
     }
     joints
 }
 
+/// The middle of the vertices of two parts that touch the other one.
+fn border(clusters: &Clusters, around: &[Vec<u32>], rest: &[Vec3], [a, b]: [usize; 2]) -> Vec3 {
+    let touches = |v: &usize| {
+        let own = clusters.of_vertex[*v];
+        let other = if own == a { b } else { a };
+        (own == a || own == b) && around[*v].iter().any(|&u| clusters.of_vertex[u as usize] == other)
+    };
+    let border: Vec<Vec3> = (0..rest.len()).filter(touches).map(|v| rest[v]).collect();
+    border.iter().sum::<Vec3>() / border.len().max(1) as f32
+}
+
+/// The middle between the vertices of two parts that are nearest to each other.
+fn between(rest: &[Vec3], [a, b]: [&[u32]; 2]) -> Vec3 {
+    let mut nearest = (f32::INFINITY, Vec3::ZERO);
+    for &a in a {
+        for &b in b {
+            let [a, b] = [a, b].map(|v| rest[v as usize]);
+            if a.distance_squared(b) < nearest.0 {
+                nearest = (a.distance_squared(b), 0.5 * (a + b));
+            }
+        }
+    }
+    nearest.1
+}
+
 /// The tree of all parts whose joints gape least (Kruskal).
 #[must_use]
 pub fn tree(parts: usize, mut joints: Vec<Joint>) -> Vec<Joint> {
-    joints.sort_by(|a, b| a.gap.total_cmp(&b.gap).then(a.parts.cmp(&b.parts)));
+    joints.sort_by(|a, b| a.loose.total_cmp(&b.loose).then(a.parts.cmp(&b.parts)));
     let mut tree_of: Vec<usize> = (0..parts).collect();
     joints.retain(|joint| {
         let [a, b] = joint.parts.map(|part| tree_of[part]);

@@ -31,7 +31,8 @@ impl Keys {
             })
             .collect();
         let columns = 3 * sampled.len();
-        let mean: Vec<f64> = (0..columns).map(|k| rows.iter().map(|row| row[k]).sum::<f64>() / rows.len() as f64).collect();
+        let mean: Vec<f64> =
+            (0..columns).map(|k| rows.iter().map(|row| row[k]).sum::<f64>() / rows.len() as f64).collect();
         rows.iter_mut().for_each(|row| row.iter_mut().zip(&mean).for_each(|(x, mean)| *x -= mean));
         let square = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>();
         let pick = |rows: &[Vec<f64>], better: fn(f64, f64) -> bool| {

@@ -22,7 +22,8 @@ pub fn neighbours(topology: &Topology, rest: &[Vec3]) -> Vec<Vec<u32>> {
     let mut members = vec![Vec::new(); topology.component_count()];
     topology.component_of_vertex().iter().enumerate().for_each(|(v, &component)| members[component as usize].push(v));
     let mut apart: Vec<bool> = vec![true; members.len()];
-    let Some(first) = (0..members.len()).max_by_key(|&component| (members[component].len(), std::cmp::Reverse(component)))
+    let Some(first) =
+        (0..members.len()).max_by_key(|&component| (members[component].len(), std::cmp::Reverse(component)))
     else {
         return around;
     };

@@ -120,7 +120,8 @@ pub fn estimate(topology: &Topology, poses: &Poses, options: &RigOptions) -> Res
     let influences = weights::weights(&keys, &motions, |v| skeleton.near(skeleton.of_part[clusters.of_vertex[v]], 2));
     let misfit = weights::misfit(&keys, &motions, &influences);
     let bones = skeleton.segments.iter().enumerate();
-    let bones = bones.map(|(index, segment)| bone(segment, &motions[index], &motions[segment.parent], index == 0)).collect();
+    let bones =
+        bones.map(|(index, segment)| bone(segment, &motions[index], &motions[segment.parent], index == 0)).collect();
     let rig = Rig::new(bones, influences, rest.clone())?;
     Ok(Estimate { rig, is_human: skeleton.is_human, parts, keys: keys.frames, parts_misfit, misfit })
 }

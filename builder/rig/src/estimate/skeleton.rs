@@ -93,7 +93,14 @@ impl Skeleton {
 /// A skeleton of all parts but loose ones at the ends, hair and cloth, whose joints gape wider than `loosest` metres; parts
 /// in `ends` are kept. The root is the part `middle`, or the nearest one that is left.
 #[must_use]
-pub fn plain(clusters: &Clusters, tree: &[Joint], rest: &[Vec3], middle: usize, ends: &[usize], loosest: f32) -> Skeleton {
+pub fn plain(
+    clusters: &Clusters,
+    tree: &[Joint],
+    rest: &[Vec3],
+    middle: usize,
+    ends: &[usize],
+    loosest: f32,
+) -> Skeleton {
     let parts = clusters.motions.len();
     let mut left: Vec<Joint> = tree.to_vec();
     let mut is_left = vec![true; parts];
@@ -107,15 +114,10 @@ pub fn plain(clusters: &Clusters, tree: &[Joint], rest: &[Vec3], middle: usize, 
         left.remove(at);
     }
     let members = clusters.members();
-    let centre = |part: usize| members[part].iter().map(|&v| rest[v as usize]).sum::<Vec3>() / members[part].len().max(1) as f32;
-    let mut segments = vec![Segment {
-        name: "root".into(),
-        parent: 0,
-        joint: centre(middle),
-        gap: 0.0,
-        limb: 0,
-        core: vec![middle],
-    }];
+    let centre =
+        |part: usize| members[part].iter().map(|&v| rest[v as usize]).sum::<Vec3>() / members[part].len().max(1) as f32;
+    let mut segments =
+        vec![Segment { name: "root".into(), parent: 0, joint: centre(middle), gap: 0.0, limb: 0, core: vec![middle] }];
     let mut next = 0;
     while next < segments.len() {
         let own = segments[next].core[0];
@@ -128,7 +130,8 @@ pub fn plain(clusters: &Clusters, tree: &[Joint], rest: &[Vec3], middle: usize, 
             if segments.iter().any(|segment| segment.core[0] == other) {
                 continue;
             }
-            let limb = if next == 0 { segments.iter().map(|s| s.limb).max().unwrap_or(0) + 1 } else { segments[next].limb };
+            let limb =
+                if next == 0 { segments.iter().map(|s| s.limb).max().unwrap_or(0) + 1 } else { segments[next].limb };
             let name = format!("bone_{}", segments.len());
             segments.push(Segment { name, parent: next, joint: joint.place, gap: joint.gap, limb, core: vec![other] });
         }

@@ -35,7 +35,8 @@ pub fn weights(
         order.truncate(INFLUENCES);
         bones = order.iter().map(|&k| bones[k]).collect();
         shares = self::shares(keys, motions, v, &bones);
-        let at = |k: usize| (bones.get(k).map_or(bones[0], |&bone| bone) as u8, shares.get(k).map_or(0.0, |&w| w as f32));
+        let at =
+            |k: usize| (bones.get(k).map_or(bones[0], |&bone| bone) as u8, shares.get(k).map_or(0.0, |&w| w as f32));
         Influences { joints: std::array::from_fn(|k| at(k).0), weights: std::array::from_fn(|k| at(k).1) }
     };
     (0..keys.poses[0].len()).into_par_iter().map(one).collect()
@@ -107,7 +108,8 @@ pub fn refit(keys: &Keys, motions: &mut [Vec<Rigid>], influences: &[Influences])
                 for &(v, weight) in &movers[bone] {
                     let v = v as usize;
                     // What the other bones leave to this one.
-                    let left = keys.poses[key][v] - blend(&influences[v], &own, rest[v]) + own[bone].apply(rest[v]) * weight;
+                    let left =
+                        keys.poses[key][v] - blend(&influences[v], &own, rest[v]) + own[bone].apply(rest[v]) * weight;
                     fit.add(rest[v], left / weight, weight * weight);
                 }
                 if movers[bone].len() >= 3 {

@@ -7,10 +7,10 @@
 
 use actor::capture::Poses;
 use kernels::topology::{Topology, barycentric_areas};
+use performer::PerformerOptions;
 use performer::figure::Figure;
 use performer::perform::{perform, takes};
 use performer::skeleton::JOINT_NAMES;
-use performer::PerformerOptions;
 use rig::{RigOptions, estimate};
 
 /// Our bones, the performer's joints where these begin, and how far apart both may be on average, in millimetres.
