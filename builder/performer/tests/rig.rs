@@ -52,9 +52,9 @@ fn the_performers_joints_are_found() {
         1000.0 * found.misfit[0],
         1000.0 * found.misfit[1]
     );
-    for bone in found.rig.bones() {
+    for (bone, misfit) in found.rig.bones().iter().zip(&found.bone_misfit) {
         let parent = &found.rig.bones()[bone.parent].name;
-        println!("{:12} on {:12} at {:.3} gapes {:.1} mm", bone.name, parent, bone.joint, 1000.0 * bone.gap);
+        println!("{:12} on {:12} at {:.3} gapes {:.1} mm, misses {:.1} mm", bone.name, parent, bone.joint, 1000.0 * bone.gap, 1000.0 * misfit);
     }
     assert!(found.is_human, "it is a human");
     let mut far = Vec::new();

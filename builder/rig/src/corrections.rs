@@ -1,5 +1,6 @@
 //! A rig as a TOML file: what was found, to be read, changed and given back.
 
+use editing::rig::NO_BONE;
 use editing::{Bone, INFLUENCES, Influences, Rig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -141,7 +142,8 @@ fn rebuilt(rig: &Rig, bones: Vec<Bone>, merged: &[bool], order: &[usize]) -> Res
         }
         own
     });
-    Ok(Rig::new(new.collect(), influences.collect(), rig.rest().to_vec())?)
+    let core = rig.core().iter().map(|&bone| if bone == NO_BONE { NO_BONE } else { into(bone as usize) as u8 });
+    Ok(Rig::new(new.collect(), influences.collect(), core.collect(), rig.rest().to_vec())?)
 }
 
 #[cfg(test)]
@@ -161,7 +163,8 @@ mod tests {
             gap: 0.0,
         };
         let influences = Influences { joints: [0, 1, 2, 0], weights: [0.2, 0.3, 0.5, 0.0] };
-        Rig::new(vec![bone("a", 0), bone("b", 0), bone("c", 1)], vec![influences], vec![Vec3::ZERO]).unwrap()
+        let bones = vec![bone("a", 0), bone("b", 0), bone("c", 1)];
+        Rig::new(bones, vec![influences; 3], vec![0, 1, 2], vec![Vec3::ZERO; 3]).unwrap()
     }
 
     fn correct(text: &str) -> Result<Rig, RigError> {

@@ -392,7 +392,7 @@ mod tests {
         });
         let rest: Vec<Vec3> = (0..20).map(|k| joints[k % 5] + Vec3::new(0.1, 0.05 * k as f32, 0.1)).collect();
         let influences = (0..20).map(|k| Influences { joints: [(k % 5) as u8; 4], weights: [1.0, 0.0, 0.0, 0.0] });
-        Rig::new(bones.collect(), influences.collect(), rest).unwrap()
+        Rig::new(bones.collect(), influences.collect(), (0..20).map(|k| k % 5).collect(), rest).unwrap()
     }
 
     fn reach(rig: &Rig) -> Reach {

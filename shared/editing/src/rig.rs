@@ -9,6 +9,8 @@ use crate::skin::{INFLUENCES, Influences};
 
 /// Bones at most: their indices are bytes.
 pub const MOST_BONES: usize = 255;
+/// What a vertex has for a bone that it tells nothing of any.
+pub const NO_BONE: u8 = u8::MAX;
 
 /// A bone: a part of the body that moves nearly as a rigid one.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,15 +37,23 @@ pub struct Bone {
 pub struct Rig {
     bones: Vec<Bone>,
     influences: Vec<Influences>,
+    /// The bone that each vertex moves with as one rigid piece, or [`NO_BONE`]: by these alone bones are found in a frame.
+    core: Vec<u8>,
     rest: Vec<Vec3>,
 }
 
 impl Rig {
-    /// A rig of `bones`, parents first, that move the vertices of the pose `rest` by `influences`.
+    /// A rig of `bones`, parents first, that move the vertices of the pose `rest` by `influences`; `core` has for each vertex
+    /// the bone that it moves with as one rigid piece, or [`NO_BONE`].
     ///
     /// # Errors
     /// [`EditError::Rig`] where they do not fit together or a number is not finite.
-    pub fn new(bones: Vec<Bone>, influences: Vec<Influences>, rest: Vec<Vec3>) -> Result<Self, EditError> {
+    pub fn new(
+        bones: Vec<Bone>,
+        influences: Vec<Influences>,
+        core: Vec<u8>,
+        rest: Vec<Vec3>,
+    ) -> Result<Self, EditError> {
         let refuse = |reason: String| Err(EditError::Rig(reason));
         if bones.is_empty() || bones.len() > MOST_BONES {
             return refuse(format!("it has {} bones, but 1 to {MOST_BONES} are allowed", bones.len()));
@@ -54,6 +64,12 @@ impl Rig {
                 influences.len(),
                 rest.len()
             ));
+        }
+        if core.len() != rest.len() || core.iter().any(|&bone| bone != NO_BONE && bone as usize >= bones.len()) {
+            return refuse("the vertices' bones are none".into());
+        }
+        if let Some(bone) = (0..bones.len()).find(|&bone| !core.contains(&(bone as u8))) {
+            return refuse(format!("no vertex moves with {:?} as one piece", bones[bone].name));
         }
         for (index, bone) in bones.iter().enumerate() {
             let name = &bone.name;
@@ -76,7 +92,7 @@ impl Rig {
         if let Some(vertex) = influences.iter().position(beyond) {
             return refuse(format!("the weights of vertex {vertex} are none"));
         }
-        Ok(Self { bones, influences, rest })
+        Ok(Self { bones, influences, core, rest })
     }
 
     /// The bones, parents first.
@@ -89,6 +105,12 @@ impl Rig {
     #[must_use]
     pub fn influences(&self) -> &[Influences] {
         &self.influences
+    }
+
+    /// The bone that each vertex moves with as one rigid piece, or [`NO_BONE`].
+    #[must_use]
+    pub fn core(&self) -> &[u8] {
+        &self.core
     }
 
     /// The rest pose.
@@ -105,15 +127,14 @@ impl Rig {
         joints[most] as usize
     }
 
-    /// Where each bone is in `pose`: the rigid transforms from the rest pose that fit the bone's vertices best.
+    /// Where each bone is in `pose`: the rigid transforms from the rest pose that fit the bone's own vertices best. Cloth that
+    /// only follows tells nothing of where a bone is.
     #[must_use]
     pub fn fit(&self, pose: &[Vec3]) -> Vec<Rigid> {
         let mut fits = vec![Fit::default(); self.bones.len()];
-        for ((influences, &from), &to) in self.influences.iter().zip(&self.rest).zip(pose) {
-            for (&bone, &weight) in influences.joints.iter().zip(&influences.weights) {
-                if weight > 0.0 {
-                    fits[bone as usize].add(from, to, weight * weight);
-                }
+        for ((&bone, &from), &to) in self.core.iter().zip(&self.rest).zip(pose) {
+            if bone != NO_BONE {
+                fits[bone as usize].add(from, to, 1.0);
             }
         }
         fits.iter().map(Fit::rigid).collect()

@@ -1,6 +1,6 @@
 //! A human's skeleton: which of the joints between a surface's parts are ankles, knees, hips, shoulders, elbows, neck, waist.
 //!
-//! The ends of the body say what is what: the highest one on average is the head, the lowest two are feet, the others hands.
+//! The ends of the body say what is what: the highest one on average is the head, the lowest two are feet, two of the others hands.
 //! On the way from each of them to the trunk the joints are taken that lie where a human's do (segment lengths as shares of
 //! the height, Drillis and Contini 1966) and gape least.
 
@@ -29,29 +29,38 @@ const WORST_ARM: f32 = 11.0;
 /// The two sides of a human reach equally far within this factor.
 const SIDES: f32 = 1.3;
 
-/// The human skeleton over `clusters`, whose tree is `tree`; `tips` are the five ends of the body with how far from its middle
-/// they are. `None` where it is no human's.
+/// The human skeleton over `clusters`, whose tree is `tree`; `tips` are the ends of the body with how far from its middle they
+/// are. `None` where it is no human's.
 #[must_use]
 pub fn human(keys: &Keys, clusters: &Clusters, tree: &[Joint], tips: &[(u32, f32)]) -> Option<Skeleton> {
     let rest = &keys.poses[0];
     let low = rest.iter().copied().reduce(Vec3::min)?;
     let high = rest.iter().copied().reduce(Vec3::max)?;
     let height = high.y - low.y;
-    let mut ends: Vec<u32> = tips.get(..5)?.iter().map(|(tip, _)| *tip).collect();
+    let mut ends: Vec<u32> = tips.iter().map(|(tip, _)| *tip).collect();
     let mean = |v: u32| keys.poses.iter().map(|pose| pose[v as usize].y).sum::<f32>() / keys.poses.len() as f32;
     ends.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
-    let (feet, hands, head) = ([ends[0], ends[1]], [ends[2], ends[3]], ends[4]);
+    let ([first, second, others @ ..], place) = (ends.as_slice(), |v: u32| rest[v as usize]) else { return None };
+    let (head, others) = others.split_last()?;
     let part = |v: u32| clusters.of_vertex[v as usize];
-    let parts = [feet[0], feet[1], hands[0], hands[1], head].map(part);
-    if (0..5).any(|a| (0..a).any(|b| parts[a] == parts[b])) {
-        return None;
+    let pelvis = fork(tree, part(*first), part(*second), part(*head))?;
+    let [first, second] = [first, second].map(|&foot| leg(&way(tree, part(foot), pelvis), place(foot), height));
+    let (first, second) = (first?, second?);
+    // Hair and the hem of a skirt are ends, too: hands are the two whose ways are most like arms.
+    let mut hands: Option<(f32, usize, [Limb; 2])> = None;
+    for (index, &a) in others.iter().enumerate() {
+        for &b in &others[..index] {
+            let Some(chest) = fork(tree, part(a), part(b), part(*head)) else { continue };
+            let arms = [a, b].map(|hand| arm(&way(tree, part(hand), chest), place(hand), height));
+            let [Some((one, left)), Some((other, right))] = arms else { continue };
+            let [low, high] = [&left, &right].map(|arm| arm.joints[0].place.y);
+            let badness = one + other + off(low / height, high / height);
+            if hands.as_ref().is_none_or(|(worst, ..)| badness < *worst) {
+                hands = Some((badness, chest, [left, right]));
+            }
+        }
     }
-    let pelvis = fork(tree, part(feet[0]), part(feet[1]), part(head))?;
-    let chest = fork(tree, part(hands[0]), part(hands[1]), part(head))?;
-    let place = |v: u32| rest[v as usize];
-    let legs = feet.map(|foot| leg(&way(tree, part(foot), pelvis), place(foot), height));
-    let arms = hands.map(|hand| arm(&way(tree, part(hand), chest), place(hand), height));
-    let ([Some(first), Some(second)], [Some(left), Some(right)]) = (legs, arms) else { return None };
+    let (_, chest, [left, right]) = hands?;
     let long = |limb: &Limb| limb.joints.windows(2).map(|j| j[0].place.distance(j[1].place)).sum::<f32>();
     let even = |a: &Limb, b: &Limb| (long(a) / long(b)).max(long(b) / long(a)) < SIDES;
     if !even(&first, &second) || !even(&left, &right) {
@@ -61,7 +70,7 @@ pub fn human(keys: &Keys, clusters: &Clusters, tree: &[Joint], tips: &[(u32, f32
     let mut builder = Builder::new(pelvis, middle(&first, &second));
     let trunk = way(tree, pelvis, chest);
     let chest_bone = builder.trunk(&trunk, height);
-    builder.head(&way(tree, part(head), chest), chest_bone, place(head), height);
+    builder.head(&way(tree, part(*head), chest), chest_bone, place(*head), height);
     for (side, limb) in sides.arms {
         builder.limb(&["upper_arm", "forearm"], side, limb, chest_bone);
     }
@@ -128,7 +137,8 @@ fn leg(way: &[Joint], toe: Vec3, height: f32) -> Option<Limb> {
     best.filter(|(badness, _)| *badness < WORST_LEG).map(|(_, cuts)| cut(way, &cuts))
 }
 
-fn arm(way: &[Joint], tip: Vec3, height: f32) -> Option<Limb> {
+/// How bad the best arm on a way is, and the arm.
+fn arm(way: &[Joint], tip: Vec3, height: f32) -> Option<(f32, Limb)> {
     let mut best: Option<(f32, [usize; 2])> = None;
     for elbow in 0..way.len() {
         for shoulder in elbow + 1..way.len() {
@@ -141,7 +151,7 @@ fn arm(way: &[Joint], tip: Vec3, height: f32) -> Option<Limb> {
             }
         }
     }
-    best.filter(|(badness, _)| *badness < WORST_ARM).map(|(_, cuts)| cut(way, &cuts))
+    best.filter(|(badness, _)| *badness < WORST_ARM).map(|(badness, cuts)| (badness, cut(way, &cuts)))
 }
 
 /// Limbs by side.

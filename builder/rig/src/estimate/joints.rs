@@ -26,15 +26,15 @@ pub struct Joint {
     pub loose: f32,
 }
 
-/// The point of the rest pose that two motions agree on best, with a pull towards `middle`; and how far they disagree.
+/// The point of the rest pose that two motions agree on best, pulled towards `middle` in each key frame by `pull`; and how far they disagree.
 #[must_use]
-pub fn agree(a: &[Rigid], b: &[Rigid], middle: Vec3) -> (Vec3, f32) {
+pub fn agree(a: &[Rigid], b: &[Rigid], (middle, pull): (Vec3, f64)) -> (Vec3, f32) {
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for (a, b) in a.iter().zip(b) {
         let turn = DMat3::from_quat(a.rotation.as_dquat()) - DMat3::from_quat(b.rotation.as_dquat());
         let shift = (b.translation - a.translation).as_dvec3();
-        matrix += turn.transpose() * turn + DMat3::IDENTITY * PULL;
-        right += turn.transpose() * shift + middle.as_dvec3() * PULL;
+        matrix += turn.transpose() * turn + DMat3::IDENTITY * pull;
+        right += turn.transpose() * shift + middle.as_dvec3() * pull;
     }
     let place = (matrix.inverse() * right).as_vec3();
     let place = if place.is_finite() { place } else { middle };
@@ -53,13 +53,12 @@ pub fn candidates(keys: &Keys, clusters: &Clusters, around: &[Vec<u32>]) -> Vec<
         let further: BTreeSet<usize> = beside[a].keys().flat_map(|&other| beside[other].keys().copied()).collect();
         for b in further.iter().chain(beside[a].keys()).copied().collect::<BTreeSet<_>>().into_iter().filter(|&b| b > a)
         {
-            let middle = if touches(&b) {
-                border(clusters, around, rest, [a, b])
-            } else {
-                between(rest, [&members[a], &members[b]])
+            // Between parts that do not touch lies what hides the joint: its middle says little.
+            let (towards, factor) = match touches(&b) {
+                true => ((border(clusters, around, rest, [a, b]), PULL), 1.0),
+                false => ((between(rest, [&members[a], &members[b]]), 0.1 * PULL), APART),
             };
-            let (place, gap) = agree(&clusters.motions[a], &clusters.motions[b], middle);
-            let factor = if touches(&b) { 1.0 } else { APART };
+            let (place, gap) = agree(&clusters.motions[a], &clusters.motions[b], towards);
             joints.push(Joint { parts: [a, b], place, gap, loose: gap * factor });
         }
     }

@@ -18,6 +18,7 @@ mod tips;
 mod weights;
 
 use actor::capture::Poses;
+use editing::rig::NO_BONE;
 use editing::{Bone, EditError, Rig, Rigid};
 use glam::{Mat3, Vec3};
 use kernels::topology::Topology;
@@ -87,6 +88,8 @@ pub struct Estimate {
     pub parts_misfit: [f32; 2],
     /// The same with the rig's own bones.
     pub misfit: [f32; 2],
+    /// The same by bone, of the vertices that it moves most: root of the mean square, in metres.
+    pub bone_misfit: Vec<f32>,
 }
 
 /// Estimates the rig of a surface from its poses.
@@ -119,11 +122,17 @@ pub fn estimate(topology: &Topology, poses: &Poses, options: &RigOptions) -> Res
     let motions = segment_motions(&keys, &clusters, &skeleton);
     let influences = weights::weights(&keys, &motions, |v| skeleton.near(skeleton.of_part[clusters.of_vertex[v]], 2));
     let misfit = weights::misfit(&keys, &motions, &influences);
+    let bone_misfit = weights::misfit_by_bone(&keys, &motions, &influences);
     let bones = skeleton.segments.iter().enumerate();
     let bones =
         bones.map(|(index, segment)| bone(segment, &motions[index], &motions[segment.parent], index == 0)).collect();
-    let rig = Rig::new(bones, influences, rest.clone())?;
-    Ok(Estimate { rig, is_human: skeleton.is_human, parts, keys: keys.frames, parts_misfit, misfit })
+    let mut of_part = vec![NO_BONE; parts];
+    for (index, segment) in skeleton.segments.iter().enumerate() {
+        segment.core.iter().for_each(|&part| of_part[part] = index as u8);
+    }
+    let core = clusters.of_vertex.iter().map(|&part| of_part[part]).collect();
+    let rig = Rig::new(bones, influences, core, rest.clone())?;
+    Ok(Estimate { rig, is_human: skeleton.is_human, parts, keys: keys.frames, parts_misfit, misfit, bone_misfit })
 }
 
 /// What skinning with all parts misses after each part's transforms were found once more (Le and Deng 2012, section 4.3).

@@ -148,3 +148,19 @@ pub fn misfit(keys: &Keys, motions: &[Vec<Rigid>], influences: &[Influences]) ->
     off.sort_by(f32::total_cmp);
     [mean.sqrt() as f32, off.get(off.len() * 95 / 100).copied().unwrap_or_default()]
 }
+
+/// The same for the vertices that each bone moves most: root of the mean square, in metres.
+#[must_use]
+pub fn misfit_by_bone(keys: &Keys, motions: &[Vec<Rigid>], influences: &[Influences]) -> Vec<f32> {
+    let mut sums = vec![(0.0_f64, 0_usize); motions.len()];
+    for (key, pose) in keys.poses.iter().enumerate() {
+        let own: Vec<Rigid> = motions.iter().map(|motions| motions[key]).collect();
+        for ((influences, &rest), &point) in influences.iter().zip(&keys.poses[0]).zip(pose) {
+            let most = (1..INFLUENCES).fold(0, |a, b| if influences.weights[b] > influences.weights[a] { b } else { a });
+            let sum = &mut sums[influences.joints[most] as usize];
+            sum.0 += f64::from(blend(influences, &own, rest).distance_squared(point));
+            sum.1 += 1;
+        }
+    }
+    sums.iter().map(|&(sum, count)| (sum / count.max(1) as f64).sqrt() as f32).collect()
+}
