@@ -31,6 +31,8 @@ const FIRST_STEPS: usize = 40;
 const HOLD: f32 = 0.14;
 /// Further than this share of its size the surface is not stretched beyond what the bones reach.
 const STRETCH: f32 = 0.03;
+/// The bones are not pulled further than so many sizes.
+const PULL: f32 = 1.2;
 /// Further than this share no handle goes without a rig; of a region, than so many radii.
 const FARTHEST: f32 = 0.5;
 const FARTHEST_RADII: f32 = 1.5;
@@ -264,17 +266,34 @@ impl Editor {
         let (By::Bones { reach, bend, carried, targets, skinned }, Some(rig)) = (&mut grab.by, &self.rig) else {
             return Ok(());
         };
-        targets.iter_mut().zip(to).for_each(|(target, &to)| target.to = to);
-        let steps = if grab.is_first || until_still { FIRST_STEPS } else { STEPS };
-        reach.solve(targets, &Bend::none(rig.bones().len()), bend, steps);
-        let motions = reach.motions(bend);
-        for (index, target) in targets.iter().take(carried.len()).enumerate() {
-            let off = target.to - Reach::place(target, &motions);
-            let most = STRETCH * grab.size;
+        for ((target, &to), &handle) in targets.iter_mut().zip(to).zip(&grab.grip.handles) {
+            let from = grab.pose[handle as usize];
+            // What is far away must not pull the feet from where they stand.
+            target.to = from + (to - from).clamp_length_max(PULL * grab.size);
+        }
+        let (steps, none) =
+            (if grab.is_first || until_still { FIRST_STEPS } else { STEPS }, Bend::none(rig.bones().len()));
+        reach.solve(targets, &none, bend, steps);
+        let mut motions = reach.motions(bend);
+        let most = STRETCH * grab.size;
+        let mut is_short = false;
+        for target in targets.iter_mut().take(carried.len()) {
+            let place = Reach::place(target, &motions);
+            let off = target.to - place;
             if off.length() > most {
-                let short = off.length() - most;
-                grab.wanted[index] -= off.normalize_or_zero() * short;
-                notes.push(far(grab.grip.handles[index], short));
+                (target.to, is_short) = (place + off.normalize_or_zero() * most, true);
+            }
+        }
+        if is_short {
+            reach.solve(targets, &none, bend, steps);
+            motions = reach.motions(bend);
+        }
+        for (index, (target, &to)) in targets.iter().zip(to).enumerate() {
+            let handle = grab.grip.handles[index];
+            let short = target.to.distance(to);
+            if short > 1e-6 {
+                grab.wanted[index] = target.to - grab.pose[handle as usize];
+                notes.push(far(handle, short));
             }
         }
         let (turns, told) = skin(rig, &grab.pose, &motions, carried);

@@ -56,7 +56,7 @@ pub fn candidates(keys: &Keys, clusters: &Clusters, around: &[Vec<u32>]) -> Vec<
             // Between parts that do not touch lies what hides the joint: its middle says little.
             let (towards, factor) = match touches(&b) {
                 true => ((border(clusters, around, rest, [a, b]), PULL), 1.0),
-                false => ((between(rest, [&members[a], &members[b]]), 0.1 * PULL), APART),
+                false => ((between(rest, [&members[a], &members[b]]), 0.02 * PULL), APART),
             };
             let (place, gap) = agree(&clusters.motions[a], &clusters.motions[b], towards);
             joints.push(Joint { parts: [a, b], place, gap, loose: gap * factor });

@@ -156,7 +156,8 @@ pub fn misfit_by_bone(keys: &Keys, motions: &[Vec<Rigid>], influences: &[Influen
     for (key, pose) in keys.poses.iter().enumerate() {
         let own: Vec<Rigid> = motions.iter().map(|motions| motions[key]).collect();
         for ((influences, &rest), &point) in influences.iter().zip(&keys.poses[0]).zip(pose) {
-            let most = (1..INFLUENCES).fold(0, |a, b| if influences.weights[b] > influences.weights[a] { b } else { a });
+            let most =
+                (1..INFLUENCES).fold(0, |a, b| if influences.weights[b] > influences.weights[a] { b } else { a });
             let sum = &mut sums[influences.joints[most] as usize];
             sum.0 += f64::from(blend(influences, &own, rest).distance_squared(point));
             sum.1 += 1;
