@@ -12,7 +12,7 @@ use crate::deform::{Deformer, Held};
 use crate::document::{Method, Scope};
 use crate::error::EditError;
 use crate::reach::{Bend, Reach, Target};
-use crate::rig::Rig;
+use crate::rig::{NO_BONE, Rig};
 use crate::rigid::Rigid;
 use crate::skin::{Influences, Skin};
 
@@ -168,8 +168,11 @@ impl Editor {
         let Some(rig) = &self.rig else { return self.grab_surface(pose, grip) };
         let size = size(pose);
         let motions = rig.fit(pose);
-        let carried: Vec<Carried> =
-            grip.handles.iter().map(|&vertex| carry(rig, &self.deformer, pose, vertex, HOLD * size)).collect();
+        let carried: Vec<Carried> = grip
+            .handles
+            .iter()
+            .map(|&vertex| carry(rig, &self.deformer, (pose, &motions), vertex, HOLD * size))
+            .collect();
         let limbs: Vec<u32> = carried.iter().map(|one| rig.bones()[one.bone].limb).collect();
         let free = free(rig, grip.scope, &limbs);
         let mut steady = vec![false; rig.bones().len()];
@@ -407,16 +410,24 @@ fn size(pose: &[Vec3]) -> f32 {
     (high - low).max_element()
 }
 
-/// The bone that a handle takes hold of: one of a limb rather than of the trunk, since cloth that hangs between both is
-/// grabbed for the limb under it; and how far what is around follows.
-fn carry(rig: &Rig, deformer: &Deformer, pose: &[Vec3], vertex: u32, radius: f32) -> Carried {
+/// The bone that a handle takes hold of, and how far what is around follows. That of its own piece; cloth and hair, which
+/// belong to none, are grabbed for the nearest of the bones that move them: a skirt for the thigh under it.
+fn carry(rig: &Rig, deformer: &Deformer, (pose, motions): (&[Vec3], &[Rigid]), vertex: u32, radius: f32) -> Carried {
     let Influences { joints, weights } = &rig.influences()[vertex as usize];
-    let worth = |k: usize| {
-        let in_trunk = rig.bones()[joints[k] as usize].limb == 0;
-        // A little of a limb is its neighbourhood, not its cloth.
-        if in_trunk || weights[k] < 0.2 { weights[k] } else { 4.0 * weights[k] }
+    let (from, to) = (rig.joints(motions), rig.ends(motions));
+    let point = pose[vertex as usize];
+    let distance = |k: usize| {
+        let bone = joints[k] as usize;
+        let along = to[bone] - from[bone];
+        let share = ((point - from[bone]).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        point.distance(from[bone] + along * share)
     };
-    let best = (1..joints.len()).fold(0, |best, k| if worth(k) > worth(best) { k } else { best });
+    let is_loose = rig.core()[vertex as usize] == NO_BONE;
+    let is_better = |k: usize, best: usize| match is_loose {
+        true => weights[k] > 0.0 && (weights[best] <= 0.0 || distance(k) < distance(best)),
+        false => weights[k] > weights[best],
+    };
+    let best = (1..joints.len()).fold(0, |best, k| if is_better(k, best) { k } else { best });
     let bone = joints[best] as usize;
     let share = weights[best];
     let distances = deformer.distances(pose, &[vertex], radius);

@@ -149,6 +149,23 @@ impl Rig {
         self.bones.iter().enumerate().map(|(index, bone)| at(bone, index)).collect()
     }
 
+    /// Where each bone ends once the bones are at `motions`: at the next joint of its limb, or in the middle of its own
+    /// vertices where it is the last.
+    #[must_use]
+    pub fn ends(&self, motions: &[Rigid]) -> Vec<Vec3> {
+        let mut middles = vec![(Vec3::ZERO, 0.0_f32); self.bones.len()];
+        for (&bone, &point) in self.core.iter().zip(&self.rest).filter(|(bone, _)| **bone != NO_BONE) {
+            middles[bone as usize].0 += point;
+            middles[bone as usize].1 += 1.0;
+        }
+        let end = |index: usize| {
+            let next = |other: &&Bone| other.parent == index && other.limb == self.bones[index].limb;
+            let joint = self.bones[index + 1..].iter().find(next).map(|next| next.joint);
+            motions[index].apply(joint.unwrap_or(middles[index].0 / middles[index].1.max(1.0)))
+        };
+        (0..self.bones.len()).map(end).collect()
+    }
+
     /// Whether `bone` is `ancestor` or hangs on it.
     #[must_use]
     pub fn hangs_on(&self, mut bone: usize, ancestor: usize) -> bool {
