@@ -1,11 +1,18 @@
 //! Statistics over many long rows: matrices in, matrices out. Knows no mesh, no frame and no texture.
 //!
 //! [`store`] holds rows that do not fit in memory, [`pca`] finds their principal components, [`symmetric`] the eigenvalues
-//! of a small matrix. Sums run in a fixed order: neither threads nor vector instructions change a bit, since bundles are
+//! of a small matrix. [`gpdm`] learns how motion goes on, on [`dense`] matrices and by [`descent`]; [`stretch`] draws other ways
+//! through it by [`hmc`]. Sums run in a fixed order: neither threads nor vector instructions change a bit, since bundles are
 //! made of the results.
 
+pub mod dense;
+pub mod descent;
+pub mod gpdm;
+pub mod hmc;
 pub mod pca;
+pub mod rotation;
 pub mod store;
+pub mod stretch;
 pub mod symmetric;
 
 pub use self::pca::{PrincipalComponents, components};

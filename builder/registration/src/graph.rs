@@ -7,7 +7,7 @@ use geometry::mesh::Mesh;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use kernels::components::connected_components;
 use kernels::random::mix;
-use learn::symmetric::eigen;
+use learn::rotation::best_rotation;
 use rayon::prelude::*;
 
 /// Nodes that carry a vertex.
@@ -61,7 +61,7 @@ impl Graph {
             }
         }
         let of = |(&node, sum): (&u32, &DMat3)| Motion {
-            rotation: rotation_of(sum),
+            rotation: best_rotation(sum),
             translation: (moved[node as usize] - rest[node as usize]).as_dvec3(),
         };
         self.nodes.iter().zip(&sums).map(of).collect()
@@ -80,40 +80,6 @@ pub struct Motion {
 impl Motion {
     /// No motion.
     pub const NONE: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
-}
-
-/// The rotation that fits best, of `sum` whose column k is the sum of what was, times coordinate k of what is (Horn,
-/// *Closed-form solution of absolute orientation using unit quaternions*, 1987).
-fn rotation_of(sum: &DMat3) -> DQuat {
-    // s(a, b): the sum of coordinate a before times coordinate b after.
-    let s = |a: usize, b: usize| sum.col(b)[a];
-    let (x, y, z) = (0, 1, 2);
-    let matrix = [
-        s(x, x) + s(y, y) + s(z, z),
-        s(y, z) - s(z, y),
-        s(z, x) - s(x, z),
-        s(x, y) - s(y, x),
-        s(y, z) - s(z, y),
-        s(x, x) - s(y, y) - s(z, z),
-        s(x, y) + s(y, x),
-        s(z, x) + s(x, z),
-        s(z, x) - s(x, z),
-        s(x, y) + s(y, x),
-        s(y, y) - s(x, x) - s(z, z),
-        s(y, z) + s(z, y),
-        s(x, y) - s(y, x),
-        s(z, x) + s(x, z),
-        s(y, z) + s(z, y),
-        s(z, z) - s(x, x) - s(y, y),
-    ];
-    let found = eigen(&matrix, 4);
-    match found.vectors.first().map(Vec::as_slice) {
-        Some(&[w, x, y, z]) => {
-            let rotation = DQuat::from_xyzw(x, y, z, w);
-            if rotation.is_finite() && rotation.length_squared() > 0.5 { rotation.normalize() } else { DQuat::IDENTITY }
-        }
-        _ => DQuat::IDENTITY,
-    }
 }
 
 /// Vertices that are at least `distance` apart, and within that of every vertex of their part.

@@ -63,6 +63,8 @@ mod reach;
 mod registered;
 #[cfg(feature = "scans")]
 pub mod scans;
+#[cfg(feature = "variations")]
+pub mod vary;
 
 pub use actor::capture::{Capture, CaptureError, Poses};
 pub use actor::graph::{EssentialGraph, Transition};

@@ -29,6 +29,9 @@ pub struct PackOptions {
     pub max_error: Option<f32>,
     /// What becomes of textures that change from frame to frame.
     pub appearance: AppearanceChoice,
+    /// Which sequences get variations; none where not given.
+    #[cfg(feature = "variations")]
+    pub variations: Option<crate::vary::Variations>,
 }
 
 /// What becomes of textures that change from frame to frame.

@@ -24,6 +24,8 @@ use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
 #[cfg(feature = "scans")]
 use crate::registered::RegisteredScan;
+#[cfg(feature = "variations")]
+use crate::vary::add_variations;
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -36,6 +38,10 @@ pub struct PackReport {
     pub graph: GraphSummary,
     /// What the frames' textures became, where they have their own.
     pub appearance: Option<AppearanceSummary>,
+    /// What came of the sequences that were varied.
+    #[cfg(feature = "variations")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variations: Vec<crate::vary::VariedSequence>,
     /// Wall-clock seconds of each stage.
     pub seconds: StageSeconds,
     /// The most memory that the process held, in bytes, where the system tells.
@@ -122,6 +128,12 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
         imported => imported?,
     };
     seconds.import = start.elapsed().as_secs_f64();
+    #[cfg(feature = "variations")]
+    let (mut imported, mut variations) = (imported, Vec::new());
+    #[cfg(feature = "variations")]
+    if let Some(wanted) = &options.variations {
+        variations = add_variations(&mut imported, wanted, job)?;
+    }
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);
@@ -145,6 +157,10 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    #[cfg(feature = "variations")]
+    {
+        pack_report.variations = variations;
+    }
     pack_report.offset = imported.offset.to_array();
     // What the graph says comes last.
     warnings.append(&mut pack_report.warnings);
@@ -232,6 +248,8 @@ fn pack_with_files(
         capture: summary_of(capture),
         graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
+        #[cfg(feature = "variations")]
+        variations: Vec::new(),
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,

@@ -31,6 +31,9 @@ pub enum Command {
     /// Turn a scan, of which every frame has its own mesh, into a capture of one mesh, as files that `pack` reads.
     #[cfg(feature = "complete")]
     Register(RegisterArguments),
+    /// Learn how sequences move, draw variations of them, and pack the capture with those beside it.
+    #[cfg(feature = "complete")]
+    Vary(VaryArguments),
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
@@ -189,6 +192,39 @@ pub struct RegisterArguments {
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Print an object with figures of all frames on stdout at the end.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder vary`.
+#[cfg(feature = "complete")]
+#[derive(Debug, Args)]
+pub struct VaryArguments {
+    /// A capture, as `pack` takes it.
+    #[arg(required = true, value_name = "CAPTURE")]
+    pub inputs: Vec<String>,
+    /// The bundle to write: the capture with the variations NAME~1, NAME~2, and so on of each sequence NAME.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Where results of stages last.
+    #[command(flatten)]
+    pub work: WorkFolderArgument,
+    /// How the input is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Names or labels of the sequences to vary; all by default.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub sequences: Vec<String>,
+    /// Variations of each sequence.
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
+    pub count: u16,
+    /// How much they vary: 0.06 is hardly seen, 0.25 is much.
+    #[arg(long, default_value_t = 0.12, value_name = "AMOUNT")]
+    pub amount: f64,
+    /// Seed of what is drawn: the same one gives the same variations.
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub seed: u64,
+    /// Print an object with figures of all varied sequences on stdout at the end.
     #[arg(long)]
     pub json: bool,
 }

@@ -19,6 +19,8 @@ mod rigged;
 mod terminal;
 mod typed;
 mod validate;
+#[cfg(feature = "complete")]
+mod vary;
 mod walked;
 mod work;
 
@@ -63,6 +65,8 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Pack(arguments) => pack::run(arguments, &terminal),
         #[cfg(feature = "complete")]
         Command::Register(arguments) => register::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
+        Command::Vary(arguments) => vary::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         Command::Rig(arguments) => rig::run(arguments, &terminal),

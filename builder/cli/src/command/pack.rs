@@ -1,5 +1,7 @@
 //! `builder pack`.
 
+use std::path::Path;
+
 use anyhow::anyhow;
 use appearance::AppearanceOptions;
 use capture_io::import::{Cyclic, ImportOptions};
@@ -8,7 +10,7 @@ use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
 use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 
-use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis};
+use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis, WorkFolderArgument};
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::terminal::Terminal;
@@ -17,19 +19,37 @@ use super::work;
 /// Reads, computes, writes, and says what came out.
 pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure> {
     let options = options(arguments)?;
-    let (report, work) = (|progress| terminal.progress(progress), work::open(&arguments.work)?);
+    pack_into(&arguments.output, (&arguments.inputs, &options), &arguments.work, arguments.json, terminal)?;
+    Ok(())
+}
+
+/// Packs `inputs` into the file `output`, and says what came out.
+pub fn pack_into(
+    output: &Path,
+    (inputs, options): (&[String], &PackOptions),
+    folder: &WorkFolderArgument,
+    json: bool,
+    terminal: &Terminal,
+) -> Result<PackReport, Failure> {
+    if output.file_name().is_none() {
+        return Err(Failure::Input(anyhow!("{} is no name for a file", output.display())));
+    }
+    let (report, work) = (|progress| terminal.progress(progress), work::open(folder)?);
     let job = Job::new(&report).with_work(work.as_ref());
-    let (bytes, report) = pack(&arguments.inputs, &options, &job).map_err(|error| match error {
-        error if error.is_stopped() => Failure::Stopped { work: arguments.work.work.clone() },
+    let (bytes, report) = pack(inputs, options, &job).map_err(|error| match error {
+        error if error.is_stopped() => Failure::Stopped { work: folder.work.clone() },
         error if error.is_ours() => Failure::Internal(error.into()),
         error => Failure::Input(error.into()),
     })?;
-    write_whole(&arguments.output, &bytes).map_err(Failure::Input)?;
+    write_whole(output, &bytes).map_err(Failure::Input)?;
     for warning in &report.warnings {
         terminal.log(&format!("warning: {warning}"));
     }
     terminal.log(&summary(&report));
-    if arguments.json { print_json(&report) } else { Ok(()) }
+    if json {
+        print_json(&report)?;
+    }
+    Ok(report)
 }
 
 /// What was typed about the input.
@@ -65,9 +85,6 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
     }
     if arguments.appearance_ssim.is_some_and(|ssim| !(ssim > 0.0 && ssim < 1.0)) {
         return Err(Failure::Usage("--appearance-ssim must be between 0 and 1".into()));
-    }
-    if arguments.output.file_name().is_none() {
-        return Err(Failure::Input(anyhow!("{} is no name for a file", arguments.output.display())));
     }
     let mut options = PackOptions::default();
     options.import = import_options(&arguments.import);

@@ -1,0 +1,329 @@
+//! Variations of a sequence: alternatives of its stretches, which begin and end in recorded poses.
+//!
+//! Thesis section 6.6 with a recipe that holds on real captures: the noise is set after training, samples are tethered to the
+//! recording, smoothed, and decoded as *differences* from it, so that no detail is lost.
+
+use std::f64::consts::SQRT_2;
+use std::ops::Range;
+
+use actor::capture::Poses;
+use actor::feet::Feet;
+use glam::Vec3;
+use job::{Job, Stopped};
+use kernels::random::mix;
+use learn::dense::Matrix;
+use learn::gpdm::{Gpdm, GpdmOptions};
+use learn::stretch::{StretchOptions, sample_stretch};
+use rayon::prelude::*;
+
+use crate::hold::Held;
+use crate::numbers::Numbers;
+use crate::smooth::{between, ramp, smoothed};
+
+/// Frames a second that are learned from, at most.
+const LEARNED: f32 = 25.0;
+/// Frames of one model: the time of its training grows with the cube.
+const MODEL: usize = 150;
+/// Deviation of what smooths samples, in learned frames.
+const SMOOTH: f64 = 2.0;
+/// Samples come in and go out over so many learned frames.
+const RAMP: f64 = 5.0;
+/// Ways in which a sequence is cut into stretches: frames that are held in one are free in the other.
+const CUTS: usize = 2;
+/// A place that is farther than this from all that was seen, in mean steps, is rejected.
+const FAR: f64 = 3.0;
+/// A sample's way may be so much shorter or longer than the recorded one.
+const LENGTHS: Range<f64> = 0.6..1.6;
+
+/// How sequences are varied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct VaryOptions {
+    /// How much: noise of a step in mean steps, 0.06 to 0.25.
+    pub amount: f64,
+    /// How far samples may leave the recording, in mean steps.
+    pub tether: f64,
+    /// Variations of each sequence.
+    pub count: usize,
+    /// Seed of all that is drawn.
+    pub seed: u64,
+    /// Dimensions of the space that is learned.
+    pub dimensions: usize,
+    /// Length of a stretch between two recorded poses, in seconds.
+    pub stretch: f32,
+}
+
+impl Default for VaryOptions {
+    fn default() -> Self {
+        Self { amount: 0.12, tether: 1.0, count: 20, seed: 1, dimensions: 5, stretch: 2.4 }
+    }
+}
+
+/// What was learned of a sequence, and drawn.
+#[derive(Debug)]
+pub struct Varied {
+    frames: Range<u32>,
+    fps: f32,
+    models: Vec<Model>,
+    /// Stretches in which a variation keeps the recording, for all that was drawn went too far.
+    pub rejected: usize,
+    /// Stretches in all variations.
+    pub stretches: usize,
+    /// The share of slides that were accepted.
+    pub accepted: f64,
+}
+
+/// A part of a sequence with a model of its own.
+#[derive(Debug)]
+struct Model {
+    numbers: Numbers,
+    /// For each variation a row a learned frame: how its numbers differ from the recorded ones.
+    differences: Vec<Vec<Vec<f64>>>,
+}
+
+/// Varies the frames `frames` of a sequence. Sequences that are too short, or do not move, have variations that are the recording.
+///
+/// # Errors
+/// It was asked to stop.
+pub fn vary(
+    poses: &Poses,
+    areas: &[f32],
+    (frames, fps): (Range<u32>, f32),
+    options: &VaryOptions,
+    job: &Job<'_>,
+) -> Result<Varied, Stopped> {
+    let stride = (fps / LEARNED).round().max(1.0) as u32;
+    let length = frames.len().div_ceil(stride as usize);
+    let parts = length.div_ceil(MODEL).max(1);
+    let mut varied =
+        Varied { frames: frames.clone(), fps, models: Vec::new(), rejected: 0, stretches: 0, accepted: 0.0 };
+    let mut slides = 0.0;
+    for part in 0..parts {
+        job.tell("learning motion", part as u64, parts as u64)?;
+        let cut = |part: usize| frames.start + (part * length / parts) as u32 * stride;
+        // One frame is in both, and held in both.
+        let end = if part + 1 == parts { frames.end } else { cut(part + 1) + 1 };
+        let Some(numbers) = Numbers::of(poses, areas, cut(part)..end, stride, fps) else { continue };
+        let trained = GpdmOptions { dimensions: options.dimensions, ..GpdmOptions::default() };
+        let count = numbers.rows.rows();
+        let Some(model) = Gpdm::train(numbers.rows.clone(), &[count], &trained) else { continue };
+        let stretch = ((options.stretch * fps / stride as f32).round() as usize).clamp(8, MODEL);
+        let seed = mix(options.seed, u64::from(frames.start) << 20 | part as u64);
+        let drawn = draw(&model, stretch, seed, options, job)?;
+        varied.rejected += drawn.rejected;
+        varied.stretches += drawn.stretches;
+        varied.accepted += drawn.accepted;
+        slides += 1.0;
+        varied.models.push(Model { numbers, differences: drawn.differences });
+    }
+    varied.accepted /= f64::max(slides, 1.0);
+    Ok(varied)
+}
+
+struct Drawn {
+    differences: Vec<Vec<Vec<f64>>>,
+    rejected: usize,
+    stretches: usize,
+    accepted: f64,
+}
+
+/// Draws `options.count` rows of differences.
+fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Job<'_>) -> Result<Drawn, Stopped> {
+    let count = model.places.rows();
+    let samples = options.count.div_ceil(CUTS);
+    let stretches: Vec<(usize, Range<usize>)> =
+        (0..CUTS).flat_map(|cut| cuts(count, stretch, cut).into_iter().map(move |range| (cut, range))).collect();
+    job.begin("drawing variations")?;
+    let chains: Vec<Result<(Vec<Matrix>, f64), Stopped>> = stretches
+        .par_iter()
+        .enumerate()
+        .map(|(number, (_, range))| {
+            job.tell("drawing variations", number as u64, stretches.len() as u64)?;
+            let seed = mix(seed, number as u64);
+            let options = StretchOptions { amount: options.amount, tether: options.tether, samples, seed };
+            Ok(sample_stretch(model, range.clone(), &options))
+        })
+        .collect();
+    let chains = chains.into_iter().collect::<Result<Vec<_>, Stopped>>()?;
+    let width = model.frames.columns();
+    let still = vec![vec![0.0; width]; count];
+    let mut drawn = Drawn { differences: vec![still; options.count], rejected: 0, stretches: 0, accepted: 0.0 };
+    drawn.accepted = chains.iter().map(|chain| chain.1).sum::<f64>() / chains.len().max(1) as f64;
+    for (number, differences) in drawn.differences.iter_mut().enumerate() {
+        for ((cut, range), (samples, _)) in stretches.iter().zip(&chains) {
+            let Some(sample) = samples.get(number / CUTS).filter(|_| *cut == number % CUTS) else { continue };
+            drawn.stretches += 1;
+            let recorded = model.places.of_rows(&range.clone().collect::<Vec<_>>());
+            if !acceptable(model, &recorded, sample) {
+                drawn.rejected += 1;
+                continue;
+            }
+            for (k, place) in softened(&recorded, sample).iter().enumerate() {
+                let (own, was) = (model.frame(place), model.frame(recorded.row(k)));
+                differences[range.start + k] = own.iter().zip(&was).map(|(own, was)| own - was).collect();
+            }
+        }
+    }
+    Ok(drawn)
+}
+
+/// Stretches of about `length` frames over `count` frames, each from the last frame of the one before; those of cut 1 begin in the
+/// middle of those of cut 0.
+fn cuts(count: usize, length: usize, cut: usize) -> Vec<Range<usize>> {
+    let last = count.saturating_sub(1);
+    let pieces = (last as f64 / length as f64).round().max(1.0) as usize;
+    let mut bounds: Vec<usize> = (0..=pieces).map(|piece| piece * last / pieces).collect();
+    if cut > 0 {
+        let half = last / pieces / 2;
+        bounds = std::iter::once(0).chain(bounds[..pieces].iter().map(|bound| bound + half)).chain([last]).collect();
+    }
+    bounds.windows(2).map(|pair| pair[0]..pair[1] + 1).collect()
+}
+
+/// Whether a sample is motion like that which was seen.
+fn acceptable(model: &Gpdm, recorded: &Matrix, sample: &Matrix) -> bool {
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+    let nearest = |place: &[f64]| {
+        (0..model.places.rows()).map(|row| distance(model.places.row(row), place)).fold(f64::INFINITY, f64::min)
+    };
+    let way =
+        |places: &Matrix| (1..places.rows()).map(|row| distance(places.row(row - 1), places.row(row))).sum::<f64>();
+    let near = (0..sample.rows()).all(|row| nearest(sample.row(row)) <= FAR * model.mean_step);
+    near && LENGTHS.contains(&(way(sample) / way(recorded).max(f64::MIN_POSITIVE)))
+}
+
+/// Places of a sample without its shaking, at rest on the recording at both ends.
+fn softened(recorded: &Matrix, sample: &Matrix) -> Vec<Vec<f64>> {
+    let off: Vec<Vec<f64>> = (0..sample.rows())
+        .map(|row| sample.row(row).iter().zip(recorded.row(row)).map(|(own, was)| own - was).collect())
+        .collect();
+    let last = sample.rows() - 1;
+    let soft = smoothed(&off, SMOOTH);
+    let place = |(row, soft): (usize, &Vec<f64>)| {
+        let share = ramp(row.min(last - row) as f64 / RAMP);
+        soft.iter().zip(recorded.row(row)).map(|(off, was)| was + share * off).collect()
+    };
+    soft.iter().enumerate().map(place).collect()
+}
+
+impl Varied {
+    /// The poses of variation `number`, one for each frame of the sequence.
+    #[must_use]
+    pub fn poses(&self, number: usize, poses: &Poses, feet: &Feet) -> Vec<Vec<Vec3>> {
+        let pose = |frame: u32| {
+            let recorded = poses.frame(frame);
+            let moved = self.models.iter().find_map(|model| model.pose(number, frame, recorded));
+            moved.unwrap_or_else(|| recorded.to_vec())
+        };
+        let mut varied: Vec<Vec<Vec3>> = self.frames.clone().into_par_iter().map(pose).collect();
+        let held = Held::new(feet, self.frames.start, self.fps, |frame| poses.frame(frame), &varied);
+        let first = self.frames.start;
+        varied.par_iter_mut().enumerate().for_each(|(k, pose)| {
+            let recorded = poses.frame(first + k as u32);
+            if pose != recorded {
+                held.apply(feet, k, recorded, pose);
+            }
+        });
+        varied
+    }
+
+    /// The mean distance between the shapes of two variations, in metres (root mean square over the surface), over all pairs.
+    #[must_use]
+    pub fn diversity(&self) -> f64 {
+        let (mut sum, mut pairs) = (0.0, 0.0);
+        for model in &self.models {
+            let shape = model.numbers.components();
+            let count = model.differences.len();
+            for a in 0..count {
+                for b in 0..a {
+                    for (one, other) in model.differences[a].iter().zip(&model.differences[b]) {
+                        let apart = one[..shape].iter().zip(&other[..shape]).map(|(a, b)| (a - b) * (a - b));
+                        sum += apart.sum::<f64>().sqrt() * model.numbers.scale;
+                        pairs += 1.0;
+                    }
+                }
+            }
+        }
+        sum / f64::max(pairs, 1.0)
+    }
+}
+
+impl Model {
+    /// A frame of a variation; `None` where the model knows nothing of it, or it is recorded.
+    fn pose(&self, number: usize, frame: u32, recorded: &[Vec3]) -> Option<Vec<Vec3>> {
+        let (first, last) = (*self.numbers.frames.first()?, *self.numbers.frames.last()?);
+        if !(first..=last).contains(&frame) {
+            return None;
+        }
+        let offset = frame - first;
+        let at = f64::from(offset) / f64::from(self.numbers.stride);
+        let by = between(&self.differences[number], at);
+        // What rounds to nothing is the recording itself, bit for bit.
+        let seen = by.iter().any(|number| number.abs() * self.numbers.scale > 1e-7 / SQRT_2);
+        seen.then(|| self.numbers.moved(recorded, offset as usize, &by))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kernels::random::signed;
+
+    /// A rod that swings and bends, on a walk.
+    fn rod(frames: u32) -> Poses {
+        let mut poses = Poses::new(40);
+        for frame in 0..frames {
+            let time = f64::from(frame) / 25.0;
+            let pose: Vec<Vec3> = (0..40_u32)
+                .map(|k| {
+                    let up = f64::from(k / 4) * 0.2;
+                    let bend = (5.0 * time + up).sin() * 0.1 * up + 0.003 * f64::from(signed(2, u64::from(frame)));
+                    let corner = [(0.05, 0.05), (0.05, -0.05), (-0.05, 0.05), (-0.05, -0.05)][k as usize % 4];
+                    Vec3::new((bend + corner.0) as f32, up as f32, (corner.1 + 0.5 * time) as f32)
+                })
+                .collect();
+            poses.push(&pose);
+        }
+        poses
+    }
+
+    #[test]
+    fn variations_differ_and_meet_the_recording() {
+        let poses = rod(90);
+        let options = VaryOptions { count: 4, ..VaryOptions::default() };
+        let vary = || vary(&poses, &[1.0; 40], (0..90, 25.0), &options, &Job::silent()).unwrap();
+        let varied = vary();
+        assert!(varied.rejected < varied.stretches, "{} of {}", varied.rejected, varied.stretches);
+        assert!(varied.diversity() > 1e-4);
+        let one = varied.poses(1, &poses, &Feet::default());
+        assert_eq!(one.len(), 90);
+        assert!(one[0] == poses.frame(0) && one[89] == poses.frame(89), "the ends are the recorded ones, bit for bit");
+        let off = |k: usize| one[k].iter().zip(poses.frame(k as u32)).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        let most = (0..90).map(off).fold(0.0, f32::max);
+        assert!(most > 0.001 && most < 0.3, "{most}");
+        assert_eq!(one, vary().poses(1, &poses, &Feet::default()), "the same seed gives the same motion");
+    }
+
+    #[test]
+    fn what_cannot_be_varied_is_the_recording() {
+        let poses = rod(3);
+        let options = VaryOptions { count: 2, ..VaryOptions::default() };
+        let varied = vary(&poses, &[1.0; 40], (0..3, 25.0), &options, &Job::silent()).unwrap();
+        let one = varied.poses(0, &poses, &Feet::default());
+        assert!((0..3).all(|k| one[k] == poses.frame(k as u32)));
+        let still = Poses::from_positions(40, rod(1).frame(0).repeat(50));
+        let varied = vary(&still, &[1.0; 40], (0..50, 25.0), &options, &Job::silent()).unwrap();
+        assert!(varied.poses(1, &still, &Feet::default()).iter().all(|pose| pose == still.frame(0)));
+    }
+
+    #[test]
+    fn cuts_cover_all_frames() {
+        for (count, length) in [(150, 60), (61, 60), (20, 60), (9, 60), (200, 33)] {
+            for cut in 0..CUTS {
+                let cuts = cuts(count, length, cut);
+                assert_eq!((cuts[0].start, cuts.last().unwrap().end), (0, count), "{count} {length} {cut}");
+                assert!(cuts.windows(2).all(|pair| pair[0].end == pair[1].start + 1));
+            }
+        }
+    }
+}
