@@ -20,6 +20,8 @@ const STEPS: usize = 12;
 const KEPT: usize = 32;
 /// A vertex is part of a sole from this share on, in [`actor::feet::SHARE_STEP`].
 const SOLE: u8 = 128;
+/// What is this close to the lowest point stands, relative to the body's height, where no feet are known.
+const LOW: f32 = 0.011;
 
 /// Recorded poses with the edits of a document; as bit for bit as they were where no edit reaches.
 pub struct EditedPoses<'a, S: PoseSource + ?Sized> {
@@ -92,6 +94,7 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         self.source.read(frame, &mut recorded)?;
         let asked = &self.document.edits[edit];
         let pins = match &asked.pins {
+            Pins::Contacts if self.feet.count() == 0 => lowest(&recorded),
             Pins::Contacts => (0..self.feet.count())
                 .filter(|&foot| self.feet.stands(frame, foot))
                 .flat_map(|foot| self.sole(foot))
@@ -137,7 +140,7 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         Ok(active)
     }
 
-    fn edited(&mut self, frame: u32, pose: &mut Vec<Vec3>) -> Result<(), PreparedError> {
+    fn edited(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PreparedError> {
         let active = self.active(frame, pose)?;
         if let [one] = active.as_slice()
             && self.edits[one.edit].0 == frame
@@ -259,10 +262,14 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
                 }
             }
         }
-        for one in asked {
-            if let Pins::Vertices(vertices) = one {
-                pins.extend(vertices.iter().map(|&vertex| (vertex, 1.0)));
-            }
+        for one in active {
+            let vertices: &[u32] = match (&self.document.edits[one.edit].pins, &self.edits[one.edit].2) {
+                (Pins::Vertices(vertices), _) => vertices,
+                // What was lowest in the edited frame goes as it was recorded.
+                (Pins::Contacts, Some(keyed)) if self.feet.count() == 0 => &keyed.released.grip.pins,
+                _ => &[],
+            };
+            pins.extend(vertices.iter().map(|&vertex| (vertex, 1.0)));
         }
         pins.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
         pins.dedup_by_key(|pin| pin.0);
@@ -296,6 +303,14 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         pose.iter_mut().zip(moved).for_each(|(point, moved)| *point += moved);
         Ok(())
     }
+}
+
+/// The vertices on which a pose stands where no feet are known: those that are about as low as the lowest.
+fn lowest(pose: &[Vec3]) -> Vec<u32> {
+    let low = pose.iter().map(|point| point.y).fold(f32::INFINITY, f32::min);
+    let high = pose.iter().map(|point| point.y).fold(f32::NEG_INFINITY, f32::max);
+    let most = low + LOW * (high - low);
+    (0..pose.len() as u32).filter(|&vertex| pose[vertex as usize].y <= most).collect()
 }
 
 /// Why an edited frame cannot be made.

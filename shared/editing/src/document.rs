@@ -81,7 +81,7 @@ pub struct Handle {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pins {
-    /// Feet that stand.
+    /// Feet that stand; where no feet are known, what is lowest.
     #[default]
     Contacts,
     /// Nothing.

@@ -83,7 +83,7 @@ pub fn human(keys: &Keys, clusters: &Clusters, tree: &[Joint], tips: &[(u32, f32
 /// The part at which the ways between three parts meet.
 fn fork(tree: &[Joint], a: usize, b: usize, c: usize) -> Option<usize> {
     let between: Vec<usize> = way(tree, a, b).iter().map(|joint| joint.parts[1]).collect();
-    way(tree, a, c).iter().map(|joint| joint.parts[1]).filter(|part| between.contains(part)).last()
+    way(tree, a, c).iter().rev().map(|joint| joint.parts[1]).find(|part| between.contains(part))
 }
 
 /// A limb: its joints from the trunk outwards, and the parts of each of its bones.
