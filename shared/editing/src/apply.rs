@@ -12,7 +12,7 @@ use crate::document::{EditDocument, Method, Pins, Propagation};
 use crate::error::EditError;
 use crate::grab::{Editor, FOLLOW, Grip, Released, handle_target, pin_targets, skin};
 use crate::propagate::{firmness, share, window};
-use crate::reach::{Bend, Reach};
+use crate::reach::{Bend, Reach, Role};
 
 /// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
 const STEPS: usize = 12;
@@ -215,7 +215,8 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
             None => return Ok(()),
         };
         let motions = rig.fit(pose);
-        let reach = Reach::new(rig, &motions, free, |limb| limbs.contains(&limb), vec![false; count]);
+        let staying: Vec<u32> = pins.iter().map(|(pin, _)| rig.bones()[rig.bone_of(*pin)].limb).collect();
+        let reach = Reach::new(rig, &motions, free, |limb| Role::of(limb, &limbs, &staying), vec![false; count]);
         let firm: Vec<u32> = pins.iter().filter(|(_, firm)| *firm >= 1.0).map(|(pin, _)| *pin).collect();
         let mut targets = goals;
         let loose =

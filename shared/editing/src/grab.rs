@@ -11,7 +11,7 @@ use kernels::topology::Topology;
 use crate::deform::{Deformer, Held};
 use crate::document::{Method, Scope};
 use crate::error::EditError;
-use crate::reach::{Bend, Reach, Target};
+use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::{NO_BONE, Rig};
 use crate::rigid::Rigid;
 use crate::skin::{Influences, Skin};
@@ -179,7 +179,8 @@ impl Editor {
         for one in carried.iter().filter(|one| one.bone > 0 && rig.bones()[one.bone].limb == 0) {
             steady[one.bone] = true;
         }
-        let reach = Reach::new(rig, &motions, free.clone(), |limb| limbs.contains(&limb), steady);
+        let staying: Vec<u32> = grip.pins.iter().map(|&pin| rig.bones()[rig.bone_of(pin)].limb).collect();
+        let reach = Reach::new(rig, &motions, free.clone(), |limb| Role::of(limb, &limbs, &staying), steady);
         let mut targets: Vec<Target> = carried.iter().map(|one| handle_target(one, pose)).collect();
         targets.extend(pin_targets(rig, pose, &grip.pins, 1.0));
         if free[0] && !grip.pins.is_empty() {

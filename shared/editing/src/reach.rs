@@ -15,8 +15,9 @@ use crate::rotation::{cross_matrix, log_change};
 const PRIOR: f32 = 2e-4;
 /// Variance that each rotation has beside what was recorded: 4 degrees.
 const LEAST_VARIANCE: f32 = 0.0049;
-/// How much rarer rotations of a limb that holds no target are.
-const UNINVOLVED: f32 = 6.0;
+/// How much rarer rotations of a limb are that only holds what stays, and of one that holds nothing.
+const STAYING: f32 = 6.0;
+const IDLE: f32 = 60.0;
 /// How much rarer rotations about a bone's own axis are in the trunk: a head that is pulled down bows.
 const TWIST: f32 = 12.0;
 /// Weight of the root's shift.
@@ -67,6 +68,29 @@ pub struct Target {
     pub weight: Vec3,
 }
 
+/// What a limb does in an edit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It holds a handle.
+    Dragged,
+    /// It holds pins: it bends so that they stay.
+    Stays,
+    /// It goes along.
+    Idle,
+}
+
+impl Role {
+    /// The role of `limb` among limbs that are dragged and limbs that hold pins.
+    #[must_use]
+    pub fn of(limb: u32, dragged: &[u32], staying: &[u32]) -> Self {
+        match (dragged.contains(&limb), staying.contains(&limb)) {
+            (true, _) => Self::Dragged,
+            (false, true) => Self::Stays,
+            (false, false) => Self::Idle,
+        }
+    }
+}
+
 /// A rig in a frame as it was recorded.
 #[derive(Clone, Debug)]
 pub struct Reach {
@@ -85,10 +109,10 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// A rig whose bones are at `motions` in a frame. `free` says which bones may turn, `busy` which limbs hold a target, and
+    /// A rig whose bones are at `motions` in a frame. `free` says which bones may turn, `role` what each limb does, and
     /// `steady` which bones rather keep their direction.
     #[must_use]
-    pub fn new(rig: &Rig, motions: &[Rigid], free: Vec<bool>, busy: impl Fn(u32) -> bool, steady: Vec<bool>) -> Self {
+    pub fn new(rig: &Rig, motions: &[Rigid], free: Vec<bool>, role: impl Fn(u32) -> Role, steady: Vec<bool>) -> Self {
         let bones = rig.bones();
         let joints = rig.joints(motions);
         let mut rarity = Vec::with_capacity(bones.len());
@@ -97,7 +121,12 @@ impl Reach {
             let parent = if index == 0 { Quat::IDENTITY } else { motions[bone.parent].rotation };
             let axes = Mat3::from_quat(parent);
             let spread = bone.spread + Mat3::from_diagonal(Vec3::splat(LEAST_VARIANCE));
-            let scale = if bone.limb == 0 || busy(bone.limb) { 1.0 } else { UNINVOLVED };
+            let scale = match role(bone.limb) {
+                _ if bone.limb == 0 => 1.0,
+                Role::Dragged => 1.0,
+                Role::Stays => STAYING,
+                Role::Idle => IDLE,
+            };
             let mut own = axes * spread.inverse() * axes.transpose() * scale;
             if bone.limb == 0 {
                 let next = (index + 1..bones.len()).find(|&k| bones[k].parent == index && bones[k].limb == 0);
@@ -398,7 +427,7 @@ mod tests {
     fn reach(rig: &Rig) -> Reach {
         let motion = Rigid { rotation: Quat::from_rotation_y(0.7), translation: Vec3::new(1.0, 0.0, 2.0) };
         let steady = vec![false, false, false, true, false];
-        Reach::new(rig, &[motion; 5], vec![true; 5], |limb| limb == 0, steady)
+        Reach::new(rig, &[motion; 5], vec![true; 5], |_| Role::Stays, steady)
     }
 
     fn target(reach: &Reach) -> Target {
