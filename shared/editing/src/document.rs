@@ -147,7 +147,7 @@ impl EditDocument {
         // A later version may have other fields: that is to be said first.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(version) if version == u64::from(VERSION) => {}
-            Some(version) => return Err(EditError::Version(version.min(u64::from(u32::MAX)) as u32)),
+            Some(found) => return Err(EditError::Version { found, known: VERSION }),
             None => return Err(EditError::Json("\"version\" is missing, or is no whole number".into())),
         }
         // From the text again, since this says the line.

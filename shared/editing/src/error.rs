@@ -3,8 +3,6 @@
 use kernels::cholesky::CholeskyError;
 use thiserror::Error;
 
-use crate::document::VERSION;
-
 /// Why an edit cannot be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -13,8 +11,13 @@ pub enum EditError {
     #[error("this is not a document of edits: {0}")]
     Json(String),
     /// The document was written for another version.
-    #[error("the edits have version {0}, but this version of Reprise knows {VERSION}: update it")]
-    Version(u32),
+    #[error("the edits have version {found}, but this version of Reprise knows {known}: update it")]
+    Version {
+        /// The document's version.
+        found: u64,
+        /// The version that is known.
+        known: u32,
+    },
     /// More of something than is allowed.
     #[error("{what}: there are {count}, but at most {limit} are allowed")]
     TooMany {
