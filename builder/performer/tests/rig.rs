@@ -5,7 +5,11 @@
     reason = "a test that panics has failed; what it measured is printed"
 )]
 
+use std::time::Instant;
+
 use actor::capture::Poses;
+use editing::{Editor, Grip, Method, Rig, Scope};
+use glam::Vec3;
 use kernels::topology::{Topology, barycentric_areas};
 use performer::PerformerOptions;
 use performer::figure::Figure;
@@ -82,4 +86,34 @@ fn the_performers_joints_are_found() {
     }
     assert!(far.is_empty(), "too far off: {far:?}");
     assert!(found.parts_misfit[0] < 0.012, "26 bones explain the surface");
+    drag(&topology, poses.frame(30), found.rig);
+}
+
+/// Drags the vertex that is furthest to the left up, step by step, as a pointer does; says how long that takes.
+fn drag(topology: &Topology, pose: &[Vec3], rig: Rig) {
+    let mut editor = Editor::new(topology, None, Some(rig)).unwrap();
+    let count = pose.len() as u32;
+    let bone = |name: &str| editor.rig().unwrap().bones().iter().position(|bone| bone.name == name).unwrap();
+    let forearm = bone("forearm_l");
+    let own = (0..count).filter(|&v| editor.rig().unwrap().bone_of(v) == forearm);
+    let hand = own.reduce(|a, b| if pose[b as usize].y < pose[a as usize].y { b } else { a }).unwrap();
+    let pins = (0..count).filter(|&v| pose[v as usize].y < 0.02).collect();
+    let grip = Grip { handles: vec![hand], pins, scope: Scope::Body, method: Method::Rig };
+    let began = Instant::now();
+    let mut grab = editor.grab(pose, &grip).unwrap();
+    let grabbed = began.elapsed();
+    let mut times = Vec::new();
+    for step in 1..=40 {
+        let to = pose[hand as usize] + Vec3::new(0.1, 0.7, 0.2) * (step as f32 / 40.0);
+        let began = Instant::now();
+        let dragged = editor.drag(&mut grab, &[to]).unwrap();
+        times.push(began.elapsed());
+        assert!(dragged.notes.is_empty(), "{:?}", dragged.notes);
+        assert!(dragged.pose[hand as usize].distance(to) < 1e-3);
+        for &pin in &grab.grip().pins {
+            assert!(dragged.pose[pin as usize].distance(pose[pin as usize]) < 1e-3);
+        }
+    }
+    times.sort();
+    println!("grab {grabbed:.1?}, drag {:.1?} in the middle, {:.1?} at the 95th percentile", times[20], times[38]);
 }

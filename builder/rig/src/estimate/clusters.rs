@@ -126,6 +126,7 @@ impl Clusters {
         let Some(second) = largest(&|v| error(keys, v as usize, &one)) else { return false };
         let mut two = [one, patch(second)];
         let new = self.motions.len();
+        let mut moved = Vec::new();
         for _ in 0..4 {
             let nearer: Vec<bool> = members
                 .par_iter()
@@ -139,9 +140,10 @@ impl Clusters {
                 return false;
             }
             two = [fit(keys, &halves[0]), fit(keys, &halves[1])];
-            halves[1].iter().for_each(|&v| self.of_vertex[v as usize] = new);
-            halves[0].iter().for_each(|&v| self.of_vertex[v as usize] = worst);
+            moved.clone_from(&halves[1]);
         }
+        // Only now: nothing has changed where a half is too small.
+        moved.iter().for_each(|&v| self.of_vertex[v as usize] = new);
         let [one, other] = two;
         self.motions[worst] = one;
         self.motions.push(other);

@@ -72,6 +72,9 @@ pub enum RigError {
     Rig(#[from] EditError),
 }
 
+/// Rigid parts that miss less than this share of the size are all there is.
+const EXACT: f32 = 1e-3;
+
 /// An estimated rig, and how good it is.
 #[derive(Clone, Debug)]
 pub struct Estimate {
@@ -112,13 +115,16 @@ pub fn estimate(topology: &Topology, poses: &Poses, options: &RigOptions) -> Res
     let tree = joints::tree(parts, joints::candidates(&keys, &clusters, &around));
     let rest = &keys.poses[0];
     let (middle, tips) = tips::tips(rest, &around, 8);
-    let skeleton = human::human(&keys, &clusters, &tree, &tips).unwrap_or_else(|| {
+    let parts_misfit = parts_misfit(&keys, &clusters, &around);
+    // What its rigid parts explain to the millimetre is no human body, whatever it looks like: it keeps them all.
+    let is_machine = parts_misfit[0] < EXACT * size;
+    let human = if is_machine { None } else { human::human(&keys, &clusters, &tree, &tips) };
+    let skeleton = human.unwrap_or_else(|| {
         let far = tips.iter().filter(|(_, distance)| *distance > 0.15 * size);
         let ends: Vec<usize> = far.map(|&(tip, _)| clusters.of_vertex[tip as usize]).collect();
         let loosest = 0.012 * size;
         skeleton::plain(&clusters, &tree, rest, clusters.of_vertex[middle as usize], &ends, loosest)
     });
-    let parts_misfit = parts_misfit(&keys, &clusters, &around);
     let motions = segment_motions(&keys, &clusters, &skeleton);
     let influences = weights::weights(&keys, &motions, |v| skeleton.near(skeleton.of_part[clusters.of_vertex[v]], 2));
     let misfit = weights::misfit(&keys, &motions, &influences);
