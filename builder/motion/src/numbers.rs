@@ -116,7 +116,8 @@ fn stances(body: &[BodyFrame], deviation: f64) -> Vec<(f64, [f64; STANCE])> {
         let off = Vec3::from_array(std::array::from_fn(|axis| (way[axis] - smooth[axis]) as f32));
         let off = (yaw.inverse() * off).as_dvec3();
         let tilt = Quat::from_rotation_y(way[3] as f32).inverse() * frame.rotation;
-        let tilt = tilt.normalize().to_scaled_axis().as_dvec3() * LEVER;
+        // Both signs are the same rotation; this one is the short way round.
+        let tilt = (tilt * tilt.w.signum()).normalize().to_scaled_axis().as_dvec3() * LEVER;
         (heading, [off.x, off.y, off.z, (way[3] - heading) * LEVER, tilt.x, tilt.y, tilt.z])
     };
     body.iter().zip(ways.iter().zip(&smooth)).map(stance).collect()
