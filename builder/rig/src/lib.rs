@@ -1,7 +1,7 @@
 //! Rigs: estimated from how a surface moves, and what they are made of: inverse kinematics in closed form, and weights that
 //! spread over a surface.
 //!
-//! Knows no particular skeleton but a human's, whose joints [`estimate`] finds; everywhere else joints are indices, and which
+//! Knows no particular skeleton but a human's, whose joints [`estimate()`] finds; everywhere else joints are indices, and which
 //! of them owns a vertex is the caller's to say. What the page needs of rigs, too, is in `editing`.
 
 pub mod corrections;
