@@ -1,13 +1,17 @@
-//! What a rig is made of: rigid transforms, inverse kinematics, weights that spread over a surface, and skinning with them.
+//! Rigs: estimated from how a surface moves, and what they are made of: inverse kinematics in closed form, and weights that
+//! spread over a surface.
 //!
-//! Knows no particular skeleton: joints are indices, and which of them owns a vertex is the caller's to say.
+//! Knows no particular skeleton but a human's, whose joints [`estimate()`] finds; everywhere else joints are indices, and which
+//! of them owns a vertex is the caller's to say. What the page needs of rigs, too, is in `editing`.
 
+pub mod corrections;
+pub mod estimate;
 pub mod ik;
-pub mod rigid;
-pub mod skin;
 pub mod weights;
 
+pub use editing::{INFLUENCES, Influences, Rigid, Skin};
+
+pub use self::corrections::{Correction, RigFile};
+pub use self::estimate::{Estimate, RigError, RigOptions, estimate};
 pub use self::ik::{TwoBones, two_bones};
-pub use self::rigid::Rigid;
-pub use self::skin::{INFLUENCES, Influences, Skin};
 pub use self::weights::{diffuse, spread};

@@ -6,7 +6,7 @@
 use geometry::mesh::Mesh;
 use rayon::prelude::*;
 
-use super::skin::{INFLUENCES, Influences};
+use editing::{INFLUENCES, Influences};
 
 /// Skin weights of every vertex of `mesh`: `owners` says which joint each vertex begins with, `lengths` for each joint over
 /// which length its weights spread, in the unit of the positions. There must be as many joints as [`INFLUENCES`] or more.

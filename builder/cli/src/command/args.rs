@@ -38,6 +38,8 @@ pub enum Command {
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
     Direct(DirectArguments),
+    /// Estimate a rig from how a capture's surface moves: bones, joints and weights.
+    Rig(RigArguments),
     /// Tell what a bundle or an input holds.
     Inspect(InspectArguments),
     /// Check a bundle and list what is wrong with it, with stable codes.
@@ -359,6 +361,12 @@ pub struct DirectArguments {
     /// A JSON file with a whole request (docs/directing.md), by itself or with where the actor was, as the page saves it.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["path", "keys", "place", "behaviour", "wander", "to"])]
     pub request: Option<PathBuf>,
+    /// A JSON file with edits of recorded frames (docs/editing.md): they and the transitions that pass there are changed.
+    #[arg(long, value_name = "FILE")]
+    pub edits: Option<PathBuf>,
+    /// A TOML file that corrects the rig by which edits move the body, as `builder rig --toml` writes it.
+    #[arg(long, value_name = "FILE", requires = "edits")]
+    pub rig: Option<PathBuf>,
     /// The pose to begin with; whatever suits best where not given.
     #[arg(long, value_name = "NAME:TIME", value_parser = parse_pose)]
     pub start: Option<TypedPose>,
@@ -384,6 +392,32 @@ pub struct DirectArguments {
     #[arg(long, default_value_t = 512, value_name = "MB", value_parser = clap::value_parser!(u64).range(0..=65_536))]
     pub glb_textures: u64,
     /// Print an object with the walk and what it reaches on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder rig`.
+#[derive(Debug, Args)]
+pub struct RigArguments {
+    /// A bundle, or inputs as `pack` takes them.
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<String>,
+    /// How an input that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// A picture to write: bones and joints over the surface, from the front and from the side, as a PNG.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// A TOML file to write, with the bones that were found: change it and give it back with --rig.
+    #[arg(long, value_name = "FILE")]
+    pub toml: Option<PathBuf>,
+    /// A TOML file that corrects what was found.
+    #[arg(long, value_name = "FILE")]
+    pub rig: Option<PathBuf>,
+    /// Rigid parts that the surface is split into at most; the file's where one is given, else 26.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=120))]
+    pub parts: Option<u16>,
+    /// Print an object on stdout instead of text.
     #[arg(long)]
     pub json: bool,
 }

@@ -9,8 +9,9 @@ use actor::timeline::Timeline;
 use actor::walk::{Leg, Walk};
 use anyhow::{Context, anyhow};
 use bundle::BundleReader;
-use capture_io::export::{Actor, ExportError, ExportOptions, Output, Written, export, play};
+use capture_io::export::{Actor, ExportError, ExportOptions, Output, Written, export, play, play_from};
 use capture_io::import::Warning;
+use editing::{EditDocument, EditedPoses};
 use glam::Vec3;
 use job::{Job, Progress as Step};
 use kernels::align::Placement;
@@ -23,6 +24,7 @@ use super::args::DirectArguments;
 use super::asked::{Asked, asked};
 use super::failure::Failure;
 use super::output::print_json;
+use super::rigged;
 use super::terminal::Terminal;
 use super::walked::{Walked, walked, write_times};
 
@@ -138,11 +140,36 @@ fn write(
         turn_seconds: arguments.turn.max(0.1) as f32,
         most_texture_bytes: arguments.glb_textures << 20,
     };
-    let mut played = play(reader, graph, timeline, begin, walk).map_err(failure)?;
-    let written = export(&actor, &mut played, output, &options, &Job::new(&|step: Step| terminal.progress(step)))
-        .map_err(failure)?;
+    let report = |step: Step| terminal.progress(step);
+    let job = Job::new(&report);
+    let Some(file) = &arguments.edits else {
+        let mut played = play(reader, graph, timeline, begin, walk).map_err(failure)?;
+        let written = export(&actor, &mut played, output, &options, &job).map_err(failure)?;
+        written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
+        return Ok((written, played.centres));
+    };
+    let document = read_edits(file)?;
+    let (Some(topology), order) = (reader.topology().cloned(), reader.order().map(<[u32]>::to_vec)) else {
+        return Err(failure(ExportError::NotWhole));
+    };
+    let editor = rigged::editor(reader, (&topology, order.as_deref()), timeline, arguments.rig.as_deref(), terminal)?;
+    let weights = topology.weights().to_vec();
+    let mut edited = EditedPoses::new(reader, (timeline, graph.feet()), &weights, editor, document)
+        .with_context(|| file.display().to_string())
+        .map_err(Failure::Input)?;
+    let notes = edited.prepare().with_context(|| file.display().to_string()).map_err(Failure::Input)?;
+    notes.iter().for_each(|note| terminal.log(&format!("note: {note}")));
+    let mut played =
+        play_from(&mut edited, (&topology, order.as_deref()), graph, timeline, begin, walk).map_err(failure)?;
+    let written = export(&actor, &mut played, output, &options, &job).map_err(failure)?;
     written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     Ok((written, played.centres))
+}
+
+fn read_edits(file: &Path) -> Result<EditDocument, Failure> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()));
+    let document = text.and_then(|text| EditDocument::from_json(&text).with_context(|| file.display().to_string()));
+    document.map_err(Failure::Input)
 }
 
 fn failure(error: ExportError) -> Failure {

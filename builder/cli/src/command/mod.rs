@@ -14,6 +14,8 @@ mod performer;
 mod register;
 #[cfg(feature = "complete")]
 mod report;
+mod rig;
+mod rigged;
 mod terminal;
 mod typed;
 mod validate;
@@ -67,6 +69,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Vary(arguments) => vary::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
+        Command::Rig(arguments) => rig::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments, &terminal),
         #[cfg(feature = "complete")]

@@ -36,6 +36,9 @@ pub enum ExportError {
         "{0:?} says no format: name a .glb file, or frames such as frames/%05d.obj, frames/%05d.ply or frames/%05d.png"
     )]
     Format(String),
+    /// A picture of a rig that cannot be encoded.
+    #[error("the picture of the rig cannot be encoded: {0}")]
+    RigPicture(image::ImageError),
     /// A frame could not be made.
     #[error("frame {step} of the walk could not be made: {cause}")]
     Frame {

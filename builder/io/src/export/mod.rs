@@ -22,6 +22,7 @@ mod output;
 mod picture;
 mod play;
 mod ply;
+mod rig_picture;
 mod textures;
 mod turntable;
 
@@ -29,7 +30,8 @@ pub use capture::{CaptureWriter, WrittenCapture, WrittenSequence};
 pub use error::ExportError;
 pub use output::Output;
 pub use picture::{Picture, Raster};
-pub use play::{Played, play};
+pub use play::{Played, play, play_from};
+pub use rig_picture::rig_picture;
 
 use actor::files::FilePlace;
 use actor::surface::Surface;

@@ -1,11 +1,13 @@
 //! Playing a walk: its frames, one after another, as the player on the page makes them.
 
 use actor::graph::EssentialGraph;
+use actor::pose_source::PoseSource;
 use actor::timeline::Timeline;
 use actor::walk::Walk;
 use bundle::BundleReader;
 use glam::Vec3;
 use kernels::align::{Placement, centre_of_mass};
+use kernels::topology::Topology;
 use synthesis::{FrameKind, Synthesiser};
 
 use super::error::ExportError;
@@ -15,7 +17,7 @@ use job::Job;
 pub struct Played<'a> {
     graph: &'a EssentialGraph,
     timeline: &'a Timeline,
-    reader: &'a mut BundleReader,
+    source: &'a mut dyn PoseSource,
     weights: Vec<f32>,
     synthesiser: Synthesiser,
     pose: Vec<Vec3>,
@@ -36,13 +38,29 @@ pub fn play<'a>(
     (start, placement): (u32, Placement),
     walk: &Walk,
 ) -> Result<Played<'a>, ExportError> {
-    let topology = reader.topology().ok_or(ExportError::NotWhole)?;
+    let topology = reader.topology().ok_or(ExportError::NotWhole)?.clone();
+    let order = reader.order().map(<[u32]>::to_vec);
+    play_from(reader, (&topology, order.as_deref()), graph, timeline, (start, placement), walk)
+}
+
+/// As [`play`], with poses from `source`: a bundle's, with edits. `order` is the bundle's order of elimination.
+///
+/// # Errors
+/// As there.
+pub fn play_from<'a>(
+    source: &'a mut dyn PoseSource,
+    (topology, order): (&Topology, Option<&[u32]>),
+    graph: &'a EssentialGraph,
+    timeline: &'a Timeline,
+    (start, placement): (u32, Placement),
+    walk: &Walk,
+) -> Result<Played<'a>, ExportError> {
     let weights = topology.weights().to_vec();
-    let mut synthesiser = Synthesiser::new(topology, reader.order())?;
+    let mut synthesiser = Synthesiser::new(topology, order)?;
     synthesiser.begin_walk(graph, timeline, (start, placement), walk)?;
     let pose = vec![Vec3::ZERO; weights.len()];
     let frames = walk.steps(graph) + 1;
-    Ok(Played { graph, timeline, reader, weights, synthesiser, pose, centres: Vec::new(), frames })
+    Ok(Played { graph, timeline, source, weights, synthesiser, pose, centres: Vec::new(), frames })
 }
 
 /// A frame that is written.
@@ -67,7 +85,7 @@ impl Played<'_> {
 
     /// The next frame: where it comes from, and its pose.
     fn next(&mut self) -> Result<Option<(FrameKind, &[Vec3])>, ExportError> {
-        let made = self.synthesiser.next_frame(self.graph, self.timeline, self.reader, &mut self.pose);
+        let made = self.synthesiser.next_frame(self.graph, self.timeline, self.source, &mut self.pose);
         let made = made.map_err(|cause| ExportError::Frame { step: self.centres.len() as u32, cause })?;
         let Some(made) = made else { return Ok(None) };
         self.centres.push(centre_of_mass(&self.pose, &self.weights));

@@ -4,7 +4,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::rigid::Rigid;
+use crate::rigid::Rigid;
 
 /// At most this many joints move a vertex.
 pub const INFLUENCES: usize = 4;

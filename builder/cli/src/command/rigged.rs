@@ -1,0 +1,70 @@
+//! Rigs of captures and bundles, corrected as a file says.
+
+use std::path::Path;
+
+use actor::capture::Poses;
+use actor::pose_source::PoseSource;
+use actor::timeline::Timeline;
+use anyhow::Context;
+use bundle::BundleReader;
+use editing::{Editor, Rig};
+use glam::Vec3;
+use kernels::topology::Topology;
+use rig::{Estimate, RigError, RigFile, RigOptions, estimate};
+
+use super::failure::Failure;
+use super::terminal::Terminal;
+
+/// All poses of a bundle.
+pub fn poses(reader: &mut BundleReader, timeline: &Timeline, vertex_count: usize) -> Result<Poses, Failure> {
+    let mut poses = Poses::new(vertex_count);
+    let mut pose = vec![Vec3::ZERO; vertex_count];
+    for frame in 0..timeline.frame_count() {
+        reader.read(frame, &mut pose).map_err(|error| Failure::Input(error.into()))?;
+        poses.push(&pose);
+    }
+    Ok(poses)
+}
+
+/// What a rig file says; nothing where there is none.
+pub fn read_file(file: Option<&Path>) -> Result<RigFile, Failure> {
+    let Some(file) = file else { return Ok(RigFile::default()) };
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()));
+    let read = text.and_then(|text| toml::from_str(&text).with_context(|| file.display().to_string()));
+    read.map_err(Failure::Input)
+}
+
+/// The rig that is estimated, and as `file` corrects it.
+pub fn corrected(
+    topology: &Topology,
+    poses: &Poses,
+    file: &RigFile,
+    parts: Option<usize>,
+) -> Result<(Estimate, Rig), RigError> {
+    let mut options = RigOptions::default();
+    options.parts = parts.or(file.parts).unwrap_or(options.parts);
+    let found = estimate(topology, poses, &options)?;
+    let rig = file.correct(&found.rig)?;
+    Ok((found, rig))
+}
+
+/// What edits poses of a bundle: with its rig, or without one where nothing moves against anything else.
+pub fn editor(
+    reader: &mut BundleReader,
+    (topology, order): (&Topology, Option<&[u32]>),
+    timeline: &Timeline,
+    file: Option<&Path>,
+    terminal: &Terminal,
+) -> Result<Editor, Failure> {
+    let rig_file = read_file(file)?;
+    let poses = poses(reader, timeline, topology.vertex_count())?;
+    let rig = match corrected(topology, &poses, &rig_file, None) {
+        Ok((_, rig)) => Some(rig),
+        Err(error @ RigError::Rigid { .. }) if file.is_none() => {
+            terminal.log(&format!("note: {error}"));
+            None
+        }
+        Err(error) => return Err(Failure::Input(error.into())),
+    };
+    Editor::new(topology, order, rig).map_err(|error| Failure::Input(error.into()))
+}
