@@ -10,7 +10,6 @@ pub mod descent;
 pub mod gpdm;
 pub mod hmc;
 pub mod pca;
-pub mod rotation;
 pub mod store;
 pub mod stretch;
 pub mod symmetric;

@@ -5,7 +5,7 @@
 
 use actor::capture::Poses;
 use glam::{DMat3, Quat, Vec3};
-use learn::rotation::best_rotation;
+use kernels::rotation::best_rotation;
 use rayon::prelude::*;
 
 /// Rounds of aligning and weighing.
@@ -98,7 +98,7 @@ fn align(own: &[Vec3], recorded: &[Vec3], weights: &[f32]) -> BodyFrame {
     let mut sum = DMat3::ZERO;
     for ((own, recorded), weight) in own.iter().zip(recorded).zip(weights) {
         let (before, after) = (((own - middle) * *weight).as_dvec3(), (recorded - centre).as_dvec3());
-        sum += DMat3::from_cols(before * after.x, before * after.y, before * after.z);
+        sum += DMat3::from_cols(after * before.x, after * before.y, after * before.z);
     }
     let rotation = best_rotation(&sum).as_quat();
     BodyFrame { rotation, centre: centre - rotation * middle }

@@ -7,7 +7,7 @@
 use actor::capture::Poses;
 use actor::ties::{MOST_TIED, Tie, Ties};
 use glam::{Mat3, Vec3};
-use kernels::rotation::best_rotation;
+use kernels::rotation::least_turn;
 use kernels::topology::Topology;
 use rayon::prelude::*;
 
@@ -202,7 +202,7 @@ pub fn place(tie: &Tie, reference: &[Vec3], pose: &[Vec3]) -> Vec3 {
         let (a, b) = (reference[vertex as usize] - from, pose[vertex as usize] - to);
         covariance += Mat3::from_cols(b * a.x, b * a.y, b * a.z);
     }
-    best_rotation(&covariance).conjugate() * (mean(&tie.contact, pose) - to)
+    least_turn(&covariance).conjugate() * (mean(&tie.contact, pose) - to)
 }
 
 fn mean(vertices: &[u32], pose: &[Vec3]) -> Vec3 {

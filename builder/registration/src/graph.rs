@@ -7,7 +7,7 @@ use geometry::mesh::Mesh;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use kernels::components::connected_components;
 use kernels::random::mix;
-use learn::rotation::best_rotation;
+use kernels::rotation::best_rotation;
 use rayon::prelude::*;
 
 /// Nodes that carry a vertex.
@@ -57,7 +57,7 @@ impl Graph {
                 let centre = self.nodes[node as usize] as usize;
                 let from = (rest[vertex] - rest[centre]).as_dvec3() * f64::from(share);
                 let to = (moved[vertex] - moved[centre]).as_dvec3();
-                sums[node as usize] += DMat3::from_cols(from * to.x, from * to.y, from * to.z);
+                sums[node as usize] += DMat3::from_cols(to * from.x, to * from.y, to * from.z);
             }
         }
         let of = |(&node, sum): (&u32, &DMat3)| Motion {

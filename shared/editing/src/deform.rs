@@ -13,7 +13,7 @@ use kernels::gradients::TriangleBatches;
 use kernels::laplacian::{Laplacian, LaplacianPattern};
 use kernels::topology::Topology;
 
-use crate::rotation::best_rotation;
+use kernels::rotation::best_rotation;
 
 /// Smaller weights are this: negative cotangents would break the search for rotations.
 const LEAST_WEIGHT: f32 = 1e-3;

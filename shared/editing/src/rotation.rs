@@ -1,68 +1,7 @@
-//! Rotations that fit: the best one between two sets of points, and what logarithms need.
+//! Rigid transforms that fit, and what logarithms of rotations need.
 
-use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
-
-/// The rotation `R` that maximises `trace(R^T S)` for `sum = S = sum of to * from^T`: the best one from the points `from` to
-/// the points `to`, both about their centres. Identity where there is nothing to fit.
-///
-/// This work is based on: Horn, "Closed-form solution of absolute orientation using unit quaternions" (1987): the eigenvector
-/// of the largest eigenvalue of a symmetric 4x4 matrix, here by Jacobi's rotations.
-#[must_use]
-pub fn best_rotation(sum: &DMat3) -> DQuat {
-    // S[row][column] = to_row * from_column; Horn's matrix has from first.
-    let s = |from: usize, to: usize| sum.col(from)[to];
-    let (xx, yy, zz) = (s(0, 0), s(1, 1), s(2, 2));
-    let [yz, zx, xy] = [s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0)];
-    let [a, b, c] = [s(0, 1) + s(1, 0), s(2, 0) + s(0, 2), s(1, 2) + s(2, 1)];
-    let matrix =
-        [[xx + yy + zz, yz, zx, xy], [yz, xx - yy - zz, a, b], [zx, a, yy - xx - zz, c], [xy, b, c, zz - xx - yy]];
-    let [w, x, y, z] = largest_eigenvector(matrix);
-    let rotation = DQuat::from_xyzw(x, y, z, w);
-    if rotation.is_finite() && rotation.length_squared() > 0.5 { rotation.normalize() } else { DQuat::IDENTITY }
-}
-
-fn largest_eigenvector(mut m: [[f64; 4]; 4]) -> [f64; 4] {
-    let mut vectors = [[0.0; 4]; 4];
-    (0..4).for_each(|k| vectors[k][k] = 1.0);
-    for _ in 0..30 {
-        let off: f64 = (0..4).flat_map(|p| (p + 1..4).map(move |q| (p, q))).map(|(p, q)| m[p][q] * m[p][q]).sum();
-        let scale: f64 = (0..4).map(|k| m[k][k] * m[k][k]).sum();
-        if off <= 1e-28 * scale.max(f64::MIN_POSITIVE) {
-            break;
-        }
-        for p in 0..3 {
-            for q in p + 1..4 {
-                turn(&mut m, &mut vectors, p, q);
-            }
-        }
-    }
-    let largest = (0..4).fold(0, |best, k| if m[k][k] > m[best][best] { k } else { best });
-    [0, 1, 2, 3].map(|row: usize| vectors[row][largest])
-}
-
-/// One of Jacobi's rotations, which takes the entry (p, q) away.
-fn turn(m: &mut [[f64; 4]; 4], vectors: &mut [[f64; 4]; 4], p: usize, q: usize) {
-    if m[p][q] == 0.0 {
-        return;
-    }
-    let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
-    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let t = if theta == 0.0 { 1.0 } else { t };
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    for k in 0..4 {
-        let (a, b) = (m[k][p], m[k][q]);
-        (m[k][p], m[k][q]) = (c * a - s * b, s * a + c * b);
-    }
-    for k in 0..4 {
-        let (a, b) = (m[p][k], m[q][k]);
-        (m[p][k], m[q][k]) = (c * a - s * b, s * a + c * b);
-    }
-    for row in vectors.iter_mut() {
-        let (a, b) = (row[p], row[q]);
-        (row[p], row[q]) = (c * a - s * b, s * a + c * b);
-    }
-}
+use glam::{DMat3, DVec3, Mat3, Vec3};
+use kernels::rotation::best_rotation;
 
 /// The matrix of `v x`.
 #[must_use]

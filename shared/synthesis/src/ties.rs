@@ -6,7 +6,7 @@
 
 use actor::ties::Ties;
 use glam::{Mat3, Vec3};
-use kernels::rotation::best_rotation;
+use kernels::rotation::least_turn;
 use kernels::topology::Topology;
 
 /// Which vertices go with which component, and how heavy components are.
@@ -74,5 +74,5 @@ fn rotation(vertices: &[u32], from: &[Vec3], to: &[Vec3]) -> glam::Quat {
         let (a, b) = (from[vertex as usize] - from_mean, to[vertex as usize] - to_mean);
         covariance += Mat3::from_cols(b * a.x, b * a.y, b * a.z);
     }
-    best_rotation(&covariance)
+    least_turn(&covariance)
 }
