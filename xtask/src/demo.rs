@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::thread;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 
 use crate::command::{Beside, cargo, run, target};
 use crate::{serve, web};
@@ -23,17 +24,26 @@ pub fn demo(arguments: &[&str]) -> Result<()> {
             other => bail!("demo knows no {other:?}; usage: cargo xtask demo [--port N] [--no-serve]"),
         }
     }
-    // The page's last step optimises all of it as one, on one core: the builder takes the others meanwhile.
-    let compiled = Beside::start("the builder", &mut small_builder("build"))?;
+    // The page's last step optimises all of it as one, on one core: what the builder does takes the others meanwhile.
+    let packed = thread::spawn(packed);
     let dist = web::build()?;
-    compiled.finish()?;
+    let bundle = packed.join().map_err(|_| anyhow!("packing broke off"))??;
+    let shown = dist.join("demo.reprise");
+    fs::copy(&bundle, &shown).with_context(|| format!("cannot write {}", shown.display()))?;
+    if serving { serve::serve(&dist, port) } else { Ok(()) }
+}
+
+/// Compiles the builder, and packs the built-in performer with it; the bundle.
+fn packed() -> Result<PathBuf> {
+    Beside::start("the builder", &mut small_builder("build"))?.finish()?;
     let builder = || {
         let mut builder = small_builder("run");
-        builder.arg("--");
+        builder.args(["--", "-q"]);
         Ok(builder)
     };
-    pack(&dist.join("demo.reprise"), &builder)?;
-    if serving { serve::serve(&dist, port) } else { Ok(()) }
+    let bundle = target().join("demo.reprise");
+    pack(&bundle, &builder)?;
+    Ok(bundle)
 }
 
 /// Makes the built-in performer's capture and packs it into `bundle`.

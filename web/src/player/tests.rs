@@ -471,7 +471,9 @@ fn paths_are_followed_by_the_vertices_asked_for() {
     let mut player = player(&[(20, false), (12, false)], &[(4, 26), (28, 6)]);
     let path = |vertices: &[u32]| {
         let points = vec![vec![0.0, 0.0], vec![0.15, 0.0]];
-        Request::new(Target::Path(PathRequest { points, vertices: vertices.to_vec(), ..PathRequest::default() }))
+        // Not bent onto it: where the vertices are in the second frame is to be known.
+        let path = PathRequest { points, vertices: vertices.to_vec(), exactness: 0.0, ..PathRequest::default() };
+        Request::new(Target::Path(path))
     };
     let known = Known::from_words(&player.known(1e9).unwrap().unwrap()).unwrap();
     let mut searcher = Searcher::new(known).unwrap();
