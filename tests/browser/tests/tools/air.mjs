@@ -8,7 +8,7 @@ export const tests = {
     const player = await using(browser, 'path');
     await player.run((element) => (element.direction = { version: 1, target: { path: { points: [[0, 0], [0.5, 1], [1, 2]], shape: 'spline' } } }));
     const points = async () => (await asked(player)).target.path.points;
-    const height = player.part('.path-dock .field input');
+    const height = player.part('.path-dock .field input[type="number"]');
     assert.equal(await height.isVisible(), false);
     await player.part('.chip').filter({ hasText: '3D' }).click();
     const flat = await points();
