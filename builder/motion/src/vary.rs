@@ -24,6 +24,8 @@ use crate::smooth::{between, ramp, smoothed};
 const LEARNED: f32 = 25.0;
 /// Frames of one model: the time of its training grows with the cube.
 const MODEL: usize = 150;
+/// How far samples easily leave the recording, in mean steps, for each unit of the amount: one step at 0.12.
+const TETHER: f64 = 1.0 / 0.12;
 /// Deviations of what smooths samples, in learned frames: the first that does not shake, or the last.
 const SMOOTH: [f64; 4] = [2.0, 3.0, 5.0, 8.0];
 /// What shakes no more than this, over the recording, does not.
@@ -43,8 +45,6 @@ const LENGTHS: Range<f64> = 0.6..1.6;
 pub struct VaryOptions {
     /// How much: noise of a step in mean steps, 0.06 to 0.25.
     pub amount: f64,
-    /// How far samples may leave the recording, in mean steps.
-    pub tether: f64,
     /// Variations of each sequence.
     pub count: usize,
     /// Seed of all that is drawn.
@@ -57,7 +57,7 @@ pub struct VaryOptions {
 
 impl Default for VaryOptions {
     fn default() -> Self {
-        Self { amount: 0.12, tether: 1.0, count: 20, seed: 1, dimensions: 5, stretch: 2.4 }
+        Self { amount: 0.12, count: 20, seed: 1, dimensions: 5, stretch: 2.4 }
     }
 }
 
@@ -142,7 +142,7 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
         .map(|(number, (_, range))| {
             job.tell("drawing variations", number as u64, stretches.len() as u64)?;
             let seed = mix(seed, number as u64);
-            let options = StretchOptions { amount: options.amount, tether: options.tether, samples, seed };
+            let options = StretchOptions { amount: options.amount, tether: TETHER * options.amount, samples, seed };
             Ok(sample_stretch(model, range.clone(), &options))
         })
         .collect();

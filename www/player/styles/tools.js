@@ -91,6 +91,8 @@ button:disabled { opacity: 0.38; cursor: default; }
 .weight { display: grid; grid-template-columns: 84px 1fr 44px; align-items: center; gap: 8px; }
 .weight span { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
 .weight input { accent-color: var(--accent); min-inline-size: 0; margin: 0; }
+.exact { display: flex; align-items: center; gap: 8px; color: var(--muted); }
+.exact input { accent-color: var(--accent); inline-size: 72px; margin: 0; }
 .weight output { color: var(--muted); text-align: end; }
 
 .handle { position: absolute; inset: 0 auto auto 0; inline-size: 28px; block-size: 28px; margin: -14px; padding: 0; border: 0; border-radius: 50%; background: none; pointer-events: auto; cursor: move; touch-action: none; }

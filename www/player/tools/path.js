@@ -47,7 +47,7 @@ export class PathTool extends Tool {
     this.exact = h('input', { type: 'range', min: 0, max: 1, step: 0.05, value: 1, 'aria-label': 'Exactness' });
     this.exact.addEventListener('input', () => this.set({ ...this.path, exactness: Number(this.exact.value) }, 'exactness'));
     this.exact.addEventListener('change', () => box.history.settle());
-    const exact = h('label', { class: 'field', title: 'How far the walk is bent onto the path: not at all, or as far as its steps can be' }, h('span', {}, 'exact'), this.exact);
+    const exact = h('label', { class: 'exact', title: 'How far the walk is bent onto the path: not at all, or as far as its steps can be' }, h('span', {}, 'exact'), this.exact);
     this.strip = new PathStrip({ paint: (from, to, merge) => this.paint(from, to, merge), brush: () => this.brush });
     this.build(h('div', { class: 'row' }, this.choice.root, h('span', { class: 'space' }), this.height.root, exact, this.part.button, this.space, this.anew, this.longer), this.strip.root, this.row.root);
     this.labels = h('div', { class: 'ground-labels', 'aria-hidden': 'true' });
