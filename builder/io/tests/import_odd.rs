@@ -346,7 +346,7 @@ fn formats_that_are_not_read_are_named_with_a_way_to_go() {
     let folder = tempfile::tempdir().unwrap();
     let f = folder.path();
     for (ending, said) in [
-        ("drc", "draco_decoder"),
+        ("uvol", "version 2"),
         ("abc", "Alembic"),
         ("usdz", "USD"),
         ("fbx", "FBX2glTF"),

@@ -20,9 +20,11 @@ pub mod feet;
 pub mod figure;
 pub mod gait;
 pub mod hair;
+mod lattice;
 pub mod motion;
 pub mod paint;
 pub mod perform;
+mod scanned;
 pub mod skeleton;
 pub mod skinning;
 pub mod skirt;
@@ -38,6 +40,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 pub use artefacts::Artefacts;
+pub use scanned::{ScannedOptions, write_scanned};
 
 /// What to perform.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,6 +18,7 @@ pub mod detail;
 pub mod dissimilarity;
 pub mod energy;
 pub mod graph;
+pub mod groups;
 pub mod projection;
 pub mod register;
 pub mod scan;

@@ -148,6 +148,24 @@ fn bytes(colour: Vec3) -> [u8; 3] {
 }
 
 impl Texture {
+    /// The colours, 0 to 1, of the `count` vertices of `triangles`, whose corners have the texture coordinates `uvs`: means of what lies
+    /// around each, for one texel tells little.
+    #[must_use]
+    pub fn of_vertices(&self, count: usize, triangles: &[[u32; 3]], uvs: &[[Vec2; 3]]) -> Vec<Vec3> {
+        let mut sums = vec![(Vec3::ZERO, 0.0); count];
+        for (triangle, corners) in triangles.iter().zip(uvs) {
+            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+            for (&vertex, corner) in triangle.iter().zip(corners) {
+                for share in [0.2, 0.5, 0.8] {
+                    let (sum, samples) = &mut sums[vertex as usize];
+                    *sum += self.at(corner.lerp(centre, share)) / 255.0;
+                    *samples += 1.0;
+                }
+            }
+        }
+        sums.into_iter().map(|(sum, samples)| sum / f32::max(samples, 1.0)).collect()
+    }
+
     /// The texture with the borders of its charts, which `uvs` say, spread outwards.
     fn spread(&self, uvs: &[[Vec2; 3]]) -> Self {
         let size = Vec2::new(self.width as f32, self.height as f32);
@@ -237,6 +255,19 @@ mod tests {
         for (k, _) in &projection.atlas.texels {
             assert_ne!(projected.texels[*k as usize], [0; 3]);
         }
+    }
+
+    #[test]
+    fn vertices_have_the_colours_around_them() {
+        let triangles = [[0, 1, 2], [2, 1, 3]];
+        let places = [Vec2::new(0.1, 0.1), Vec2::new(0.1, 0.9), Vec2::new(0.9, 0.1), Vec2::new(0.9, 0.9)];
+        let uvs = triangles.map(|t| t.map(|v: u32| places[v as usize]));
+        let texels = (0..64 * 64).map(|k| if k % 64 < 32 { [255, 0, 0] } else { [0, 0, 255] }).collect();
+        let texture = Texture { width: 64, height: 64, texels };
+        let colours = texture.of_vertices(5, &triangles, &uvs);
+        // Left is red, right is blue; nothing lies around the last.
+        assert!(colours[0].x > 0.99 && colours[3].z > 0.99 && colours[1].x > 0.6 && colours[2].z > 0.6, "{colours:?}");
+        assert_eq!(colours[4], Vec3::ZERO);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use super::checks::{Fault, Fit, Limits, fit};
 use super::descriptor::{Descriptor, DescriptorOptions};
 use super::detail::{Detail, DetailError};
 use super::dissimilarity::Dissimilarity;
+use super::groups::{Anchors, MeshMark, groups};
 use super::scan::{Cleaned, Scan};
 use super::surface::Surface;
 use super::template::Template;
@@ -24,6 +25,8 @@ use super::tree::{Candidate, Tree, choose_root};
 const TRIES: usize = 4;
 /// Area of a frame over the usual one, or the other way, beyond which it is no scan of this body.
 const MOST_GROWTH: f32 = 2.0;
+/// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
+const MOST_FOLLOWED_STRETCH: f64 = 2.0;
 /// Changes whenever tracking finds something else in the same input.
 const VERSION: u32 = 1;
 
@@ -73,6 +76,14 @@ pub trait Source: Sync {
     /// # Errors
     /// What is wrong with it.
     fn read(&self, frame: usize) -> Result<(Scan, Self::Extra), Self::Error>;
+
+    /// Reads a frame without its colours, where that is less work.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn shape(&self, frame: usize) -> Result<Scan, Self::Error> {
+        self.read(frame).map(|(scan, _)| scan)
+    }
 }
 
 /// Why a frame is not part of the result.
@@ -90,7 +101,9 @@ impl fmt::Display for Lost {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Empty => write!(f, "no surface is left without crumbs"),
-            Self::Size(times) => write!(f, "its surface is {times:.2} times that of most frames"),
+            Self::Size(times) => {
+                write!(f, "its surface is {times:.2} times that of most frames (is it in the same unit?)")
+            }
             Self::Untracked(Fault::Uncovered, fit) => {
                 write!(f, "the template leaves {:.1} % of it uncovered", 100.0 * fit.uncovered)
             }
@@ -114,6 +127,10 @@ pub struct Survey {
     pub lost: Vec<(usize, Lost)>,
     /// Frames whose triangles were turned, for they faced inwards.
     pub turned: Vec<usize>,
+    /// Frames of which parts that float about were left out.
+    pub littered: Vec<usize>,
+    /// The keyframe group of each of `frames`.
+    pub groups: Vec<usize>,
 }
 
 /// A frame that was tracked.
@@ -127,6 +144,8 @@ pub struct Tracked {
     pub fit: Fit,
     /// From how many frames it was tried.
     pub tries: usize,
+    /// Whether it followed its parent, of which every point is known, instead of being tracked.
+    pub followed: bool,
 }
 
 /// A frame just tracked, for whoever writes it.
@@ -149,8 +168,8 @@ pub struct Found<'a, X> {
 /// Who is given every frame that is tracked, from many threads at once.
 pub type Emit<'a, S> = &'a (dyn Fn(Found<'_, <S as Source>::Extra>) -> Result<(), <S as Source>::Error> + Sync);
 
-/// What a frame is like, and whether it was turned inside out.
-type Look = (Candidate, bool);
+/// What a frame is like, whether it was turned inside out and whether parts of it float about, and what tells its mesh.
+type Look = (Candidate, [bool; 2], MeshMark);
 
 /// What became of all frames.
 #[derive(Clone, Debug)]
@@ -184,38 +203,42 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
     job.tell("looking at scans", 0, count as u64)?;
     let done = AtomicU64::new(0);
     let look = |frame: usize| -> Result<Option<Look>, S::Error> {
-        let (mut scan, _) = source.read(frame)?;
+        let mut scan = source.shape(frame)?;
+        let mark = MeshMark::new(&scan);
         let found = cleaned(&mut scan).map(|(cleaned, turned)| {
             let surface = &cleaned.surface;
             let handles = handles_of(surface, cleaned.parts);
-            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, turned)
+            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, [turned, cleaned.debris > 0], mark)
         });
         looked_at("looking at scans", &done)?;
         Ok(found)
     };
     let seen: Vec<Result<Option<Look>, S::Error>> = (0..count).into_par_iter().map(look).collect();
     let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
-    let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, _)| candidate.area).collect();
+    let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, ..)| candidate.area).collect();
     areas.sort_by(f32::total_cmp);
     let usual = areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12);
-    let (mut frames, mut candidates, mut lost, mut turned) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut frames, mut candidates, mut lost) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut turned, mut littered, mut marks) = (Vec::new(), Vec::new(), Vec::new());
     for (frame, seen) in seen.into_iter().enumerate() {
         match seen {
             None => lost.push((frame, Lost::Empty)),
-            Some((candidate, _)) if !(usual / MOST_GROWTH..=usual * MOST_GROWTH).contains(&candidate.area) => {
+            Some((candidate, ..)) if !(usual / MOST_GROWTH..=usual * MOST_GROWTH).contains(&candidate.area) => {
                 lost.push((frame, Lost::Size(candidate.area / usual)));
             }
-            Some((candidate, inside_out)) => {
+            Some((candidate, [inside_out, debris], mark)) => {
                 frames.push(frame);
                 candidates.push(candidate);
+                marks.push(mark);
                 turned.extend(inside_out.then_some(frame));
+                littered.extend(debris.then_some(frame));
             }
         }
     }
     let scale = (usual / 2.2).sqrt();
     let done = AtomicU64::new(lost.len() as u64);
     let describe = |&frame: &usize| -> Result<Option<Descriptor>, S::Error> {
-        let (mut scan, _) = source.read(frame)?;
+        let mut scan = source.shape(frame)?;
         let found = cleaned(&mut scan);
         let found = found.map(|(cleaned, _)| Descriptor::new(&cleaned.surface, scale, &options.descriptor));
         looked_at("describing scans", &done)?;
@@ -226,7 +249,7 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
     let descriptors: Vec<Descriptor> = described.into_iter().flatten().collect();
     job.begin("comparing scans")?;
     let dissimilarity = Dissimilarity::new(&descriptors);
-    Ok(Survey { frames, candidates, dissimilarity, lost, turned })
+    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, groups: groups(&marks) })
 }
 
 /// Handles by the Euler number, rounded up; what is open counts as handles, too.
@@ -253,7 +276,7 @@ impl Survey {
     /// The order in which frames are tracked.
     #[must_use]
     pub fn tree(&self, wanted: Option<usize>) -> Tree {
-        Tree::new(&self.dissimilarity, self.root(wanted))
+        Tree::new(&self.dissimilarity, self.root(wanted)).grouped(&self.groups)
     }
 }
 
@@ -284,7 +307,8 @@ where
     S::Error: From<DetailError>,
 {
     let detail = Detail::new(&template.surface, template.scale)?;
-    let registrar = Registrar { source, survey, template, detail, options, job, emit };
+    let neighbours = template.surface.mesh.neighbours();
+    let registrar = Registrar { source, survey, template, neighbours, detail, options, job, emit };
     let count = survey.frames.len();
     let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
     let done = AtomicU64::new(0);
@@ -325,6 +349,8 @@ where
 struct State {
     /// The template's pose without detail, which children are tracked from.
     pose: Option<Vec<Vec3>>,
+    /// The template on the frame, without detail and with it, for others of its group.
+    anchors: Option<[Anchors; 2]>,
     tracked: Option<Tracked>,
     tried: Vec<usize>,
     failed: Option<(Fault, Fit)>,
@@ -334,6 +360,8 @@ struct Registrar<'a, S: Source> {
     source: &'a S,
     survey: &'a Survey,
     template: &'a Template,
+    /// Of the template's vertices.
+    neighbours: Vec<Vec<u32>>,
     detail: Detail,
     options: &'a RegisterOptions,
     job: &'a Job<'a>,
@@ -341,8 +369,15 @@ struct Registrar<'a, S: Source> {
 }
 
 enum Outcome {
-    Good(Vec<Vec3>, Fit),
+    Good(Box<Good>),
     Bad(Fault, Fit),
+}
+
+/// A frame that was tracked, for those after it.
+struct Good {
+    pose: Vec<Vec3>,
+    anchors: Option<[Anchors; 2]>,
+    tracked: Tracked,
 }
 
 impl<S: Source> Registrar<'_, S>
@@ -377,13 +412,12 @@ where
         };
         let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
         for (&(k, parent), found) in open.iter().zip(found) {
-            let (frame, state) = (self.survey.frames[k], &mut state[k]);
+            let state = &mut state[k];
             state.tried.extend(parent);
             match found? {
-                Outcome::Good(pose, fit) => {
-                    let parent = parent.map(|parent| self.survey.frames[parent]);
-                    state.pose = Some(pose);
-                    state.tracked = Some(Tracked { frame, parent, fit, tries: state.tried.len() });
+                Outcome::Good(good) => {
+                    let Good { pose, anchors, tracked } = *good;
+                    (state.pose, state.anchors, state.tracked) = (Some(pose), anchors, Some(tracked));
                 }
                 // The first failure, along the tree, is the one to tell of.
                 Outcome::Bad(fault, fit) => {
@@ -399,32 +433,65 @@ where
         let (mut scan, extra) = self.source.read(frame)?;
         let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
         let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
-        let target = Target::new(cleaned.surface, template.scale);
-        let (pose, fit) = match parent.and_then(|p| state[p].pose.as_ref().map(|pose| (p, pose))) {
-            None => {
+        let Cleaned { surface, uvs, kept, .. } = cleaned;
+        let target = Target::new(surface, template.scale);
+        let of_parent = |p: usize| state[p].pose.as_ref().map(|pose| (p, pose));
+        let followed = parent.and_then(|p| self.followed(&state[p], &scan, &target));
+        let is_followed = followed.is_some();
+        let (pose, detailed, fit) = match (followed, parent.and_then(of_parent)) {
+            (Some((pose, detailed, fit)), _) => (pose, Some(detailed), fit),
+            (None, None) => {
                 let own = template.surface.mesh.positions.clone();
                 let fit = fit(template, &template.surface, &own, &target.surface);
-                (own, fit)
+                (own.clone(), Some(own), fit)
             }
-            Some((p, from)) => {
+            (None, Some((p, from))) => {
                 let start = moved(template, from, &target.surface, self.survey.dissimilarity.turn(p, k));
                 let pose = self.tracked(&start, &target);
                 let fit = fit(template, &template.surface.posed(pose.clone()), &start, &target.surface);
-                (pose, fit)
+                (pose, None, fit)
             }
         };
         if let Some(fault) = fit.fault(&self.options.limits, template.scale).filter(|_| parent.is_some()) {
             return Ok(Outcome::Bad(fault, fit));
         }
-        let detailed = if self.options.detail > 0.0 && parent.is_some() {
-            self.detail.add(&template.surface, &pose, &target, self.options.detail)?
+        let detailed = match detailed {
+            Some(detailed) => detailed,
+            None if self.options.detail > 0.0 => {
+                self.detail.add(&template.surface, &pose, &target, self.options.detail)?
+            }
+            None => pose.clone(),
+        };
+        let anchors = if self.is_followed(k, parent) {
+            let [plain, detailed] = [&pose, &detailed].map(|pose| {
+                let posed = template.surface.posed(pose.clone());
+                Anchors::new((&scan, &kept), &posed, template.scale, |place, normal| target.closest(place, normal))
+            });
+            plain.zip(detailed).map(|(plain, detailed)| [plain, detailed])
         } else {
-            pose.clone()
+            None
         };
         let parent = parent.map(|parent| self.survey.frames[parent]);
-        let tracked = Tracked { frame, parent, fit, tries: state[k].tried.len() + 1 };
-        (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &cleaned.uvs, extra })?;
-        Ok(Outcome::Good(pose, fit))
+        let tracked = Tracked { frame, parent, fit, tries: state[k].tried.len() + 1, followed: is_followed };
+        (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &uvs, extra })?;
+        Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
+    }
+
+    /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
+    fn followed(&self, parent: &State, scan: &Scan, target: &Target) -> Option<(Vec<Vec3>, Vec<Vec3>, Fit)> {
+        let (from, [plain, detailed]) = (parent.pose.as_ref()?, parent.anchors.as_ref()?);
+        let (pose, detailed) = (plain.follow(scan, &self.neighbours)?, detailed.follow(scan, &self.neighbours)?);
+        let template = self.template;
+        let fit = fit(template, &template.surface.posed(pose.clone()), from, &target.surface);
+        let sound = fit.fault(&self.options.limits, template.scale).is_none() && fit.stretch < MOST_FOLLOWED_STRETCH;
+        sound.then_some((pose, detailed, fit))
+    }
+
+    /// Whether others of its group follow a frame: the first of it in the tree.
+    fn is_followed(&self, k: usize, parent: Option<usize>) -> bool {
+        let groups = &self.survey.groups;
+        let others = groups.iter().filter(|&&group| group == groups[k]).nth(1).is_some();
+        others && parent.is_none_or(|parent| groups[parent] != groups[k])
     }
 
     /// The pose tracked from `start`, or what the work folder holds of it.

@@ -12,6 +12,8 @@ use super::surface::Surface;
 const WELD: f32 = 1e-4;
 /// Parts of fewer triangles are crumbs.
 const CRUMB: usize = 60;
+/// Parts of more triangles, but a smaller share of the area of all, float about: a hand that is cut off has twice as much.
+const DEBRIS: f32 = 0.01;
 
 /// A frame as it was scanned.
 #[derive(Clone, Debug, Default)]
@@ -33,9 +35,13 @@ pub struct Cleaned {
     pub surface: Surface,
     /// Texture coordinates of the corners of the surface's triangles; empty where there are none.
     pub uvs: Vec<[Vec2; 3]>,
+    /// The scan's triangle that each of the surface's is.
+    pub kept: Vec<u32>,
     /// Connected parts that are left.
     pub parts: usize,
-    /// Triangles that were crumbs, doubled, or without an area.
+    /// Parts that were more than crumbs, but float about.
+    pub debris: usize,
+    /// Triangles that were crumbs, debris, doubled, or without an area.
     pub dropped: usize,
 }
 
@@ -63,12 +69,22 @@ impl Scan {
             [[a, b], [b, c]]
         });
         let (part, _) = connected_components(self.positions.len(), pairs);
-        let mut sizes: HashMap<u32, usize> = HashMap::new();
-        kept.iter().for_each(|&k| *sizes.entry(part[corners(k)[0] as usize]).or_default() += 1);
+        let mut sizes: HashMap<u32, (usize, f32)> = HashMap::new();
+        for &k in &kept {
+            let (count, area) = sizes.entry(part[corners(k)[0] as usize]).or_default();
+            let [a, b, c] = corners(k).map(|v| self.positions[v as usize]);
+            *count += 1;
+            *area += area_of([a, b, c]);
+        }
         // A mesh of crumbs alone keeps its largest.
-        let least = CRUMB.min(sizes.values().copied().max().unwrap_or(0));
-        let kept: Vec<usize> = kept.into_iter().filter(|&k| sizes[&part[corners(k)[0] as usize]] >= least).collect();
-        let parts = sizes.values().filter(|&&size| size >= least).count();
+        let least = CRUMB.min(sizes.values().map(|size| size.0).max().unwrap_or(0));
+        let smallest =
+            DEBRIS * kept.iter().map(|&k| area_of(corners(k).map(|v| self.positions[v as usize]))).sum::<f32>();
+        let is_debris = |&(count, area): &(usize, f32)| count >= least && area < smallest;
+        let is_body = |size: &(usize, f32)| size.0 >= least && !is_debris(size);
+        let kept: Vec<usize> = kept.into_iter().filter(|&k| is_body(&sizes[&part[corners(k)[0] as usize]])).collect();
+        let parts = sizes.values().filter(|size| is_body(size)).count();
+        let debris = sizes.values().filter(|size| is_debris(size)).count();
         let mut compact = vec![u32::MAX; self.positions.len()];
         let (mut positions, mut colours) = (Vec::new(), Vec::new());
         let triangles: Vec<[u32; 3]> = kept
@@ -92,7 +108,8 @@ impl Scan {
         let colours = (colours.len() == positions.len()).then_some(colours);
         let surface = Surface::new(Mesh { positions, triangles }, colours);
         let dropped = self.triangles.len() - kept.len();
-        Some(Cleaned { surface, uvs, parts, dropped })
+        let kept = kept.into_iter().map(|k| k as u32).collect();
+        Some(Cleaned { surface, uvs, kept, parts, debris, dropped })
     }
 }
 
@@ -129,6 +146,10 @@ impl Cleaned {
         let colours = self.surface.colours.is_some().then_some(colours);
         Surface::new(Mesh { positions, triangles }, colours)
     }
+}
+
+fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
+    0.5 * (b - a).cross(c - a).length()
 }
 
 fn bounds(positions: &[Vec3]) -> (Vec3, Vec3) {

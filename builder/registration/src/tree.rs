@@ -1,5 +1,7 @@
 //! The order in which frames are tracked: shortest paths over likeness, from the template's frame to all others.
 
+use std::collections::BTreeMap;
+
 use super::dissimilarity::Dissimilarity;
 
 /// Edges cost the excess of their dissimilarity to this power: several small steps rather than a large one.
@@ -14,6 +16,8 @@ pub struct Tree {
     pub parents: Vec<Option<usize>>,
     /// The cost of the way from the root.
     pub costs: Vec<f64>,
+    /// Frames from the root outwards: a parent is before its children.
+    pub order: Vec<usize>,
 }
 
 impl Tree {
@@ -24,12 +28,13 @@ impl Tree {
         let least = (0..frames).map(|k| dissimilarity.get(k, k)).fold(f32::INFINITY, f32::min);
         let weight = |a: usize, b: usize| f64::from((dissimilarity.get(a, b) - least).max(1e-9)).powi(POWER);
         let (mut costs, mut parents) = (vec![f64::INFINITY; frames], vec![None; frames]);
-        let mut open: Vec<usize> = (0..frames).collect();
+        let (mut open, mut order): (Vec<usize>, Vec<usize>) = ((0..frames).collect(), Vec::with_capacity(frames));
         if let Some(cost) = costs.get_mut(root) {
             *cost = 0.0;
         }
         while let Some(at) = (0..open.len()).min_by(|&a, &b| costs[open[a]].total_cmp(&costs[open[b]])) {
             let frame = open.remove(at);
+            order.push(frame);
             for &next in &open {
                 let cost = costs[frame] + weight(frame, next);
                 if cost < costs[next] {
@@ -37,7 +42,21 @@ impl Tree {
                 }
             }
         }
-        Self { root, parents, costs }
+        Self { root, parents, costs, order }
+    }
+
+    /// The same where frames of one group, which have equal numbers in `groups`, are tracked from the first of them.
+    #[must_use]
+    pub fn grouped(mut self, groups: &[usize]) -> Self {
+        let mut firsts = BTreeMap::new();
+        for &frame in &self.order {
+            // Parents come before their children: none becomes its own ancestor.
+            let first = *firsts.entry(groups[frame]).or_insert(frame);
+            if first != frame {
+                self.parents[frame] = Some(first);
+            }
+        }
+        self
     }
 
     /// Frames by their depth, the root alone first.
@@ -121,6 +140,15 @@ mod tests {
             assert!((got - wanted).abs() < 1e-9, "{got} for {wanted}");
         }
         assert_eq!(tree.levels().concat().len(), 6);
+    }
+
+    #[test]
+    fn frames_of_a_group_hang_on_its_first() {
+        // The way from 1 goes 1, 2, 0, 3, 4.
+        let tree = Tree::new(&line(&[2.0, 0.0, 1.0, 3.0, 4.0]), 1).grouped(&[7, 8, 8, 7, 7]);
+        assert_eq!(tree.order, [1, 2, 0, 3, 4]);
+        assert_eq!(tree.parents, [Some(2), None, Some(1), Some(0), Some(0)]);
+        assert_eq!(tree.levels(), [vec![1], vec![2], vec![0], vec![3, 4]]);
     }
 
     #[test]

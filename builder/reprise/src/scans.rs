@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use capture_io::export::{CaptureWriter, ExportError, WrittenCapture, WrittenSequence};
-use capture_io::import::{ImportError, ImportOptions, ScannedTexture, Scans, Warning, scans};
+use capture_io::import::{ImportError, ImportOptions, ScannedFrame, ScannedTexture, Scans, Warning, scans};
 use glam::{Vec2, Vec3};
 use job::{Job, Stopped};
 use registration::detail::DetailError;
@@ -132,6 +132,8 @@ pub struct RegisterReport {
     pub vertices: usize,
     /// Triangles of the template.
     pub triangles: usize,
+    /// Meshes of the frames that hold a body: frames of one mesh follow one of them.
+    pub meshes: usize,
     /// Width and height of the textures; none where the scan has no colours.
     pub texture_size: Option<usize>,
     /// Names of the sequences that were written, with their numbers of frames.
@@ -173,6 +175,8 @@ pub struct FrameReport {
     pub stretch: f64,
     /// From how many frames it was tried.
     pub tries: usize,
+    /// Whether it has its parent's mesh and follows it, instead of being tracked.
+    pub followed: bool,
 }
 
 /// A frame that was lost.
@@ -187,7 +191,7 @@ pub struct LostReport {
 }
 
 /// Scans as registration reads them.
-struct Frames<'a>(&'a Scans);
+pub(crate) struct Frames<'a>(pub &'a Scans);
 
 impl Source for Frames<'_> {
     type Extra = Option<ScannedTexture>;
@@ -202,12 +206,37 @@ impl Source for Frames<'_> {
     }
 
     fn read(&self, frame: usize) -> Result<(Scan, Self::Extra), RegisterError> {
-        let read = self.0.read(frame)?;
+        let (mut scan, texture) = self.plain(frame)?;
+        // Colours stop the template from sliding: those of the texture, where there is one, else those of vertices.
+        if let (Some(texture), false) = (&texture, scan.uvs.is_empty()) {
+            scan.colours = decoded(texture)?.of_vertices(scan.positions.len(), &scan.triangles, &scan.uvs);
+        }
+        Ok((scan, texture))
+    }
+
+    fn shape(&self, frame: usize) -> Result<Scan, RegisterError> {
+        self.plain(frame).map(|(scan, _)| scan)
+    }
+}
+
+impl Frames<'_> {
+    /// A frame with the colours that its file gives vertices.
+    fn plain(&self, frame: usize) -> Result<(Scan, Option<ScannedTexture>), RegisterError> {
+        let read = match self.0.read(frame) {
+            // A frame without a surface is lost, and not the whole scan.
+            Err(ImportError::NoTriangles { .. } | ImportError::Collapsed { .. }) => ScannedFrame::default(),
+            read => read?,
+        };
         let colour = |c: &[u8; 4]| Vec3::new(f32::from(c[0]), f32::from(c[1]), f32::from(c[2])) / 255.0;
         let colours = read.colours.iter().map(colour).collect();
         let scan = Scan { positions: read.positions, triangles: read.triangles, uvs: read.uvs, colours };
         Ok((scan, read.texture))
     }
+}
+
+fn decoded(texture: &ScannedTexture) -> Result<Texture, RegisterError> {
+    let (width, height, texels) = texture.decoded()?;
+    Ok(Texture { width, height, texels })
 }
 
 /// Registers the scan that `inputs` name, and writes it as the folder `out`.
@@ -234,9 +263,11 @@ pub fn register(
     let writer = Writer::new(&scans, &template, root, out, options)?;
     let emit = |found: Found<Option<ScannedTexture>>| writer.take(found);
     let registered = register_frames(&source, &survey, &tree, &template, &options.register, job, &emit)?;
-    check_lost(&scans, &registered, root)?;
     let (sequences, alone) = parts(&scans, &registered);
-    warnings.extend(told(&scans, &survey, &registered, &alone));
+    check_lost(&scans, &registered.lost, alone.len(), root)?;
+    warnings.extend(told_of_frames(&scans, &survey, &tree, &registered.lost));
+    warnings.extend(writer.projection.is_none().then(colourless));
+    warnings.extend(told_of_registered(&scans, &registered, &alone));
     let named = sequences.iter().map(|s| (s.name.clone(), s.frames.1 - s.frames.0 + 1)).collect();
     let textures = writer.projection.is_some();
     let texture_size = writer.projection.as_ref().map(|projection| projection.atlas.size);
@@ -244,11 +275,6 @@ pub fn register(
     let masks = masked > 0 && whole >= LEAST_SEEN;
     let capture = WrittenCapture { name: scans.name.clone(), fps: scans.fps, textures, masks, sequences };
     let manifest = writer.files.finish(&capture)?;
-    let lost = registered.lost.iter().map(|&(frame, why)| LostReport {
-        frame,
-        place: place(&scans, frame),
-        reason: why.to_string(),
-    });
     let count = survey.frames.len();
     Ok(RegisterReport {
         manifest,
@@ -257,10 +283,11 @@ pub fn register(
         template: root,
         vertices: template.surface.mesh.positions.len(),
         triangles: template.surface.mesh.triangles.len(),
+        meshes: survey.groups.iter().max().map_or(0, |last| last + 1),
         texture_size,
         sequences: named,
         registered: registered.tracked.iter().map(frame_report).collect(),
-        lost: lost.collect(),
+        lost: lost_reports(&scans, &registered.lost),
         dissimilarity: (0..count * count).map(|k| survey.dissimilarity.get(k / count, k % count)).collect(),
         compared: survey.frames,
         warnings,
@@ -268,7 +295,7 @@ pub fn register(
     })
 }
 
-fn tree(scans: &Scans, survey: &Survey, options: &ScanOptions) -> Result<Tree, RegisterError> {
+pub(crate) fn tree(scans: &Scans, survey: &Survey, options: &ScanOptions) -> Result<Tree, RegisterError> {
     if survey.frames.is_empty() {
         return Err(RegisterError::Nothing(scans.frame_count()));
     }
@@ -279,6 +306,13 @@ fn tree(scans: &Scans, survey: &Survey, options: &ScanOptions) -> Result<Tree, R
         return Err(RegisterError::Template { wanted, reason, last });
     }
     Ok(survey.tree(options.register.template))
+}
+
+/// The frames that were lost, as they are told.
+pub(crate) fn lost_reports(scans: &Scans, lost: &[(usize, Lost)]) -> Vec<LostReport> {
+    let report =
+        |&(frame, why): &(usize, Lost)| LostReport { frame, place: place(scans, frame), reason: why.to_string() };
+    lost.iter().map(report).collect()
 }
 
 fn frame_report(tracked: &Tracked) -> FrameReport {
@@ -293,6 +327,7 @@ fn frame_report(tracked: &Tracked) -> FrameReport {
         hausdorff: fit.hausdorff,
         stretch: fit.stretch,
         tries: tracked.tries,
+        followed: tracked.followed,
     }
 }
 
@@ -309,9 +344,10 @@ fn place(scans: &Scans, frame: usize) -> String {
     }
 }
 
-fn check_lost(scans: &Scans, registered: &Registered, root: usize) -> Result<(), RegisterError> {
-    let (lost, frames) = (registered.lost.len(), scans.frame_count());
-    match registered.lost.first() {
+/// Refuses a scan of which most is lost, with so many frames that stand `alone` between others that are.
+pub(crate) fn check_lost(scans: &Scans, all: &[(usize, Lost)], alone: usize, root: usize) -> Result<(), RegisterError> {
+    let (lost, frames) = (all.len() + alone, scans.frame_count());
+    match all.first() {
         Some(&(first, why)) if lost as f64 > MOST_LOST * frames as f64 => {
             Err(RegisterError::MostLost { lost, frames, root, place: place(scans, first), why })
         }
@@ -350,28 +386,54 @@ fn parts(scans: &Scans, registered: &Registered) -> (Vec<WrittenSequence>, Vec<u
     (parts, alone)
 }
 
-/// What the user should know of the frames.
-fn told(scans: &Scans, survey: &Survey, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
-    let mut warnings = Vec::new();
-    let mut tell = |code, frames: Vec<usize>, what: &dyn Fn(usize) -> String| {
-        if let Some(&first) = frames.first() {
-            let more = match frames.len() {
-                1 => String::new(),
-                more => format!("; so it is with {} more frames", more - 1),
-            };
-            warnings.push(Warning::new(code, format!("{}: {}{more}", place(scans, first), what(first))));
-        }
+/// One sentence for all of `frames`, of which the first is named; none where there is none.
+fn told(scans: &Scans, code: &'static str, frames: &[usize], what: impl Fn(usize) -> String) -> Option<Warning> {
+    let &first = frames.first()?;
+    let more = match frames.len() {
+        1 => String::new(),
+        more => format!("; so it is with {} more frames", more - 1),
     };
-    tell("W_SCAN_INSIDE_OUT", survey.turned.clone(), &|_| "its triangles face inwards: they were turned".into());
-    let why = |frame: usize| {
-        let found = registered.lost.iter().find(|(lost, _)| *lost == frame);
+    Some(Warning::new(code, format!("{}: {}{more}", place(scans, first), what(first))))
+}
+
+/// What the user should know of the frames of `survey`, of which `lost` are lost, and of the template, the root of `tree`.
+pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, tree: &Tree, lost: &[(usize, Lost)]) -> Vec<Warning> {
+    let turned =
+        told(scans, "W_SCAN_INSIDE_OUT", &survey.turned, |_| "its triangles face inwards: they were turned".into());
+    let littered = told(scans, "W_SCAN_DEBRIS", &survey.littered, |_| {
+        "parts of less than a hundredth of its surface float about: they are left out".into()
+    });
+    let parts = survey.candidates[tree.root].parts;
+    let root = survey.frames[tree.root];
+    let apart = (parts > 1).then(|| {
+        let message = format!(
+            "{}, the template, has {parts} parts that do not touch: if they are two people, or a person and a thing, they become \
+             one actor; take the other out of the frames, or name another template with --template-frame",
+            place(scans, root)
+        );
+        Warning::new("W_SCAN_PARTS", message)
+    });
+    let frames: Vec<usize> = lost.iter().map(|lost| lost.0).collect();
+    let lost = told(scans, "W_SCAN_LOST", &frames, |frame| {
+        let found = lost.iter().find(|(lost, _)| *lost == frame);
         let why = found.map(|(_, why)| why.to_string()).unwrap_or_default();
         format!("{why}: it is left out, and its sequence cut there")
-    };
-    tell("W_SCAN_LOST", registered.lost.iter().map(|lost| lost.0).collect(), &why);
-    tell("W_SCAN_ALONE", alone.to_vec(), &|_| "it stands alone between lost frames, and is left out".into());
+    });
+    turned.into_iter().chain(littered).chain(apart).chain(lost).collect()
+}
+
+fn colourless() -> Warning {
+    let message = "the frames have neither textures nor colours: the template may slide along the body, and nothing here can \
+                   tell; give their textures (--texture), if there are any";
+    Warning::new("W_SCAN_COLOURLESS", message.into())
+}
+
+/// What the user should know of frames that are registered, or are left out because they stand alone.
+fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
+    let alone = told(scans, "W_SCAN_ALONE", alone, |_| "it stands alone between lost frames, and is left out".into());
     let stretched = registered.tracked.iter().filter(|tracked| tracked.fit.stretch > 1.3 || tracked.fit.beyond > 0.06);
-    tell("W_SCAN_DOUBTFUL", stretched.map(|tracked| tracked.frame).collect(), &|frame| {
+    let stretched: Vec<usize> = stretched.map(|tracked| tracked.frame).collect();
+    let doubtful = told(scans, "W_SCAN_DOUBTFUL", &stretched, |frame| {
         let found = registered.tracked.iter().find(|tracked| tracked.frame == frame).map(|tracked| tracked.fit);
         let fit = found.unwrap_or_default();
         format!(
@@ -380,7 +442,7 @@ fn told(scans: &Scans, survey: &Survey, registered: &Registered, alone: &[usize]
             fit.stretch
         )
     });
-    warnings
+    alone.into_iter().chain(doubtful).collect()
 }
 
 /// Writes frames as they are tracked.
@@ -426,13 +488,7 @@ impl<'a> Writer<'a> {
         let Some((sequence, number)) = self.scans.place_of(found.tracked.frame) else { return Ok(()) };
         self.files.frame(sequence, number, found.pose)?;
         let Some(projection) = &self.projection else { return Ok(()) };
-        let texture = match &found.extra {
-            Some(texture) => {
-                let (width, height, texels) = texture.decoded()?;
-                Some(Texture { width, height, texels })
-            }
-            None => None,
-        };
+        let texture = found.extra.as_ref().map(decoded).transpose()?;
         let posed = found.template.surface.posed(found.pose.to_vec());
         let mut projected = projection.project(&posed, found.target, found.uvs, texture.as_ref());
         let parent = found.tracked.parent.and_then(|parent| self.scans.place_of(parent));

@@ -144,6 +144,31 @@ fn what_is_no_frame_of_the_body_is_named_and_left_out() {
 }
 
 #[test]
+fn frames_of_a_keyframe_group_follow_its_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = folder.path().join("scan");
+    fs::create_dir_all(&scan).unwrap();
+    // Two meshes, each of which moves on for four frames: it leans, and the arm with it.
+    let lean = |p: Vec3, by: f32| glam::Quat::from_rotation_x(by * p.y) * p;
+    for k in 0..8 {
+        let mut mesh = body(-0.3 + 0.12 * (k / 4 * 4) as f32, 0.052 + 0.001 * (k / 4) as f32, 1.0);
+        mesh.positions.iter_mut().for_each(|p| *p = lean(*p, 0.04 * (k % 4) as f32));
+        write(&scan.join(format!("frame_{k:03}.ply")), &mesh, 1.0);
+    }
+    let inputs = [scan.to_string_lossy().into_owned()];
+    let report = registered(&inputs, &folder.path().join("capture"));
+    assert_eq!((report.meshes, report.registered.len()), (2, 8));
+    // One is the template's own, one is tracked, and the others follow, as close as the one that they follow.
+    let followed: Vec<_> = report.registered.iter().filter(|frame| frame.followed).collect();
+    assert_eq!(followed.len(), 6, "{:?}", report.registered);
+    for frame in followed {
+        let first = report.registered.iter().find(|other| Some(other.frame) == frame.parent).unwrap();
+        assert_eq!(frame.frame / 4, first.frame / 4);
+        assert!(frame.rms_backward < first.rms_backward + 5e-4 && frame.uncovered <= first.uncovered + 0.002);
+    }
+}
+
+#[test]
 fn millimetres_are_found_and_a_scan_is_packed_by_itself() {
     let folder = tempfile::tempdir().unwrap();
     let inputs = scan(&folder.path().join("scan"), 8, 1000.0);

@@ -1,7 +1,7 @@
 //! `builder performer`.
 
 use job::Progress;
-use performer::{Artefacts, PerformerError, PerformerOptions, write_performer};
+use performer::{Artefacts, PerformerError, PerformerOptions, ScannedOptions, write_performer, write_scanned};
 
 use super::args::{Artefact, PerformerArguments};
 use super::failure::Failure;
@@ -19,15 +19,22 @@ pub fn run(arguments: &PerformerArguments, terminal: &Terminal) -> Result<(), Fa
         let _ =
             terminal.progress(Progress { what: "performer", done: step.frames_done as u64, total: step.frames as u64 });
     };
-    let summary = write_performer(&options(arguments), out, &progress).map_err(|error| match error {
+    let written = if arguments.scanned {
+        let scanned = ScannedOptions { group: arguments.group as usize, noise: arguments.noise / 1000.0 };
+        write_scanned(&options(arguments), &scanned, out, &progress)
+    } else {
+        write_performer(&options(arguments), out, &progress)
+    };
+    let summary = written.map_err(|error| match error {
         PerformerError::Option { .. } => Failure::Usage(error.to_string()),
         _ => Failure::Input(error.into()),
     })?;
     let sequences: Vec<String> = summary.sequences.iter().map(|(name, frames)| format!("{name} {frames}")).collect();
     terminal.log(&format!(
-        "{}: {} frames of {} vertices and {} triangles ({})",
+        "{}: {} frames of {}{} vertices and {} triangles ({})",
         summary.manifest.display(),
         summary.frames,
+        if arguments.scanned { "their own meshes, scanned from " } else { "" },
         summary.vertices,
         summary.triangles,
         sequences.join(", ")

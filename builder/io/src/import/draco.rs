@@ -36,6 +36,8 @@ pub(super) struct DracoAttribute {
     pub values: Vec<f32>,
     /// Whether the numbers are stored as integers.
     pub whole: bool,
+    /// The largest integer of their kind, which stands for 1 where they are colours; 1 for others.
+    pub most: f32,
 }
 
 /// What an attribute says.
@@ -133,6 +135,13 @@ fn read(attribute: &PointAttribute, point_count: usize) -> Result<DracoAttribute
         width,
         values: attribute.read_f32s(point_count, width),
         whole: !matches!(attribute.data_type(), DataType::Float32 | DataType::Float64),
+        most: match attribute.data_type() {
+            DataType::Uint8 => 255.0,
+            DataType::Int8 => 127.0,
+            DataType::Uint16 => 65535.0,
+            DataType::Int16 => 32767.0,
+            _ => 1.0,
+        },
     })
 }
 

@@ -42,20 +42,18 @@ pub enum ImportError {
         told: &'static str,
     },
     /// A folder holds no mesh.
-    #[error("{path}: the folder holds no .obj, .ply, .glb or .gltf file and no capture.toml")]
+    #[error("{path}: the folder holds no .obj, .ply, .drc, .glb or .gltf file and no capture.toml")]
     EmptyFolder {
         /// The folder.
         path: PathBuf,
     },
-    /// A folder or glob holds both OBJ and PLY files.
-    #[error("{path}: holds both .obj and .ply files ({obj} and {ply}): name one kind, for example with a glob *.obj")]
+    /// A folder or glob holds mesh files of several kinds.
+    #[error("{path}: holds mesh files of several kinds ({found}): name one kind, for example with a glob *.obj")]
     MixedFormats {
         /// The folder or glob.
         path: PathBuf,
-        /// Number of OBJ files.
-        obj: usize,
-        /// Number of PLY files.
-        ply: usize,
+        /// How many of each kind.
+        found: String,
     },
     /// A pattern or glob names no existing file.
     #[error("{pattern}: no file matches{hint}")]
@@ -276,6 +274,14 @@ pub enum ImportError {
         /// Line, key and fault.
         reason: String,
     },
+    /// A manifest of Universal Volumetric cannot be used.
+    #[error("{path}: {reason}")]
+    Uvol {
+        /// The manifest.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        reason: String,
+    },
     /// An option names a sequence that does not exist.
     #[error("no sequence \"{name}\"; the capture holds: {known}")]
     UnknownSequence {
@@ -315,7 +321,7 @@ impl ImportError {
     /// The error for a file that is no capture.
     pub(super) fn unknown_format(path: &Path) -> Self {
         let told = unread(path)
-            .unwrap_or("not a capture: inputs end in .glb, .gltf, .obj, .ply or .toml, or are folders of those");
+            .unwrap_or("not a capture: inputs end in .glb, .gltf, .obj, .ply, .drc or .toml, or are folders of those");
         Self::UnknownFormat { path: path.to_owned(), told }
     }
 
@@ -360,6 +366,7 @@ impl ImportError {
             Self::Extension { .. } => "E_GLTF_EXTENSION",
             Self::UnknownClip { .. } => "E_CLIP_UNKNOWN",
             Self::Manifest { .. } => "E_MANIFEST",
+            Self::Uvol { .. } => "E_UVOL",
             Self::UnknownSequence { .. } => "E_SEQUENCE_UNKNOWN",
             Self::Weights { .. } => "E_WEIGHTS",
             Self::TooLarge { .. } => "E_TOO_LARGE",

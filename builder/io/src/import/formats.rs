@@ -19,10 +19,16 @@ macro_rules! by_blender {
 
 /// Formats of meshes and of whole captures.
 const MESHES: &[Format] = &[
+    #[cfg(not(feature = "gltf"))]
     Format {
         endings: &["drc"],
-        told: "a mesh compressed by Draco, which is read within glTF only: write every frame as OBJ or PLY with \
-               draco_decoder, which comes with Draco",
+        told: "a mesh compressed by Draco, and this program was compiled without glTF: cargo build --release -p \
+               reprise-builder compiles one that reads it",
+    },
+    Format {
+        endings: &["uvol", "crt"],
+        told: "the geometry of Universal Volumetric 1 (Corto), which is not read: encode the frames as version 2 (Draco and \
+               KTX2), or write every frame as OBJ",
     },
     Format { endings: &["abc"], told: by_blender!("an Alembic cache") },
     Format { endings: &["usd", "usda", "usdc", "usdz"], told: by_blender!("a USD scene") },
@@ -129,7 +135,7 @@ pub(super) fn disguised(bytes: &[u8], path: &Path) -> Option<&'static str> {
             (ending(path) != "ply").then_some("a PLY file under another ending: rename it")
         }
         _ if starts(b"DRACO") => {
-            Some("a mesh compressed by Draco: write it as OBJ or PLY with draco_decoder, which comes with Draco")
+            (ending(path) != "drc").then_some("a mesh compressed by Draco under another ending: rename it to .drc")
         }
         _ if starts(b"Kaydara FBX") => Some("an FBX scene under another ending: make a GLB of it with FBX2glTF"),
         _ if starts(b"version https://git-lfs") => {
@@ -154,8 +160,10 @@ mod tests {
         endings.sort_unstable();
         endings.dedup();
         assert_eq!(endings.len(), count);
-        for read in ["obj", "ply", "glb", "gltf", "toml", "png", "jpg", "jpeg", "webp", "reprise"] {
-            assert!(!endings.contains(&read));
+        let others = if cfg!(feature = "gltf") { &["drc"][..] } else { &[] };
+        let read = ["obj", "ply", "glb", "gltf", "toml", "png", "jpg", "jpeg", "webp", "reprise", "json", "manifest"];
+        for read in read.iter().chain(others) {
+            assert!(!endings.contains(read));
         }
         assert!(unread_mesh(Path::new("A/WALK.FBX")).is_some_and(|told| told.contains("FBX2glTF")));
         assert!(unread_image(Path::new("t.mp4")).is_some() && unread_mesh(Path::new("t.mp4")).is_some());

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+#[cfg(feature = "gltf")]
+use super::drc;
 use super::error::ImportError;
 use super::formats::disguised;
 use super::images::read_file;
@@ -65,6 +67,11 @@ impl First {
         self.worn(&self.looks)
     }
 
+    /// Whether the frame has texture coordinates and names no texture for them.
+    pub fn wants_texture(&self) -> bool {
+        !self.frame.uvs.is_empty() && self.named().is_none()
+    }
+
     /// Whether other materials than the main one look otherwise in a frame with `looks`, or that one has another colour.
     fn others_differ(&self, looks: &[Look]) -> bool {
         let same = |(k, (a, b)): (usize, (&Look, &Look))| {
@@ -90,7 +97,7 @@ pub(super) struct Seen {
     pub notes: Vec<Note>,
 }
 
-/// Reads one OBJ or PLY file.
+/// Reads one OBJ, PLY or Draco file.
 pub(super) fn read_frame(path: &Path) -> Result<MeshFile, ImportError> {
     let bytes = read_file(path)?;
     if let Some(told) = disguised(&bytes, path) {
@@ -99,6 +106,8 @@ pub(super) fn read_frame(path: &Path) -> Result<MeshFile, ImportError> {
     match ending(path).as_str() {
         "obj" => obj::parse(&bytes, path),
         "ply" => ply::parse(&bytes, path),
+        #[cfg(feature = "gltf")]
+        "drc" => drc::parse(&bytes, path),
         _ => Err(ImportError::unknown_format(path)),
     }
 }

@@ -9,10 +9,12 @@ use super::error::ImportError;
 use super::folder::list;
 use super::formats::unread;
 use super::gltf::GltfFile;
+use super::layers::TextureLayer;
 use super::numbered::{Run, double_warning, gap_warning, name_of, natural, negative_warning, run_of_folders, runs};
-use super::paths::ending;
-use super::paths::stem;
+use super::paths::{ending, name_of_folder, stem};
 use super::pattern::Pattern;
+#[cfg(feature = "gltf")]
+use super::uvol::{self, Uvol};
 use super::warning::Warning;
 
 /// Name of the manifest within a folder.
@@ -23,7 +25,7 @@ const MANY_STILLS: usize = 3;
 /// Where the frames of a sequence come from.
 #[derive(Clone)]
 pub(super) enum Source {
-    /// OBJ or PLY files, one a frame.
+    /// OBJ, PLY or Draco files, one a frame.
     Files(Vec<PathBuf>),
     /// glTF files, one a frame.
     Stills(Vec<PathBuf>),
@@ -69,6 +71,25 @@ pub(super) struct Found {
     pub name: String,
     /// Its frames.
     pub source: Source,
+    /// What the input itself says of them.
+    pub described: Described,
+}
+
+impl Found {
+    fn new(name: String, source: Source) -> Self {
+        Self { name, source, described: Described::default() }
+    }
+}
+
+/// What the manifest of a volumetric video says of its frames.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Described {
+    /// Frames per second.
+    pub fps: Option<f32>,
+    /// Metres per unit.
+    pub unit: Option<f32>,
+    /// The texture of each frame; empty where none is named.
+    pub layers: Vec<TextureLayer>,
 }
 
 /// Finds sequences; keeps opened glTF files and what the user should know.
@@ -103,9 +124,20 @@ impl Finder {
     fn file(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         match ending(path).as_str() {
             "glb" | "gltf" => self.clips(path),
-            "obj" | "ply" => Ok(vec![Found { name: stem(path), source: Source::Files(vec![path.to_owned()]) }]),
+            "obj" | "ply" | "drc" => Ok(vec![Found::new(stem(path), Source::Files(vec![path.to_owned()]))]),
+            #[cfg(feature = "gltf")]
+            _ if uvol::may_be(path) => self.uvol(path).map(|found| vec![found]),
             _ => Err(ImportError::unknown_format(path)),
         }
+    }
+
+    /// The frames of a volumetric video.
+    #[cfg(feature = "gltf")]
+    fn uvol(&mut self, path: &Path) -> Result<Found, ImportError> {
+        let Uvol { name, files, stills, fps, unit, layers, warnings } = Uvol::read(path)?;
+        self.warnings.extend(warnings);
+        let source = if stills { Source::Stills(files) } else { Source::Files(files) };
+        Ok(Found { name, source, described: Described { fps: Some(fps), unit, layers } })
     }
 
     /// All clips of a glTF file.
@@ -120,7 +152,7 @@ impl Finder {
             }
         };
         let names = file.clip_names().into_iter().enumerate();
-        Ok(names.map(|(clip, name)| Found { name, source: Source::Clip { file: Rc::clone(&file), clip } }).collect())
+        Ok(names.map(|(clip, name)| Found::new(name, Source::Clip { file: Rc::clone(&file), clip })).collect())
     }
 
     /// glTF files: those of one run that hold a still each are the frames of a sequence; others give their clips.
@@ -132,7 +164,7 @@ impl Finder {
             if run.files.len() > 1 && Self::are_stills(&run.files)? {
                 self.warn_about_run(&run, joined);
                 let name = if alone && input.is_dir() { folder_name(&run) } else { run_name(&run) };
-                found.push(Found { name, source: Source::Stills(run.files) });
+                found.push(Found::new(name, Source::Stills(run.files)));
                 continue;
             }
             for file in &run.files {
@@ -157,6 +189,13 @@ impl Finder {
 
     fn folder(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         let entries = list(path)?;
+        #[cfg(feature = "gltf")]
+        {
+            let manifests: Vec<&PathBuf> = entries.iter().filter(|entry| uvol::is_manifest(entry)).collect();
+            if !manifests.is_empty() {
+                return manifests.into_iter().map(|manifest| self.uvol(manifest)).collect();
+            }
+        }
         let meshes = files_of(&entries, is_mesh);
         let scenes = files_of(&entries, is_gltf);
         let folders: Vec<PathBuf> = entries.iter().filter(|p| p.is_dir()).cloned().collect();
@@ -231,10 +270,10 @@ impl Finder {
         }
         let name = run_name(&run);
         if run.files.first().is_some_and(|file| is_mesh(file)) {
-            return Ok(vec![Found { name, source: Source::Files(run.files) }]);
+            return Ok(vec![Found::new(name, Source::Files(run.files))]);
         }
         if Self::are_stills(&run.files)? {
-            return Ok(vec![Found { name, source: Source::Stills(run.files) }]);
+            return Ok(vec![Found::new(name, Source::Stills(run.files))]);
         }
         let clips = run.files.iter().map(|file| self.clips(file)).collect::<Result<Vec<_>, _>>()?;
         Ok(clips.concat())
@@ -249,7 +288,7 @@ impl Finder {
         for run in runs {
             self.warn_about_run(&run, joined);
             let name = if alone && input.is_dir() { folder_name(&run) } else { run_name(&run) };
-            found.push(Found { name, source: Source::Files(run.files) });
+            found.push(Found::new(name, Source::Files(run.files)));
         }
         Ok(found)
     }
@@ -411,11 +450,13 @@ fn runs_anywhere(files: Vec<PathBuf>) -> (Vec<Run>, bool) {
 }
 
 fn check_one_kind(input: &Path, files: &[PathBuf]) -> Result<(), ImportError> {
-    let kinds = ["obj", "ply"].map(|kind| files.iter().filter(|file| ending(file) == kind).count());
-    match kinds {
-        [0, _] | [_, 0] => Ok(()),
-        [obj, ply] => Err(ImportError::MixedFormats { path: input.to_owned(), obj, ply }),
+    let kinds = ["obj", "ply", "drc"].map(|kind| (kind, files.iter().filter(|file| ending(file) == kind).count()));
+    let found: Vec<String> =
+        kinds.iter().filter(|(_, count)| *count > 0).map(|(kind, n)| format!("{n} .{kind}")).collect();
+    if found.len() < 2 {
+        return Ok(());
     }
+    Err(ImportError::MixedFormats { path: input.to_owned(), found: found.join(" and ") })
 }
 
 fn files_of(entries: &[PathBuf], kind: fn(&Path) -> bool) -> Vec<PathBuf> {
@@ -423,7 +464,8 @@ fn files_of(entries: &[PathBuf], kind: fn(&Path) -> bool) -> Vec<PathBuf> {
 }
 
 /// Names that say nothing about the motion.
-const DULL_NAMES: [&str; 10] = ["", "frame", "f", "mesh", "model", "obj", "ply", "pose", "scan", "glb"];
+const DULL_NAMES: [&str; 12] =
+    ["", "frame", "f", "mesh", "model", "obj", "ply", "pose", "scan", "glb", "drc", "geometry"];
 
 fn run_name(run: &Run) -> String {
     if DULL_NAMES.contains(&run.name.to_ascii_lowercase().as_str()) { folder_name(run) } else { run.name.clone() }
@@ -438,15 +480,6 @@ fn folder_name(run: &Run) -> String {
     };
     let name = name_of_folder(folder.unwrap_or(Path::new("")));
     if name.is_empty() { "sequence".to_owned() } else { name }
-}
-
-/// The name of a folder, also of the one that is worked in; empty at the root.
-pub(super) fn name_of_folder(folder: &Path) -> String {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    match folder.file_name() {
-        Some(name) => name.to_string_lossy().into_owned(),
-        None => folder.canonicalize().map(|folder| name_of(&folder)).unwrap_or_default(),
-    }
 }
 
 /// The files and folders that a glob names within `base` and that are not hidden, by name.
@@ -467,7 +500,7 @@ fn glob_files(base: &Path, glob: &str, case_sensitive: bool) -> Result<Vec<PathB
 }
 
 fn is_mesh(path: &Path) -> bool {
-    matches!(ending(path).as_str(), "obj" | "ply")
+    matches!(ending(path).as_str(), "obj" | "ply" | "drc")
 }
 
 fn is_gltf(path: &Path) -> bool {

@@ -103,6 +103,28 @@ impl<'a> Ktx2<'a> {
         Ok(Self { transcoder, width, height, layers, levels, upside_down })
     }
 
+    /// The picture `layer` in full size.
+    ///
+    /// # Errors
+    /// Where there is no such layer, or it is damaged.
+    pub fn image(&self, layer: u32) -> Result<RgbaImage, Ktx2Error> {
+        let mut images = self.images(0)?;
+        // In videos, a layer builds on those before; others are found at once.
+        if !self.transcoder.is_video() {
+            images.next = layer;
+        }
+        while images.next < layer {
+            images.next().transpose()?;
+        }
+        images.next().unwrap_or(Err(Ktx2Error::NoImage { layer, level: 0 }))
+    }
+
+    /// Whether the file says that its first row is the lowest; images are turned over then.
+    #[must_use]
+    pub fn upside_down(&self) -> bool {
+        self.upside_down
+    }
+
     /// All layers at `level`, one after the other.
     ///
     /// # Errors

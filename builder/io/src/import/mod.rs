@@ -38,6 +38,8 @@ mod beside;
 mod colour;
 #[cfg(feature = "gltf")]
 mod draco;
+#[cfg(feature = "gltf")]
+mod drc;
 mod error;
 mod faces;
 mod folder;
@@ -52,6 +54,11 @@ mod images;
 mod inputs;
 #[cfg(feature = "gltf")]
 mod ktx2;
+#[cfg(feature = "gltf")]
+mod layers;
+#[cfg(not(feature = "gltf"))]
+#[path = "no_layers.rs"]
+mod layers;
 mod looks;
 mod loops;
 mod manifest;
@@ -77,6 +84,8 @@ mod stills;
 mod text;
 mod textures;
 mod topologies;
+#[cfg(feature = "gltf")]
+mod uvol;
 mod warning;
 mod weld;
 mod worn;

@@ -9,11 +9,10 @@ use super::error::ImportError;
 use super::folder::list;
 use super::formats::unread_image;
 use super::images::is_image;
-use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, name_of_folder, with_slashes};
+use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, with_slashes};
+use super::layers::TextureLayer;
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
-use super::paths::ending;
-use super::paths::folder_of;
-use super::paths::stem;
+use super::paths::{ending, folder_of, name_of_folder, stem};
 use super::warning::Warning;
 use super::{Cyclic, DEFAULT_FPS, ImportOptions};
 
@@ -52,6 +51,8 @@ pub(super) struct PlannedSequence {
     pub textures: NamedImages,
     /// Masks that the user names, of some frames' textures.
     pub masks: Vec<PathBuf>,
+    /// The texture of each frame, where they are pictures of KTX2 files; else empty.
+    pub layers: Vec<TextureLayer>,
 }
 
 /// Images that the user names for a sequence: none, one for all frames, or one a frame.
@@ -73,11 +74,15 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
                 let manifest = Manifest::read(&path)?;
                 let folder = path.parent().unwrap_or(Path::new(""));
                 for entry in &manifest.sequences {
-                    manifest_sequence(&mut finder, entry, &manifest, &path, folder, &mut sequences)?;
+                    manifest_sequence((&mut finder, &mut settings), entry, &manifest, &path, folder, &mut sequences)?;
                 }
                 settings.merge(&manifest, folder, &path)?;
             }
-            None => sequences.extend(finder.find(input, Path::new(""))?.into_iter().map(PlannedSequence::plain)),
+            None => {
+                let found = finder.find(input, Path::new(""))?;
+                found.iter().try_for_each(|found| settings.describe(found, Path::new(input)))?;
+                sequences.extend(found.into_iter().map(PlannedSequence::plain));
+            }
         }
     }
     if sequences.is_empty() {
@@ -116,6 +121,7 @@ impl PlannedSequence {
             source: found.source,
             textures: NamedImages::default(),
             masks: Vec::new(),
+            layers: found.described.layers,
         }
     }
 }
@@ -151,6 +157,12 @@ impl Settings {
         }
         Ok(())
     }
+
+    /// What the manifest of a volumetric video says.
+    fn describe(&mut self, found: &Found, path: &Path) -> Result<(), ImportError> {
+        merge_one(&mut self.fps, found.described.fps, "frameRate", path)?;
+        merge_one(&mut self.unit, found.described.unit, "scale", path)
+    }
 }
 
 fn merge_one<T: PartialEq>(slot: &mut Option<T>, value: Option<T>, key: &str, path: &Path) -> Result<(), ImportError> {
@@ -165,7 +177,7 @@ fn merge_one<T: PartialEq>(slot: &mut Option<T>, value: Option<T>, key: &str, pa
 }
 
 fn manifest_sequence(
-    finder: &mut Finder,
+    (finder, settings): (&mut Finder, &mut Settings),
     entry: &ManifestSequence,
     manifest: &Manifest,
     path: &Path,
@@ -174,6 +186,7 @@ fn manifest_sequence(
 ) -> Result<(), ImportError> {
     let wrong = |reason: String| ImportError::Manifest { path: path.to_owned(), reason };
     let mut found = finder.find(&entry.input, folder)?;
+    found.iter().try_for_each(|found| settings.describe(found, path))?;
     if let Some(clip) = &entry.clip {
         let known = names(found.iter().map(|f| &f.name));
         if !found.iter().all(|f| matches!(f.source, Source::Clip { .. })) {
@@ -202,6 +215,7 @@ fn manifest_sequence(
         source: found.source,
         textures: textures.clone(),
         masks: masks.clone(),
+        layers: found.described.layers,
     }));
     Ok(())
 }

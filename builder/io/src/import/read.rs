@@ -11,6 +11,7 @@ use super::error::ImportError;
 use super::frames::{Axes, First, Reference, Seen, check_area, check_same_mesh, place, read_frames, shared_mesh};
 use super::gltf::GltfFile;
 use super::inputs::Source;
+use super::layers::unpacked;
 use super::mesh::FileMesh;
 use super::places::{coarse, offset_of, recentred};
 use super::plan::{Plan, PlannedSequence};
@@ -78,6 +79,9 @@ pub(super) fn read(plan: &Plan, job: &Job, warnings: &mut Vec<Warning>) -> Resul
                 Vec::new()
             }
         });
+        if !sequence.layers.is_empty() && sequence.textures.files.is_empty() {
+            *textures.last_mut().unwrap_or(&mut Vec::new()) = unpacked(&sequence.layers, index, &mut scratch)?;
+        }
         done += count;
     }
     warnings.extend(notes.into_warnings());

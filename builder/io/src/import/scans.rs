@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec2, Vec3};
+use image::DynamicImage;
 
 use super::ImportOptions;
 use super::error::ImportError;
@@ -10,7 +11,10 @@ use super::frames::{Axes, First, check_area, place, shared_mesh};
 use super::gltf::GltfFile;
 use super::images::read_file;
 use super::inputs::Source;
+use super::layers::TextureLayer;
 use super::mesh::{FileMesh, FileTriangle};
+use super::nearby;
+use super::pairing;
 use super::places::{offset_of, recentred};
 use super::plan::{Plan, PlannedSequence, plan};
 use super::warning::Warning;
@@ -45,9 +49,28 @@ pub struct ScannedSequence {
     pub cyclic: Option<bool>,
     /// The file of each frame.
     pub files: Vec<PathBuf>,
-    /// The texture that is named for each frame; empty where none is.
-    textures: Vec<PathBuf>,
+    /// The texture of each frame, where it is not the frame's file that says it; empty where none is.
+    textures: Vec<Option<Outside>>,
     still: bool,
+}
+
+/// A texture that the frame's own file does not name.
+#[derive(Clone, Debug)]
+enum Outside {
+    Image(PathBuf),
+    Layer(TextureLayer),
+}
+
+impl Outside {
+    fn read(&self) -> Result<ScannedTexture, ImportError> {
+        match self {
+            Self::Image(path) => ScannedTexture::read(path),
+            Self::Layer(layer) => {
+                let (path, layer) = (layer.path().to_owned(), Some(layer).cloned());
+                Ok(ScannedTexture { bytes: read_file(&path)?, path, layer })
+            }
+        }
+    }
 }
 
 /// A frame as its file holds it: nothing is welded.
@@ -70,6 +93,8 @@ pub struct ScannedFrame {
 pub struct ScannedTexture {
     path: PathBuf,
     bytes: Vec<u8>,
+    /// Which picture of the file, where it holds several.
+    layer: Option<TextureLayer>,
 }
 
 impl ScannedTexture {
@@ -78,16 +103,19 @@ impl ScannedTexture {
     /// # Errors
     /// A file that is no image that is read.
     pub fn decoded(&self) -> Result<(usize, usize, Vec<[u8; 3]>), ImportError> {
-        // The decoder's default limits bound the memory that a header can ask for.
-        let image = image::load_from_memory(&self.bytes)
-            .map_err(|cause| ImportError::Image { path: self.path.clone(), reason: cause.to_string() })?
-            .into_rgb8();
+        let image = match &self.layer {
+            Some(layer) => DynamicImage::from(layer.decoded(&self.bytes)?),
+            // The decoder's default limits bound the memory that a header can ask for.
+            None => image::load_from_memory(&self.bytes)
+                .map_err(|cause| ImportError::Image { path: self.path.clone(), reason: cause.to_string() })?,
+        };
+        let image = image.into_rgb8();
         let texels = image.pixels().map(|pixel| pixel.0).collect();
         Ok((image.width() as usize, image.height() as usize, texels))
     }
 
     fn read(path: &Path) -> Result<Self, ImportError> {
-        Ok(Self { path: path.to_owned(), bytes: read_file(path)? })
+        Ok(Self { path: path.to_owned(), bytes: read_file(path)?, layer: None })
     }
 }
 
@@ -98,10 +126,10 @@ impl ScannedTexture {
 pub fn scans(inputs: &[String], options: &ImportOptions) -> Result<Scans, ImportError> {
     let Plan { name, fps, up, unit, sequences, mut warnings, .. } = plan(inputs, options)?;
     let axes = Axes { up, unit: unit.to_string().parse().unwrap_or(f64::from(unit)), offset: DVec3::ZERO };
-    let sequences: Vec<ScannedSequence> = sequences.into_iter().map(sequence).collect::<Result<_, _>>()?;
+    let sequences = sequences.into_iter().map(|planned| sequence(planned, &mut warnings));
+    let sequences: Vec<ScannedSequence> = sequences.collect::<Result<_, _>>()?;
     let mut scans = Scans { name, fps, sequences, warnings: Vec::new(), axes };
-    if let Some(path) = scans.sequences.first().and_then(|first| first.files.first()) {
-        let pose = scans.recorded(0, 0)?;
+    if let Some((path, pose)) = scans.first_pose()? {
         let (low, high) = pose
             .iter()
             .filter(|p| p.is_finite())
@@ -119,15 +147,16 @@ pub fn scans(inputs: &[String], options: &ImportOptions) -> Result<Scans, Import
         }
         if let Some(offset) = offset_of(pose.iter().map(|&p| scans.axes.metres_from_input(p))) {
             scans.axes.offset = offset;
-            warnings.push(recentred(offset, path));
+            warnings.push(recentred(offset, &path));
         }
     }
     scans.warnings = warnings;
     Ok(scans)
 }
 
-fn sequence(planned: PlannedSequence) -> Result<ScannedSequence, ImportError> {
-    let PlannedSequence { name, labels, cyclic, source, textures, .. } = planned;
+fn sequence(planned: PlannedSequence, warnings: &mut Vec<Warning>) -> Result<ScannedSequence, ImportError> {
+    let textures = textures(&planned, warnings)?;
+    let PlannedSequence { name, labels, cyclic, source, .. } = planned;
     let (files, still) = match source {
         Source::Files(files) => (files, false),
         Source::Stills(files) => (files, true),
@@ -138,16 +167,28 @@ fn sequence(planned: PlannedSequence) -> Result<ScannedSequence, ImportError> {
             )));
         }
     };
-    let textures = match textures.files {
-        named if named.len() > 1 && named.len() != files.len() => {
-            let input = named.first().map(|path| path.display().to_string()).unwrap_or_default();
-            let (found, expected) = (named.len(), files.len());
-            return Err(ImportError::TextureCount { input, found, expected, sequence: name });
-        }
-        named if named.len() == 1 => vec![named[0].clone(); files.len()],
-        named => named,
-    };
     Ok(ScannedSequence { name, labels, cyclic, files, textures, still })
+}
+
+/// The textures of a sequence that its frames' files do not name: those that the user or a manifest names, or that lie beside.
+fn textures(planned: &PlannedSequence, warnings: &mut Vec<Warning>) -> Result<Vec<Option<Outside>>, ImportError> {
+    let frames = planned.source.files();
+    let found = match planned.textures.files.as_slice() {
+        [] if !planned.layers.is_empty() => {
+            return Ok(planned.layers.iter().cloned().map(|layer| Some(Outside::Layer(layer))).collect());
+        }
+        [] => match &planned.source {
+            // Where the first frame names its own, the others do, too.
+            Source::Files(files) if !files.is_empty() && First::read(&files[0])?.wants_texture() => {
+                nearby::images(planned, files, warnings)?
+            }
+            _ => return Ok(Vec::new()),
+        },
+        [only] => vec![Some(only.clone()); frames.len()],
+        _ => pairing::named(&planned.textures, planned, frames.len(), warnings)?,
+    };
+    let Some(worn) = pairing::filled(&found, planned, warnings) else { return Ok(Vec::new()) };
+    Ok(worn.into_iter().map(|worn| Some(Outside::Image(worn.path))).collect())
 }
 
 impl Scans {
@@ -192,15 +233,25 @@ impl Scans {
             triangles.iter().map(of).collect()
         };
         let texture = match of.textures.get(number) {
-            Some(path) => Some(ScannedTexture::read(path)?),
-            None => own,
+            Some(Some(outside)) => Some(outside.read()?),
+            _ => own,
         };
         let triangles = triangles.iter().map(|t| t.corners.map(|corner| corners[corner])).collect();
         Ok(ScannedFrame { positions, triangles, uvs, colours: mesh.colours, texture })
     }
 
-    fn recorded(&self, sequence: usize, number: usize) -> Result<Vec<DVec3>, ImportError> {
-        self.file(sequence, number).map(|(_, positions, _)| positions)
+    /// The first frame that holds a surface, and its positions as they are recorded.
+    fn first_pose(&self) -> Result<Option<(PathBuf, Vec<DVec3>)>, ImportError> {
+        for (k, sequence) in self.sequences.iter().enumerate() {
+            for (number, path) in sequence.files.iter().enumerate() {
+                match self.file(k, number) {
+                    Ok((_, positions, _)) => return Ok(Some((path.clone(), positions))),
+                    Err(ImportError::NoTriangles { .. }) => {}
+                    Err(error) => return Err(error),
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// Mesh, positions as they are recorded, and texture of a frame.
@@ -216,7 +267,8 @@ impl Scans {
             let mesh = file.mesh().clone();
             let image = mesh.materials.iter().find_map(|material| material.image);
             let image = image.and_then(|image| mesh.images.get(image as usize));
-            let texture = image.map(|image| ScannedTexture { path: path.clone(), bytes: image.bytes.clone() });
+            let texture =
+                image.map(|image| ScannedTexture { path: path.clone(), bytes: image.bytes.clone(), layer: None });
             return Ok((mesh, pose, texture));
         }
         let first = First::read(path)?;
