@@ -36,6 +36,8 @@ struct Row {
     density: [f64; 2],
     unreachable: [u64; 2],
     certificate: Certificate,
+    /// Pairs that cost more in the motion graph, and the largest share that one costs more.
+    dearer: (u64, f64),
     /// Costs of some pairs in both, sorted by the motion graph's.
     plotted: Vec<(f64, f64)>,
 }
@@ -71,6 +73,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     section.tables = vec![costs_table(&rows), certificate_table(&rows), lengths_table(lengths)];
     section.tables.push(definitions(subject, transitions, dear)?);
     section.tables.push(algorithms(subject, transitions, job)?);
+    section.tables.push(one_for_all(subject, transitions, job)?);
     section.agreements = agreements(&rows);
     section.plots = plots(&rows);
     Ok(section)
@@ -111,6 +114,7 @@ fn compare_with(
         density: [density(timeline, motion.len()), density(timeline, essential.edges.len())],
         unreachable: [0, essential.unreachable_pairs],
         certificate: Certificate { pairs: 0, different: 0, largest: 0.0 },
+        dearer: (0, 0.0),
         plotted: Vec::new(),
     };
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| i != j) {
@@ -124,6 +128,8 @@ fn compare_with(
         if m < f64::INFINITY && e < f64::INFINITY {
             row.motion.add(m);
             row.essential.add(e);
+            row.dearer.0 += u64::from(m > e);
+            row.dearer.1 = row.dearer.1.max(m / e - 1.0);
         }
     }
     let seed = subject.options.seed;
@@ -217,6 +223,35 @@ fn lengths_table(choices: [(&str, &Row, Option<&Row>); 2]) -> Table {
         ]);
     }
     table
+}
+
+/// Alphas that are no rung of the ladder for which a graph is exact, as far from two of them as may be.
+const BETWEEN: [f64; 5] = [0.0135, 0.0246, 0.0447, 0.0815, 0.1484];
+
+/// The one graph that is packed for all alphas of the player's range, at those where it is not exact by construction.
+fn one_for_all(subject: &Subject, transitions: &TransitionMatrix, job: &Job) -> Result<Table, EvaluateError> {
+    let mut table = Table::new(
+        "one_graph",
+        "The graph that is packed, which holds all that is essential at some alphas of the player\u{2019}s range, at others          between them: shortest paths of all pairs of frames against the complete digraph\u{2019}s.",
+        &["alpha", "essential there", "packed", "mean path cost", "packed ", "pairs that cost more", "at most more by"],
+    );
+    let graph = subject.graph(LengthChoice::Total, job)?;
+    let packed: Vec<(u32, u32)> = graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
+    for (done, alpha) in BETWEEN.into_iter().enumerate() {
+        job.tell("graphs between", done as u64, BETWEEN.len() as u64)?;
+        let row = compare_with(subject, transitions, alpha, &packed)?;
+        let essential = essential_edges(transitions, subject.timeline(), alpha)?.edges.len();
+        table.rows.push(vec![
+            Cell::Number(alpha, 4),
+            Cell::Count(essential as u64),
+            Cell::Count(packed.len() as u64),
+            Cell::Number(row.essential.mean, 5),
+            Cell::Number(row.motion.mean, 5),
+            Cell::Count(row.dearer.0),
+            Cell::Text(format!("{:.2} %", 100.0 * row.dearer.1)),
+        ]);
+    }
+    Ok(table)
 }
 
 /// How much hangs on what a local minimum is: the papers do not say it.

@@ -3,13 +3,14 @@
 use actor::capture::Capture;
 use actor::contacts::Contacts;
 use actor::feet::Feet;
-use actor::graph::{ALPHA_RESOLUTION, DEFAULT_ALPHA, EssentialGraph, rounded_alpha};
+use actor::graph::{DEFAULT_ALPHA, EssentialGraph, rounded_alpha};
 use actor::ties::Ties;
 use job::{Job, Stopped};
 use thiserror::Error;
 
 use crate::contacts;
 use crate::distance::Measured;
+use crate::essential::live::one_for_all;
 use crate::essential::sparse::{Candidates, candidate_transitions, essential_of};
 use crate::essential::{
     BuildError, EssentialError, GraphInput, StrongComponents, build_graph, reach, strongly_connected,
@@ -26,6 +27,8 @@ pub struct GraphOptions {
     pub transition: TransitionOptions,
     /// Weight of a frame's duration against surface deformation (thesis section 3.3.2).
     pub alpha: f64,
+    /// The least and the largest alpha that a player may choose instead of it, without packing again; `None` where it stays.
+    pub alphas: Option<[f64; 2]>,
     /// Whether transitions keep still what stands on the ground on both sides, and components on each other; else they follow
     /// the papers alone.
     pub hold_contacts: bool,
@@ -33,7 +36,38 @@ pub struct GraphOptions {
 
 impl Default for GraphOptions {
     fn default() -> Self {
-        Self { transition: TransitionOptions::default(), alpha: DEFAULT_ALPHA, hold_contacts: true }
+        let alphas = Some(ALPHAS);
+        Self { transition: TransitionOptions::default(), alpha: DEFAULT_ALPHA, alphas, hold_contacts: true }
+    }
+}
+
+/// The alphas between which actors move smoothly or quickly (thesis section 3.3.2 has 0.01, figure 3.8 up to 0.2).
+pub const ALPHAS: [f64; 2] = [0.01, 0.2];
+
+/// Alphas of the range that are looked at, from the least to the largest, evenly by their logarithms: what is essential between
+/// two of them is nearly always essential for one of both.
+const RUNGS: usize = 4;
+
+impl GraphOptions {
+    /// The alphas that the graph is made for: its own first, then those of the range from the largest on.
+    ///
+    /// # Errors
+    /// One that is not between the resolution and 1000.
+    pub fn rungs(&self) -> Result<Vec<f64>, EssentialError> {
+        let range = self.alphas.into_iter().flat_map(|[least, most]| {
+            (0..RUNGS).rev().map(move |rung| least * (most / least).powf(rung as f64 / (RUNGS - 1) as f64))
+        });
+        let mut rungs = Vec::new();
+        for alpha in [self.alpha].into_iter().chain(range) {
+            let rounded = rounded_alpha(alpha);
+            if !(rounded > 0.0 && rounded <= 1000.0) {
+                return Err(EssentialError::Alpha(alpha));
+            }
+            if !rungs.contains(&rounded) {
+                rungs.push(rounded);
+            }
+        }
+        Ok(rungs)
     }
 }
 
@@ -79,15 +113,16 @@ pub fn essential_graph(
     job: &Job,
 ) -> Result<Graphed, GraphError> {
     let timeline = &capture.timeline;
-    let alpha = rounded_alpha(options.alpha);
-    if !(alpha > 0.0 && alpha <= 1000.0) {
-        return Err(EssentialError::Alpha(options.alpha).into());
-    }
-    debug_assert!(alpha >= ALPHA_RESOLUTION);
-    let candidates = candidate_transitions(&measured.distances, timeline, &options.transition, alpha, job)?;
+    let rungs = options.rungs()?;
+    let candidates = candidate_transitions(&measured.distances, timeline, &options.transition, &rungs, job)?;
     job.begin("essential graph")?;
-    let kept = essential_of(&candidates, timeline, alpha, job)?;
-    drop(candidates);
+    let mut essential = Vec::new();
+    for (candidates, &alpha) in candidates.into_iter().zip(&rungs) {
+        essential.push((alpha, essential_of(&candidates, timeline, alpha, job)?));
+    }
+    // There is always one: the capture's own.
+    let (_, own) = essential.remove(0);
+    let kept = one_for_all(&own, &essential, timeline);
     job.begin("temporal warps")?;
     let contacts = match options.hold_contacts {
         true => contacts::contacts(&capture.topology, timeline, &capture.poses),

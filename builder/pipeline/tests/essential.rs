@@ -13,6 +13,7 @@ use fixtures::{Captured, Random, crane_and_jumping};
 use job::Job;
 use pipeline::distance::{DistanceOptions, pose_distances};
 use pipeline::essential::hidden_paths::hidden_paths;
+use pipeline::essential::live::{SLACK_SECONDS, one_for_all};
 use pipeline::essential::sparse::{Candidates, Thinning, by_all_paths, by_searches, row_candidates};
 use pipeline::essential::{Essential, essential_edges, motion_graph, reach, strongly_connected};
 use pipeline::transitions::{TransitionCost, TransitionMatrix, TransitionOptions, optimal_transitions};
@@ -247,4 +248,64 @@ fn refuses_alphas_that_are_no_cost() {
     let found = essential_edges(&transitions, &timeline, 0.01).unwrap();
     assert_eq!((found.edges.len(), found.unreachable_pairs), (0, 3));
     assert_eq!((found.dead_ends, found.unreached), (vec![2], vec![0]));
+}
+
+/// The least and the largest alpha, and one of the capture's own between them.
+const RANGE: [f64; 3] = [0.01, 0.2, 0.03];
+
+fn check_one_for_all(transitions: &TransitionMatrix, timeline: &Timeline) {
+    let [least, most, own] = RANGE.map(rounded_alpha);
+    let at = |alpha: f64| {
+        let edges = essential_edges(transitions, timeline, alpha).unwrap().edges;
+        let mut essential = Candidates::new();
+        for from in 0..timeline.frame_count() {
+            let row = edges.iter().filter(|edge| edge.0 == from);
+            essential.push_row(row.map(|&(_, to)| (to, transitions.get(from as usize, to as usize).unwrap())));
+        }
+        essential
+    };
+    let others = [most, least].map(|alpha| (alpha, at(alpha)));
+    let kept = one_for_all(&at(own), &others, timeline);
+    // All that is essential at the own alpha, and nothing that is essential nowhere.
+    let all = [&at(own), &others[0].1, &others[1].1];
+    for from in 0..timeline.frame_count() {
+        assert!(all[0].from(from).iter().all(|&(to, cost)| kept.get(from, to) == Some(cost)));
+        assert!(kept.from(from).iter().all(|&(to, _)| all.iter().any(|set| set.get(from, to).is_some())));
+        assert!(kept.from(from).windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+    // No way is dearer by more than the slack for each transition of the best one.
+    let slack = f64::from((SLACK_SECONDS * timeline.fps()).round());
+    for (alpha, essential) in &others {
+        let within = TransitionMatrix::from_fn(timeline.frame_count() as usize, |i, j| kept.get(i as u32, j as u32));
+        let lengths = floyd_warshall(direct_costs(&within, timeline, *alpha));
+        for from in 0..timeline.frame_count() {
+            for &(to, cost) in essential.from(from) {
+                let (way, best) = (lengths[from as usize][to as usize], cost.cost(*alpha));
+                assert!(way <= best + alpha * slack + 1e-9, "{from} to {to} at {alpha}: {way} for {best}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_graph_serves_every_alpha() {
+    let mut random = Random::new(5);
+    for round in 0..60 {
+        let lengths: Vec<_> =
+            (0..1 + random.below(4)).map(|_| (4 + random.below(20) as u32, random.unit() < 0.3)).collect();
+        let timeline = common::timeline(25.0, &lengths);
+        let levels = [8, 1_000_000][round % 2];
+        let transitions = random_transitions(timeline.frame_count() as usize, 0.5, levels, &mut random);
+        check_one_for_all(&transitions, &timeline);
+    }
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn one_graph_serves_every_alpha_of_a_real_capture() {
+    let Captured { topology, poses, timeline } = crane_and_jumping(3);
+    let distances = pose_distances(&topology, &poses, &DistanceOptions::default(), &Job::silent()).unwrap();
+    let transitions =
+        optimal_transitions(&distances, &timeline, &TransitionOptions::default(), &Job::silent()).unwrap();
+    check_one_for_all(&transitions, &timeline);
 }

@@ -108,6 +108,19 @@ impl EssentialGraph {
         Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet, ties })
     }
 
+    /// From now on `alpha` is the weight of a frame's duration; rounded. Transitions, and so walks through them, stay what they
+    /// are: other walks are the cheapest.
+    ///
+    /// # Errors
+    /// Not between 0 and 1000.
+    pub fn set_alpha(&mut self, alpha: f64) -> Result<(), GraphError> {
+        if !(0.0..=1000.0).contains(&alpha) {
+            return Err(GraphError::Alpha(alpha));
+        }
+        self.alpha = rounded_alpha(alpha);
+        Ok(())
+    }
+
     /// The same graph, whose transitions keep still what stands on the ground on both sides. Their placements have to be
     /// found with the same contacts.
     #[must_use]

@@ -438,8 +438,25 @@ fn requests_are_refused_in_the_same_words_everywhere() {
 }
 
 #[test]
+fn a_search_graph_of_another_alpha_is_as_if_made_for_it() {
+    let mut scene = random_scene::make(7, &[14, 9, 11], 30);
+    for alpha in [0.2, 0.013, 0.01] {
+        scene.graph.set_alpha(alpha).unwrap();
+        let (mut changed, alpha) = (scene.search_graph.clone(), scene.graph.alpha());
+        changed.set_alpha(alpha);
+        let fresh = SearchGraph::new(&scene.graph, &scene.timeline, &scene.motion).unwrap();
+        assert_eq!(changed.alpha, fresh.alpha);
+        for frame in 0..fresh.frame_count() {
+            assert_eq!(changed.from(frame), fresh.from(frame));
+            assert!(fresh.from(frame).all(|edge| changed.edge(edge) == fresh.edge(edge)));
+        }
+    }
+    assert!(scene.graph.set_alpha(f64::NAN).is_err() && scene.graph.set_alpha(-1.0).is_err());
+}
+
+#[test]
 fn requests_are_the_same_after_a_round_trip() {
-    let text = r#"{"version":1,"seed":3,"target":{"path":{"points":[[0.0,1.0],[2.5,3.0]],"shape":"spline","stretches":[{"from":0.0,"to":0.5,"behaviour":"a"}],"free_start":true,"realism":0.5,"exactness":0.25}}}"#;
+    let text = r#"{"version":1,"seed":3,"quickness":0.05,"target":{"path":{"points":[[0.0,1.0],[2.5,3.0]],"shape":"spline","stretches":[{"from":0.0,"to":0.5,"behaviour":"a"}],"free_start":true,"realism":0.5,"exactness":0.25}}}"#;
     let request = Request::from_json(text).unwrap();
     assert_eq!(request.to_json(), text);
     assert_eq!(Request::from_json(&request.to_json()), Ok(request));

@@ -15,4 +15,4 @@ pub mod report;
 pub mod scene;
 pub mod searcher;
 pub mod walk;
-mod words;
+pub mod words;

@@ -4,6 +4,7 @@
 //! for the centre of mass, and anew whenever other vertices are to follow a path. A slice looks at the clock after every few
 //! dozen states, so that the page's frames stay short.
 
+use actor::graph::rounded_alpha;
 use actor::pose_source::PoseError;
 use glam::{Vec2, Vec3};
 use kernels::align::Placement;
@@ -55,6 +56,8 @@ pub enum Origin {
 /// Searches for one actor.
 pub struct Searcher {
     known: Known,
+    /// The actor's own weight of a frame's duration, for requests that name none.
+    alpha: f64,
     /// The vertices that are followed; empty for the centre of mass.
     group: Vec<u32>,
     /// The search graph, and what makes it as long as it is not there.
@@ -70,7 +73,8 @@ impl Searcher {
     /// What is known does not fit together.
     pub fn new(known: Known) -> Result<Self, SearchError> {
         let survey = Some(survey(&known, None)?);
-        Ok(Self { known, group: Vec::new(), survey, search_graph: None, direction: None })
+        let alpha = known.graph.alpha();
+        Ok(Self { known, alpha, group: Vec::new(), survey, search_graph: None, direction: None })
     }
 
     /// Whether it is these vertices (the centre of mass, where there are none) that follow paths now; where not,
@@ -137,8 +141,20 @@ impl Searcher {
             }
         };
         self.direction = None;
+        self.hurry(request.quickness.unwrap_or(self.alpha));
         self.direction = Some(Direction::new(&self.scene()?, start, request, DEFAULT_EFFORT)?);
         Ok(())
+    }
+
+    /// Weighs a frame's duration as a request wants it. What it may not be is refused with the request.
+    fn hurry(&mut self, alpha: f64) {
+        let graph = &mut self.known.graph;
+        if graph.alpha() == rounded_alpha(alpha) || graph.set_alpha(alpha).is_err() {
+            return;
+        }
+        if let Some(search_graph) = &mut self.search_graph {
+            search_graph.set_alpha(graph.alpha());
+        }
     }
 
     /// Searches on until `is_over` says that it is enough for now.

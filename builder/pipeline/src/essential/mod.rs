@@ -10,6 +10,7 @@ mod costs;
 mod detours;
 mod graph;
 pub mod hidden_paths;
+pub mod live;
 mod motion_graph;
 mod paths;
 mod reach;

@@ -32,8 +32,9 @@ const BAND: usize = 256;
 /// Transitions that are held whatever they are, 16 bytes each and 16 more while they are searched.
 const MORE: usize = 1 << 20;
 
-/// The optimal transitions that may stay in an essential graph of `alpha` ([`row_candidates`]), of the same search as
+/// The optimal transitions that may stay in an essential graph of each of `alphas` ([`row_candidates`]), of the same search as
 /// [`crate::transitions::optimal_transitions`], without ever holding all of them: memory is that of the candidates and of a few rows.
+/// The search is done once for all.
 ///
 /// # Errors
 /// As [`crate::transitions::optimal_transitions`].
@@ -41,12 +42,13 @@ pub fn candidate_transitions(
     distances: &DistanceMatrix,
     timeline: &Timeline,
     options: &TransitionOptions,
-    alpha: f64,
+    alphas: &[f64],
     job: &Job,
-) -> Result<Candidates, TransitionError> {
+) -> Result<Vec<Candidates>, TransitionError> {
     let search = Search::new(Level::best(), distances, timeline, options, job)?;
     let frame_count = distances.frame_count();
-    let (mut candidates, mut thinning) = (Candidates::new(), Thinning::new(timeline, alpha, MORE, job));
+    let mut candidates = vec![Candidates::new(); alphas.len()];
+    let mut thinnings: Vec<_> = alphas.iter().map(|&alpha| Thinning::new(timeline, alpha, MORE, job)).collect();
     let mut costs = Vec::new();
     for start in (0..frame_count).step_by(BAND) {
         let end = (start + BAND).min(frame_count);
@@ -54,20 +56,22 @@ pub fn candidate_transitions(
         costs.resize((end - start) * frame_count, TransitionMatrix::NONE);
         search.rows(start..end, &mut costs)?;
         let row = |from: usize| &costs[(from - start) * frame_count..][..frame_count];
-        let rows: Vec<Vec<_>> = (start..end)
-            .into_par_iter()
-            .map(|from| {
-                let next =
-                    timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
-                row_candidates(timeline, alpha, from as u32, row(from), next.map(row))
-            })
-            .collect();
-        match frame_count <= ALL_PATHS {
-            true => rows.into_iter().for_each(|row| candidates.push_row(row)),
-            false => thinning.push(&rows)?,
+        for ((&alpha, candidates), thinning) in alphas.iter().zip(&mut candidates).zip(&mut thinnings) {
+            let rows: Vec<Vec<_>> = (start..end)
+                .into_par_iter()
+                .map(|from| {
+                    let next =
+                        timeline.next(from as u32).map(|next| next as usize).filter(|next| (start..end).contains(next));
+                    row_candidates(timeline, alpha, from as u32, row(from), next.map(row))
+                })
+                .collect();
+            match frame_count <= ALL_PATHS {
+                true => rows.into_iter().for_each(|row| candidates.push_row(row)),
+                false => thinning.push(&rows)?,
+            }
         }
     }
-    Ok(if frame_count <= ALL_PATHS { candidates } else { thinning.left() })
+    Ok(if frame_count <= ALL_PATHS { candidates } else { thinnings.into_iter().map(Thinning::left).collect() })
 }
 
 /// The essential ones among `candidates`, for an `alpha` that is a multiple of [`actor::graph::ALPHA_RESOLUTION`] and not 0.

@@ -10,6 +10,9 @@ impl Request {
     pub fn check_numbers(&self) -> Result<(), RequestError> {
         check_version(self.version)?;
         range("the seed", self.seed as f64, 0.0, limits::MAX_SEED as f64)?;
+        if let Some(quickness) = self.quickness {
+            range("quickness", quickness, limits::LEAST_QUICKNESS, limits::MOST_QUICKNESS)?;
+        }
         match &self.target {
             Target::Queue(targets) => {
                 count("targets", targets.len(), limits::MAX_QUEUE)?;

@@ -1,5 +1,6 @@
 //! Why a request cannot be worked on.
 
+use actor::json::Unread;
 use thiserror::Error;
 
 use super::VERSION;
@@ -60,4 +61,10 @@ pub enum RequestError {
     /// A vertex that the capture does not have.
     #[error("there is no vertex {0}")]
     UnknownVertex(u32),
+}
+
+impl From<Unread> for RequestError {
+    fn from(error: Unread) -> Self {
+        Self::Json(error.0)
+    }
 }

@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 
+use actor::json::{Fields, Json, each, number, whole, whole_number, wrong};
+
 use super::check::check_version;
-use super::value::Json;
 use super::{
     BehaviourRequest, DEFAULT_EXACTNESS, DEFAULT_REALISM, FrameRef, Key, KeysRequest, PATH_REALISM, PathRequest,
     PlaceRequest, Request, RequestError, Stretch, Target, WanderRequest, WithinSequence,
@@ -19,10 +20,11 @@ pub(super) fn request(value: &Json) -> Read<Request> {
     // A later version may have other fields: that is to be said first.
     let version = whole(fields.need("version")?, "the version")?;
     check_version(version)?;
-    let fields = fields.only(&["version", "seed", "target"])?;
+    let fields = fields.only(&["version", "seed", "quickness", "target"])?;
     let seed = fields.maybe("seed").map_or(Ok(0.0), |seed| whole_number(seed, "the seed"))?;
+    let quickness = fields.maybe("quickness").map(|quickness| number(quickness, "quickness")).transpose()?;
     // What is beyond 2^53 is refused when the numbers are checked.
-    Ok(Request { version, seed: seed as u64, target: target(fields.need("target")?)? })
+    Ok(Request { version, seed: seed as u64, quickness, target: target(fields.need("target")?)? })
 }
 
 fn target(value: &Json) -> Read<Target> {
@@ -30,7 +32,7 @@ fn target(value: &Json) -> Read<Target> {
     let fields = Fields::new(value, "the target")?.only(&kinds)?;
     let mut given = kinds.iter().filter_map(|kind| Some((*kind, fields.maybe(kind)?)));
     let (Some((kind, value)), None) = (given.next(), given.next()) else {
-        return Err(wrong(&["a target is one of pose, behaviour, place, path, keys, wander and queue"]));
+        return Err(wrong(&["a target is one of pose, behaviour, place, path, keys, wander and queue"]).into());
     };
     Ok(match kind {
         "pose" => Target::Pose(frame(value)?),
@@ -75,17 +77,17 @@ fn place(value: &Json) -> Read<PlaceRequest> {
 pub(super) fn path(value: &Json) -> Read<PathRequest> {
     let known = ["points", "shape", "stretches", "free_start", "vertices", "realism", "exactness"];
     let fields = Fields::new(value, "the path")?.only(&known)?;
-    let coordinate = |part: &Json| Ok(number(part, "a point's coordinate")? as f32);
+    let coordinate = |part: &Json| -> Read<f32> { Ok(number(part, "a point's coordinate")? as f32) };
     let shape = match fields.maybe("shape") {
         None => Shape::default(),
         Some(Json::Text(shape)) if shape == "spline" => Shape::Spline,
         Some(Json::Text(shape)) if shape == "polyline" => Shape::Polyline,
-        Some(_) => return Err(wrong(&["a path's shape is spline or polyline"])),
+        Some(_) => return Err(wrong(&["a path's shape is spline or polyline"]).into()),
     };
     let free_start = match fields.maybe("free_start") {
         None => false,
         Some(Json::Bool(free)) => *free,
-        Some(_) => return Err(wrong(&["free_start is true or false"])),
+        Some(_) => return Err(wrong(&["free_start is true or false"]).into()),
     };
     Ok(PathRequest {
         points: each(fields.need("points")?, "points", |point| each(point, "a point", coordinate))?,
@@ -123,87 +125,4 @@ fn wander(value: &Json) -> Read<WanderRequest> {
         }
     }
     Ok(WanderRequest { seconds: fields.number("seconds")?, weights })
-}
-
-fn wrong(why: &[&str]) -> RequestError {
-    RequestError::Json(why.concat())
-}
-
-fn is_no(what: &str, kind: &str) -> RequestError {
-    wrong(&[what, " is no ", kind])
-}
-
-/// An object's fields.
-struct Fields<'a> {
-    fields: &'a [(String, Json)],
-    what: &'static str,
-}
-
-impl<'a> Fields<'a> {
-    fn new(value: &'a Json, what: &'static str) -> Read<Self> {
-        match value {
-            Json::Object(fields) => Ok(Self { fields, what }),
-            _ => Err(is_no(what, "object")),
-        }
-    }
-
-    fn only(self, known: &[&str]) -> Read<Self> {
-        let names = self.fields.iter().map(|(name, _)| name);
-        match names.filter(|name| !known.contains(&name.as_str())).min() {
-            Some(name) => Err(wrong(&[self.what, " has a field that nobody knows: ", name])),
-            None => Ok(self),
-        }
-    }
-
-    fn maybe(&self, name: &str) -> Option<&'a Json> {
-        let field = self.fields.iter().find(|(field, _)| field == name);
-        field.map(|(_, value)| value).filter(|value| **value != Json::Null)
-    }
-
-    fn need(&self, name: &str) -> Read<&'a Json> {
-        self.maybe(name).ok_or_else(|| wrong(&[self.what, " has no ", name]))
-    }
-
-    fn number(&self, name: &str) -> Read<f64> {
-        number(self.need(name)?, name)
-    }
-
-    fn number_or(&self, name: &str, usual: f64) -> Read<f64> {
-        self.maybe(name).map_or(Ok(usual), |value| number(value, name))
-    }
-
-    fn text(&self, name: &str) -> Read<String> {
-        match self.need(name)? {
-            Json::Text(text) => Ok(text.clone()),
-            _ => Err(is_no(name, "text")),
-        }
-    }
-
-    fn list<T>(&self, name: &str, read: impl Fn(&Json) -> Read<T>) -> Read<Vec<T>> {
-        self.maybe(name).map_or(Ok(Vec::new()), |value| each(value, name, read))
-    }
-}
-
-fn each<T>(value: &Json, what: &str, read: impl Fn(&Json) -> Read<T>) -> Read<Vec<T>> {
-    match value {
-        Json::List(list) => list.iter().map(read).collect(),
-        _ => Err(is_no(what, "list")),
-    }
-}
-
-fn number(value: &Json, what: &str) -> Read<f64> {
-    match value {
-        Json::Number(number) => Ok(*number),
-        _ => Err(is_no(what, "number")),
-    }
-}
-
-fn whole_number(value: &Json, what: &str) -> Read<f64> {
-    let number = number(value, what)?;
-    if number.fract() == 0.0 && number >= 0.0 { Ok(number) } else { Err(is_no(what, "whole number")) }
-}
-
-fn whole(value: &Json, what: &str) -> Read<u32> {
-    let number = whole_number(value, what)?;
-    if number <= f64::from(u32::MAX) { Ok(number as u32) } else { Err(is_no(what, "whole number below 2^32")) }
 }

@@ -1,11 +1,9 @@
 //! Requests as JSON. Whoever reads the text (this library for files, the browser for the page), what it may say is decided
 //! here and in the [grammar](super::grammar) alone, so that all refuse the same with the same words.
 
-use super::value::Json;
-use super::{KeysRequest, PathRequest, Request, RequestError, grammar, limits};
+use actor::json::Json;
 
-/// Lists and objects within each other that are read; a request has no more than ten.
-const DEEPEST: usize = 32;
+use super::{KeysRequest, PathRequest, Request, RequestError, grammar, limits};
 
 impl Request {
     /// Reads a request and checks all that can be checked without a capture.
@@ -25,10 +23,7 @@ impl Request {
             let (what, limit) = ("bytes", limits::MAX_BYTES);
             return Err(RequestError::TooMany { what, count: text.len(), limit });
         }
-        if depth(text) > DEEPEST {
-            return Err(RequestError::Json("it is nested too deeply".into()));
-        }
-        let value = read(text).ok_or_else(|| RequestError::Json("it is no JSON".into()))?;
+        let value = Json::document(text, read)?;
         let request = grammar::request(&value)?;
         request.check_numbers()?;
         Ok(request)
@@ -59,38 +54,5 @@ impl KeysRequest {
     /// What they are not.
     pub fn of_json(value: &Json) -> Result<Self, RequestError> {
         grammar::keys(value)
-    }
-}
-
-/// How many lists and objects are within each other at most, if `text` is JSON.
-fn depth(text: &str) -> usize {
-    let (mut depth, mut deepest) = (0_usize, 0);
-    let (mut in_text, mut escaped) = (false, false);
-    for byte in text.bytes() {
-        match byte {
-            _ if escaped => escaped = false,
-            b'\\' if in_text => escaped = true,
-            b'"' => in_text = !in_text,
-            b'[' | b'{' if !in_text => {
-                depth += 1;
-                deepest = deepest.max(depth);
-            }
-            b']' | b'}' if !in_text => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-    }
-    deepest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn depth_is_counted_outside_of_texts() {
-        assert_eq!(depth(r#"{"a":[1,{"b":2}],"c":[[]]}"#), 3);
-        assert_eq!(depth(r#"["[[[\"[[\\"]"#), 1);
-        assert_eq!(depth("]]["), 1);
-        assert_eq!(depth(""), 0);
     }
 }

@@ -22,3 +22,7 @@ pub const MAX_SECONDS: f64 = 3600.0;
 pub const MAX_METRES: f64 = 2000.0;
 /// The largest weight of anything.
 pub const MAX_WEIGHT: f64 = 1000.0;
+/// The least and the largest weight of a frame's duration.
+pub const LEAST_QUICKNESS: f64 = 1e-6;
+/// See [`LEAST_QUICKNESS`].
+pub const MOST_QUICKNESS: f64 = 1000.0;

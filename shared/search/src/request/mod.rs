@@ -6,10 +6,9 @@ mod find;
 mod grammar;
 mod json;
 pub mod limits;
-mod value;
 
+pub use actor::json::Json;
 pub use error::RequestError;
-pub use value::Json;
 
 use std::collections::BTreeMap;
 
@@ -28,6 +27,10 @@ pub struct Request {
     pub version: u32,
     /// Seed of what is random.
     pub seed: u64,
+    /// The weight of a frame's duration in the cheapest walks (alpha, thesis section 3.3.2), where it is not to be the actor's
+    /// own: whoever searches tells the graph ([`EssentialGraph::set_alpha`](actor::graph::EssentialGraph::set_alpha)).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quickness: Option<f64>,
     /// What to do.
     pub target: Target,
 }
@@ -192,7 +195,7 @@ impl Request {
     /// A request of this version.
     #[must_use]
     pub fn new(target: Target) -> Self {
-        Self { version: VERSION, seed: 0, target }
+        Self { version: VERSION, seed: 0, quickness: None, target }
     }
 }
 

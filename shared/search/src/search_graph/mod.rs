@@ -99,6 +99,14 @@ impl SearchGraph {
         Ok(survey.finish())
     }
 
+    /// Takes another weight of a frame's duration, as the graph has taken it ([`EssentialGraph::set_alpha`]).
+    pub fn set_alpha(&mut self, alpha: f64) {
+        self.alpha = alpha;
+        for edge in &mut self.edges {
+            edge.cost = edge.deformation + alpha * f64::from(edge.nodes);
+        }
+    }
+
     /// Number of frames.
     #[must_use]
     pub fn frame_count(&self) -> u32 {
