@@ -4,7 +4,7 @@
  * Frames are counted over the whole capture, from 0; `info.sequences` tells where each sequence begins. Times are in
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
- * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `camera`,
+ * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `quickness`, `camera`,
  * `originals`, `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
  * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
  * `--reprise-background`, `--reprise-font`.
@@ -30,6 +30,8 @@ export class ReprisePlayer extends HTMLElement {
   theme: 'light' | 'dark' | null;
   /** 1 is the capture's own speed. */
   speed: number;
+  /** What a frame costs when ways are planned, from 0.01 (smooth) to 0.2 (quick); null: as the actor was packed. */
+  quickness: number | null;
   /**
    * The first view, and the one that a double click goes back to: `45deg 10deg 1.5` is the angle about the actor, the
    * angle above the ground, and the distance, 1 being that from which all of the actor is seen.
@@ -61,6 +63,11 @@ export class ReprisePlayer extends HTMLElement {
    */
   get direction(): Request | null;
   set direction(request: Request | Shared | null | undefined);
+  /** The edits of recorded frames; null where there are none. What is wrong with a document that is set is said on the page. */
+  get edits(): EditDocument | null;
+  set edits(document: EditDocument | null | undefined);
+  /** Adds an edit; resolves once all frames are as it has them. What cannot be met is told in the notes. */
+  edit(edit: Edit): Promise<{ notes: string[] }>;
   /** The best answer of the tool in use so far. */
   readonly answer: Answer | null;
   /** The direction as the part of an address behind `#`. */
@@ -126,7 +133,7 @@ export class ReprisePlayer extends HTMLElement {
   ): void;
 }
 
-export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander';
+export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander' | 'edit';
 
 /** A frame; a pose by its sequence and the time within it; or the frame of a behaviour that is nearest. */
 export type Target = number | { frame: number } | { sequence: string; seconds?: number } | { behaviour: string };
@@ -163,6 +170,8 @@ export interface Request {
   version: 1;
   /** Of what is random. */
   seed?: number;
+  /** What a frame costs, from 0.01 for smooth ways to 0.2 for quick ones; as the actor was packed, where not given. */
+  quickness?: number;
   target: RequestTarget | { queue: RequestTarget[] };
 }
 
@@ -188,9 +197,33 @@ export type RequestTarget =
   | { keys: { poses: { pose: FrameRef; time: number }[] } }
   | { wander: { seconds: number; weights?: Record<string, number> } };
 
-/** What links and files hold: a request, and where its answer began. */
+/** Edits of recorded frames: the JSON of docs/editing.md, which the command line reads, too. */
+export interface EditDocument {
+  version: 1;
+  edits: Edit[];
+}
+
+/** Points of the surface that are put elsewhere in a recorded frame; the frames around follow. */
+export interface Edit {
+  sequence: string;
+  /** Counted within the sequence. */
+  frame: number;
+  /** The frames before and after at which the edit has faded to nothing; a quarter of a second to both sides by default. */
+  window?: [number, number];
+  /** Vertices of the mesh, and where each goes: metres, as the frame was recorded. */
+  handles: { vertex: number; to: [number, number, number] }[];
+  /** What stays; feet that stand by default. */
+  pins?: 'contacts' | 'none' | number[];
+  scope?: 'body' | 'limb' | { radius: number };
+  method?: 'rig' | 'arap' | 'laplace';
+  propagate?: 'nonlinear' | 'linear' | 'constraint';
+  on?: boolean;
+}
+
+/** What links and files hold: a request, where its answer began, and edits. */
 export interface Shared {
-  request: Request;
+  request?: Request;
+  edits?: EditDocument;
   start?: { frame: number; placement: [number, number, number] };
   answer?: Answer;
 }
@@ -333,6 +366,8 @@ export interface ReprisePlayerEventMap {
   toolchange: CustomEvent<{ tool: Tool }>;
   /** What is asked has changed, by the user, by undoing, or by a page. */
   change: CustomEvent<{ tool: Tool }>;
+  /** Recorded frames are edited otherwise than before; they are made in the next display frames. */
+  editchange: CustomEvent<{ edits: EditDocument }>;
   /** The search has found a walk, or a better one. */
   answer: CustomEvent<{ answer: Answer }>;
   /** The actor waits for frames that have not arrived. */

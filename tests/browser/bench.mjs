@@ -8,6 +8,7 @@
 
 import { writeFile } from 'node:fs/promises';
 import { Browser } from './browser.mjs';
+import { dragging } from './dragging.mjs';
 import { turnsDuring } from './turns.mjs';
 
 /** Bytes that a download hands over at once. */
@@ -148,6 +149,7 @@ const figures = {
   ...(await player.run((element) => JSON.parse(element.testing.player.bench()))),
   ...(await player.run(clicks)),
   ...(await player.run(searching)),
+  ...(await player.run(dragging)),
   bytes_to_first_picture: await player.page.evaluate(bytesToFirstPicture, { address: 'demo.reprise', chunk: CHUNK }),
   device_loss: await player.run(deviceLoss),
 };

@@ -82,6 +82,14 @@ class Testing {
     return this.core.toolbox.search.module;
   }
 
+  /** The module that edits, once it is there. */
+  async editing() {
+    const { toolbox } = this.core;
+    await toolbox.fetch();
+    await toolbox.kit.edits.fetch();
+    return toolbox.kit.edits.module;
+  }
+
   /** Searches on without the page's rests, so many slices at most: where others have the processor, rests are all that there is. */
   searchOn(slices) {
     const { search } = this.core.toolbox;
@@ -96,6 +104,24 @@ class Testing {
   /** Whether there is nothing to do in the next display frame. */
   rests() {
     return this.core.loop.handle === 0;
+  }
+
+  /** How the edits get on: whether they can be made, frames still to be made, frames made, the longest slice, what is held. */
+  edits() {
+    const { edits } = this.core.toolbox.kit ?? {};
+    return { ready: Boolean(edits?.editor), due: edits?.due.length ?? 0, held: edits?.held ?? false, made: edits?.made.size ?? 0, ...edits?.slices };
+  }
+
+  /** A frame as walks show it, edited where it is, in the place where it was recorded. */
+  framePose(frame) {
+    return Array.from(this.player.pose_of(frame));
+  }
+
+  /** Where on the screen a point of the world is. */
+  placeOfPoint(x, y, z) {
+    const { left, top } = this.core.view.stage.root.getBoundingClientRect();
+    const [cssX, cssY, visible] = this.stage.project(x, y, z);
+    return { x: left + cssX, y: top + cssY, visible: visible > 0 };
   }
 
   /** Where on the screen a place on the ground is. */

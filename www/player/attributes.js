@@ -4,7 +4,10 @@
 const Base = globalThis.HTMLElement ?? class {};
 
 /** Attributes that are words, and the words that they may be; the first one is meant where there is none. */
-const WORDS = { loading: ['eager', 'lazy'], tool: ['pose', 'place', 'path', 'timing', 'wander'], theme: [null, 'light', 'dark'] };
+const WORDS = { loading: ['eager', 'lazy'], tool: ['pose', 'place', 'path', 'timing', 'wander', 'edit'], theme: [null, 'light', 'dark'] };
+
+/** As requests have it. */
+const MOST_QUICKNESS = 1000;
 
 export class AttributeElement extends Base {
   get speed() {
@@ -14,6 +17,15 @@ export class AttributeElement extends Base {
 
   set speed(value) {
     reflect(this, 'speed', value);
+  }
+
+  get quickness() {
+    const quickness = Number(this.getAttribute('quickness') ?? NaN);
+    return quickness > 0 && quickness <= MOST_QUICKNESS ? quickness : null;
+  }
+
+  set quickness(value) {
+    reflect(this, 'quickness', value);
   }
 }
 

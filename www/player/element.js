@@ -11,12 +11,12 @@ import { handleKey } from './keyboard.js';
 import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
 import { frameAt, frameOfTarget, soughtTarget } from './targets.js';
-import { VERSION, requestOf } from './tools/request.js';
+import { VERSION, documentOf, requestOf } from './tools/request.js';
 import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
 
 export class ReprisePlayer extends AttributeElement {
-  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool'];
+  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool', 'quickness'];
 
   #core = null;
   #actions = null;
@@ -24,6 +24,7 @@ export class ReprisePlayer extends AttributeElement {
   #near = false;
   /** A direction that was given before there was anything to take it. */
   #wanted;
+  #wantedEdits;
 
   // ---- life -----------------------------------------------------------------------------------------------------
 
@@ -90,14 +91,17 @@ export class ReprisePlayer extends AttributeElement {
     else if (name === 'poster') this.#core.view.showPoster(this.poster);
     else if (name === 'tool') this.#core.toolbox.choose(this.tool);
     else if (name === 'camera') this.#aim();
+    else if (name === 'quickness') this.#core.toolbox.hurry();
     else this.#applyOptions();
   }
 
   /** Hands on what was asked before there was anything to take it. */
   #take() {
-    const wanted = this.#wanted;
+    const [wanted, edits] = [this.#wanted, this.#wantedEdits];
     this.#wanted = undefined;
+    this.#wantedEdits = undefined;
     if (wanted !== undefined) this.#core.toolbox.load(wanted);
+    if (edits !== undefined) this.#core.toolbox.load({ edits });
   }
 
   #build() {
@@ -227,6 +231,23 @@ export class ReprisePlayer extends AttributeElement {
     else if (nothing) this.#core.toolbox.forget();
     else this.#core.toolbox.load(request);
     this.#core?.loop?.request();
+  }
+
+  get edits() {
+    const { edits = [] } = this.#core?.toolbox.document ?? {};
+    return edits.length > 0 ? documentOf(edits) : null;
+  }
+
+  set edits(document) {
+    const wanted = document ?? documentOf([]);
+    if (!this.#core) this.#wantedEdits = wanted;
+    else this.#core.toolbox.load({ edits: wanted });
+    this.#core?.loop?.request();
+  }
+
+  async edit(edit) {
+    this.#ready();
+    return this.#core.toolbox.addEdit(edit);
   }
 
   direct(request, { anywhere = false } = {}) {

@@ -28,6 +28,13 @@ export const loadSearch = once(async () => {
   return search;
 }, 'The WebAssembly module that searches could not be loaded.');
 
+/** The module that edits: `Editor` and `check_edits`. It has a memory of its own, too. */
+export const loadEditor = once(async () => {
+  const editor = await import('../pkg/editor.js');
+  await editor.default({ module_or_path: new URL('../pkg/editor_bg.wasm', import.meta.url) });
+  return editor;
+}, 'The WebAssembly module that edits could not be loaded.');
+
 /** The module `tools/tools.js`, a script of its own once it is built. */
 export const loadTools = once(async () => {
   const tools = await import('./tools/tools.js');

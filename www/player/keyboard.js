@@ -8,7 +8,7 @@ export const KEYS = [
   { keys: ['Enter'], shown: 'Enter', does: 'go to that pose, with shift after what is under way', act: 'go' },
   { keys: [' '], shown: 'Space', does: 'play or pause', act: 'toggle' },
   { keys: ['Escape'], shown: 'Esc', does: 'stop on the way, or put away what is open', act: 'cancel' },
-  { keys: ['1', '2', '3', '4', '5'], shown: '1 to 5', does: 'choose a tool: pose, place, path, timing, wander', act: 'tool' },
+  { keys: ['1', '2', '3', '4', '5', '6'], shown: '1 to 6', does: 'choose a tool: pose, place, path, timing, wander, edit', act: 'tool' },
   { keys: ['f'], shown: 'F', does: 'facts', act: 'facts' },
   { keys: ['t'], shown: 'T', does: 'tint: recorded green, synthetic red', act: 'tint' },
   { keys: ['p'], shown: 'P', does: 'poses around the actor', act: 'poses' },

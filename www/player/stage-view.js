@@ -50,8 +50,14 @@ export class StageView {
         const frame = this.ghostAt(x, y);
         if (frame >= 0) this.events.ghostClicked(frame);
       },
-      hover: (x, y) => this.hover(this.ghostAt(x, y), x, y),
-      leave: () => this.hover(-1, 0, 0),
+      hover: (x, y) => {
+        this.tool?.hover?.(x, y);
+        this.hover(this.ghostAt(x, y), x, y);
+      },
+      leave: () => {
+        this.tool?.hover?.();
+        this.hover(-1, 0, 0);
+      },
     });
     // A click must not take the focus from the score: arrow keys go on moving over poses.
     this.root.addEventListener('mousedown', (event) => event.preventDefault());

@@ -53,7 +53,7 @@ pub fn pack(bundle: &Path, builder: &dyn Fn() -> Result<Command>) -> Result<Path
         fs::remove_dir_all(&capture).with_context(|| format!("cannot clear {}", capture.display()))?;
     }
     run("the performer's capture", builder()?.arg("performer").arg("-o").arg(&capture))?;
-    run("the performer's bundle", builder()?.arg("pack").arg(&capture).arg("-o").arg(bundle))?;
+    run("the performer's bundle", builder()?.args(["pack", "--rig"]).arg(&capture).arg("-o").arg(bundle))?;
     Ok(capture)
 }
 

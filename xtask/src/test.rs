@@ -21,9 +21,11 @@ pub fn test() -> Result<()> {
     // With all that it is made of.
     wasm.args(["clippy", "-p", "reprise-web", "--target", "wasm32-unknown-unknown", "--", "-D", "warnings"]);
     run("lints, WebAssembly", &mut wasm)?;
-    let mut searcher = cargo();
-    searcher.args(["clippy", "-p", "reprise-searcher", "--features", "bindings", "--target", "wasm32-unknown-unknown"]);
-    run("lints, WebAssembly of the search", searcher.args(["--", "-D", "warnings"]))?;
+    for package in ["reprise-searcher", "reprise-editor"] {
+        let mut later = cargo();
+        later.args(["clippy", "-p", package, "--features", "bindings", "--target", "wasm32-unknown-unknown"]);
+        run("lints, WebAssembly that comes later", later.args(["--", "-D", "warnings"]))?;
+    }
     let mut docs = cargo();
     docs.args(["doc", "--workspace", "--no-deps", "-q"]).env("RUSTDOCFLAGS", "-D warnings");
     run("documentation", &mut docs)?;

@@ -27,13 +27,17 @@ struct Module {
 }
 
 const MODULE: Module = Module { package: "reprise-web", features: "", name: "web" };
-/// The module that a page fetches only when something is first searched for.
-const LATER_MODULE: Module = Module { package: "reprise-searcher", features: "bindings", name: "searcher" };
+/// The modules that a page fetches only when something is first searched for, and when something is first edited.
+const LATER_MODULES: [Module; 2] = [
+    Module { package: "reprise-searcher", features: "bindings", name: "searcher" },
+    Module { package: "reprise-editor", features: "bindings", name: "editor" },
+];
 
 /// Whether a page fetches a file of the build only when it is needed; `name` is its path in the folder.
 pub fn is_later(name: &Path) -> bool {
     let stem = name.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-    name == Path::new(LATER) || name.starts_with("pkg") && stem.starts_with(LATER_MODULE.name)
+    name == Path::new(LATER)
+        || name.starts_with("pkg") && LATER_MODULES.iter().any(|module| stem.starts_with(module.name))
 }
 
 /// Builds the page and returns the folder that holds it.
@@ -41,8 +45,8 @@ pub fn build() -> Result<PathBuf> {
     add_wasm_target()?;
     let package = dist().join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
-    for module in [MODULE, LATER_MODULE] {
-        compile(&module)?;
+    for module in std::iter::once(&MODULE).chain(&LATER_MODULES) {
+        compile(module)?;
         let wasm = target().join(TARGET).join(format!("wasm/{}.wasm", module.name));
         bind(&wasm, &package, module.name)
             .with_context(|| format!("cannot write the bindings of {}", wasm.display()))?;

@@ -55,12 +55,15 @@
 //! [`Job`]: it says how far it is, stops when it is told to, and keeps results of stages in a [`WorkFolder`].
 
 pub mod example;
+#[cfg(feature = "scans")]
+pub mod look;
 mod options;
 pub mod pack;
 pub mod preflight;
 mod reach;
 #[cfg(feature = "scans")]
 mod registered;
+mod rigged;
 #[cfg(feature = "scans")]
 pub mod scans;
 #[cfg(feature = "variations")]
@@ -79,5 +82,6 @@ pub use job::{Job, Progress, Stopped};
 pub use kernels::align::Placement;
 pub use kernels::topology::{Topology, barycentric_areas};
 pub use pipeline::{distance, graph, transitions};
+pub use rig::RigFile;
 pub use search::{Answer, Direction, Request, Scene, cheapest_walk};
 pub use synthesis::Synthesiser;

@@ -9,6 +9,7 @@ use motion::vary::VaryOptions;
 use pipeline::distance::{DistanceError, DistanceOptions};
 use pipeline::graph::{GraphError, GraphOptions};
 use pipeline::transitions::TransitionError;
+use rig::RigFile;
 use thiserror::Error;
 
 #[cfg(feature = "scans")]
@@ -31,6 +32,8 @@ pub struct PackOptions {
     pub max_error: Option<f32>,
     /// What becomes of textures that change from frame to frame.
     pub appearance: AppearanceChoice,
+    /// Corrections of the rig that is estimated, by which edits move the body; no rig where not given.
+    pub rig: Option<RigFile>,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
     pub variations: Option<Variations>,

@@ -11,6 +11,7 @@ use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
 use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
 use capture_io::import::{self, Warning};
+use editing::StoredRig;
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
@@ -18,12 +19,16 @@ use pipeline::graph::{Graphed, essential_graph};
 use serde::Serialize;
 use texture::TextureModel;
 
+#[cfg(feature = "scans")]
+use crate::look::is_scan;
 use crate::options::FIRST_FRAME;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
 #[cfg(feature = "scans")]
 use crate::registered::RegisteredScan;
+pub use crate::rigged::RigSummary;
+use crate::rigged::stored_rig;
 #[cfg(feature = "variations")]
 use crate::vary::add_variations;
 
@@ -38,6 +43,9 @@ pub struct PackReport {
     pub graph: GraphSummary,
     /// What the frames' textures became, where they have their own.
     pub appearance: Option<AppearanceSummary>,
+    /// What came of the rig, where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig: Option<RigSummary>,
     /// What came of the sequences that were varied.
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -97,6 +105,8 @@ pub struct StageSeconds {
     pub registration: f64,
     /// Reading files.
     pub import: f64,
+    /// The rig.
+    pub rig: f64,
     /// Pose distances.
     pub distances: f64,
     /// Optimal transitions, the essential graph, its warps and placements.
@@ -117,7 +127,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     let imported = match import::import(inputs, &options.import, job) {
         // Every frame, or some, are meshes of their own.
         #[cfg(feature = "scans")]
-        Err(import::ImportError::VertexCount { .. } | import::ImportError::FaceList { .. }) => {
+        Err(error) if is_scan(&error) => {
             let registered = RegisteredScan::new(inputs, options, job)?;
             seconds.registration = start.elapsed().as_secs_f64();
             let (bytes, mut report) = pack(&[registered.input()], &registered.options(options), job)?;
@@ -235,26 +245,37 @@ fn pack_with_files(
     options: &PackOptions,
     job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
-    let mut seconds = StageSeconds::default();
+    let (mut seconds, mut warnings) = (StageSeconds::default(), Vec::new());
+    let mut rig = None;
+    if let Some(file) = &options.rig {
+        match timed(&mut seconds.rig, || stored_rig(capture, file, job))? {
+            Ok(found) => rig = Some(found),
+            Err(warning) => warnings.push(warning),
+        }
+    }
+    let (rig, rig_summary) = rig.unzip();
     let measured =
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
-    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, files, &graphed.graph, looks, options))?;
+    let (bytes, bundle) =
+        timed(&mut seconds.bundle, || encode(capture, (files, rig.as_ref()), &graphed.graph, looks, options))?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
+    warnings.extend(unreachable);
     let pack_report = PackReport {
         name: capture.name.clone(),
         capture: summary_of(capture),
         graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
+        rig: rig_summary,
         #[cfg(feature = "variations")]
         variations: Vec::new(),
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
         offset: [0.0; 3],
-        warnings: unreachable.into_iter().collect(),
+        warnings,
     };
     Ok((bytes, pack_report))
 }
@@ -287,7 +308,7 @@ fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
 
 fn encode(
     capture: &Capture,
-    files: &Files,
+    (files, rig): (&Files, Option<&StoredRig>),
     graph: &EssentialGraph,
     (models, quality): (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
@@ -304,7 +325,7 @@ fn encode(
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
-    Ok(bundle::encode_with_files(&input, &looks, files)?)
+    Ok(bundle::encode_with_rig(&input, &looks, files, rig)?)
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

@@ -6,6 +6,8 @@
 //! graph; [`blend`] says where on the ground both sides of a transition are, and [`components`] which frames lead to which.
 //! Searches, synthesis and the file format all build on this and on nothing of each other.
 //!
+//! Documents from outside are read by [`json`].
+//!
 //! This crate does no input or output and knows no GPU, no thread and no page.
 //!
 //! Conventions: right-handed coordinates, +Y up, metres, seconds, radians; the ground is the XZ plane; vectors are
@@ -19,6 +21,7 @@ pub mod feet;
 pub mod files;
 pub mod graph;
 pub mod ground;
+pub mod json;
 pub mod motion;
 pub mod pose_source;
 pub mod surface;

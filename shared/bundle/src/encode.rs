@@ -14,12 +14,13 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{contacts, feet, files, graph, integers, motion, surface, ties};
+use super::{contacts, feet, files, graph, integers, motion, rig, surface, ties};
 use actor::capture::Capture;
 use actor::files::Files;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::{PoseError, PoseSource};
+use editing::StoredRig;
 
 /// Frames from one independent frame to the next: decoding any frame touches at most three others.
 const GROUP: u32 = 4;
@@ -124,6 +125,19 @@ pub fn encode_with_files(
     looks: &[AppearanceInput],
     files: &Files,
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
+    encode_with_rig(input, looks, files, None)
+}
+
+/// As [`encode_with_files`], with the rig by which edits move the body.
+///
+/// # Errors
+/// As [`encode_with_files`]; a rig that is not the capture's.
+pub fn encode_with_rig(
+    input: &BundleInput,
+    looks: &[AppearanceInput],
+    files: &Files,
+    rig: Option<&StoredRig>,
+) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
     let capture = input.capture;
     check(input)?;
     let (lowest, highest) = bounds(capture.poses.iter());
@@ -150,6 +164,7 @@ pub fn encode_with_files(
     };
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
     let mut drafts = drafts(input, &meta, geometry)?;
+    drafts.extend(rig.map(|rig| rig_draft(rig, capture)).transpose()?);
     add_files(&mut drafts, files, capture)?;
     let mut appearance = None;
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
@@ -166,6 +181,19 @@ pub fn encode_with_files(
     }
     let report = EncodeReport { appearance, ..report(&header, capture.poses.len(), rms_error, max_error) };
     Ok((bytes, report))
+}
+
+/// The section of a rig of this capture.
+fn rig_draft(stored: &StoredRig, capture: &Capture) -> Result<Draft, EncodeError> {
+    let wrong = |reason: &str| EncodeError::Inconsistent(format!("the rig {reason}"));
+    let vertex_count = capture.topology.vertex_count();
+    if stored.influences.len() != vertex_count || stored.core.len() != vertex_count {
+        return Err(wrong("is one of another mesh"));
+    }
+    let raw = rig::encode(stored).ok_or_else(|| wrong("has too many bones"))?;
+    // What a reader would refuse is not written.
+    rig::decode(&raw, vertex_count, capture.timeline.frame_count()).map_err(wrong)?;
+    Ok(Draft { kind: SectionKind::Rig, ordinal: 0, raw })
 }
 
 /// What the page does not need comes behind what it does.

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 6;
+pub const VERSION_MINOR: u16 = 7;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,6 +50,8 @@ pub enum SectionKind {
     Feet,
     /// Which components of the mesh stay on which. Since 1.6.
     Ties,
+    /// Bones, joints and weights, by which edits move the body. Since 1.7.
+    Rig,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -58,7 +60,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -79,6 +81,7 @@ impl SectionKind {
         Self::Contacts,
         Self::Feet,
         Self::Ties,
+        Self::Rig,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -108,6 +111,7 @@ impl SectionKind {
             Self::Contacts => 65,
             Self::Feet => 66,
             Self::Ties => 67,
+            Self::Rig => 68,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -143,6 +147,7 @@ impl SectionKind {
             Self::Contacts => "contacts",
             Self::Feet => "feet",
             Self::Ties => "ties",
+            Self::Rig => "rig",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -159,6 +164,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Rig => 7,
             Self::Ties => 6,
             Self::Feet => 5,
             Self::FileFaces | Self::FilePlace => 4,

@@ -64,6 +64,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Image
         | SectionKind::Order
         | SectionKind::Ties
+        | SectionKind::Rig
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

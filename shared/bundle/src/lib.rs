@@ -22,6 +22,7 @@ mod layout;
 mod meta;
 mod motion;
 mod reader;
+mod rig;
 mod sections;
 mod surface;
 mod ties;
@@ -34,13 +35,14 @@ pub use appearance::{
 };
 pub use encode::{
     BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_files,
-    encode_with_looks,
+    encode_with_looks, encode_with_rig,
 };
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, SectionEntry};
 pub use kind::{MAGIC, SectionKind, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
+pub use rig::decode as decode_rig;
 pub use sections::SectionInfo;
 pub use validate::{Finding, Severity, validate};
 

@@ -11,7 +11,9 @@ use super::kind::SectionKind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
-use super::{Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, surface, ties};
+use super::{
+    Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, rig, surface, ties,
+};
 use actor::contacts::Contacts;
 use actor::feet::Feet;
 use actor::files::{FileFaces, FilePlace};
@@ -21,6 +23,7 @@ use actor::pose_source::{PoseError, PoseSource};
 use actor::surface::{Image, Surface};
 use actor::ties::Ties;
 use actor::timeline::Timeline;
+use editing::StoredRig;
 use kernels::topology::Topology;
 
 /// A bundle, or as much of it as has arrived.
@@ -53,6 +56,8 @@ pub struct BundleReader {
     /// The section as it is: only exports want it.
     file_faces: Option<Vec<u8>>,
     file_place: FilePlace,
+    /// The section as it is: the page hands it on.
+    rig: Option<Vec<u8>>,
     motion: Option<Motion>,
     contacts: Contacts,
     feet: Feet,
@@ -224,6 +229,24 @@ impl BundleReader {
     #[must_use]
     pub fn file_place(&self) -> FilePlace {
         self.file_place
+    }
+
+    /// The section of the rig, for [`super::decode_rig`]; `None` also where the bundle has none.
+    #[must_use]
+    pub fn rig_bytes(&self) -> Option<&[u8]> {
+        self.rig.as_deref()
+    }
+
+    /// Bones, joints and weights, by which edits move the body; `None` also where the bundle has none.
+    ///
+    /// # Errors
+    /// A section that does not hold a rig of this mesh.
+    pub fn rig(&self) -> Result<Option<StoredRig>, BundleError> {
+        let (Some(bytes), Some(topology), Some(timeline)) = (&self.rig, &self.topology, &self.timeline) else {
+            return Ok(None);
+        };
+        let stored = rig::decode(bytes, topology.vertex_count(), timeline.frame_count());
+        stored.map(Some).map_err(|reason| BundleError::section(SectionKind::Rig, reason))
     }
 
     /// Where the actor is and which way it faces in every frame; `None` also where the bundle does not say. Then
@@ -426,6 +449,7 @@ impl BundleReader {
                 }
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
+            SectionKind::Rig => self.rig = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
             | SectionKind::Appearance

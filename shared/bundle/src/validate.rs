@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::appearance::{ModeDecoder, Textures};
 use super::error::BundleError;
-use super::kind::VERSION_MINOR;
+use super::kind::{SectionKind, VERSION_MINOR};
 use super::reader::BundleReader;
 use actor::pose_source::PoseSource;
 
@@ -62,6 +62,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(graph_findings(&reader));
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
+    findings.extend(rig_findings(&mut reader));
     findings
 }
 
@@ -116,6 +117,19 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
 fn file_findings(reader: &BundleReader) -> Option<Finding> {
     let error = reader.file_faces().err()?;
     Some(Finding::new("inconsistent", Severity::Error, error.to_string()))
+}
+
+fn rig_findings(reader: &mut BundleReader) -> Option<Finding> {
+    let wrong = |reason: String| Some(Finding::new("inconsistent", Severity::Error, reason));
+    let stored = match reader.rig() {
+        Ok(stored) => stored?,
+        Err(error) => return wrong(error.to_string()),
+    };
+    let mut rest = vec![Vec3::ZERO; reader.meta()?.vertex_count as usize];
+    // A frame that cannot be read was found before.
+    reader.read(stored.rest_frame, &mut rest).ok()?;
+    let error = stored.rig(rest).err()?;
+    wrong(BundleError::section(SectionKind::Rig, error.to_string()).to_string())
 }
 
 fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {

@@ -8,9 +8,10 @@ mod forge;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use actor::files::Files;
 use actor::pose_source::PoseSource;
-use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode, validate};
-use captures::{cloth, feet, graph, ties};
+use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode_with_rig, validate};
+use captures::{cloth, feet, graph, rig, ties};
 use forge::{Section, assembled, meta_of, raw_sections};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -49,7 +50,7 @@ fn small_bundle() -> Vec<u8> {
     let poisson_order = Some(&order[..]);
     let input =
         BundleInput { capture: &capture, graph: &graph, first_frame: 6, max_error: 0.001, poisson_order, generator };
-    encode(&input).unwrap().0
+    encode_with_rig(&input, &[], &Files::default(), Some(&rig(21, 2))).unwrap().0
 }
 
 /// Everything that a player would ask of `bytes`: no call may panic.
@@ -152,6 +153,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Contacts,
             SectionKind::Feet,
             SectionKind::Ties,
+            SectionKind::Rig,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);

@@ -5,10 +5,14 @@
 mod captures;
 
 use actor::capture::{Capture, Poses};
+use actor::files::Files;
 use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
-use bundle::{BundleError, BundleInput, BundleReader, EncodeError, default_max_error, encode, validate};
-use captures::{cloth, graph, ties};
+use bundle::{
+    BundleError, BundleInput, BundleReader, EncodeError, default_max_error, encode, encode_with_rig, validate,
+};
+use captures::{cloth, graph, rig, ties};
+use editing::StoredRig;
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -114,6 +118,30 @@ fn a_capture_comes_back() {
         assert_eq!(validate(&bytes), []);
         assert_eq!(encode(&input).unwrap().0, bytes, "the same input gives the same bytes");
     }
+}
+
+#[test]
+fn a_rig_comes_back_and_one_of_another_mesh_is_refused() {
+    let capture = cloth(12, 9, &[40, 5]);
+    let graph = graph(&capture.timeline);
+    let order: Vec<u32> = (0..117).collect();
+    let input = BundleInput { poisson_order: Some(&order), ..input(&capture, &graph) };
+    let stored = rig(117, 41);
+    let with = |stored: &StoredRig| encode_with_rig(&input, &[], &Files::default(), Some(stored));
+    let (bytes, _) = with(&stored).unwrap();
+    assert_eq!(BundleReader::from_bytes(&bytes).unwrap().rig(), Ok(Some(stored.clone())));
+    assert_eq!(validate(&bytes), []);
+    let refused = |stored: &StoredRig| with(stored).unwrap_err().to_string();
+    assert!(refused(&rig(116, 41)).contains("another mesh"));
+    assert!(refused(&rig(117, 45)).contains("frame that does not exist"));
+    let mut wrong = stored.clone();
+    wrong.influences[7] = vec![(9, 255)];
+    assert!(refused(&wrong).contains("bone that does not exist"));
+    // Bones that do not fit together are found once the rest pose is there.
+    let mut twice = stored;
+    twice.bones[2].name = "left".into();
+    let findings = validate(&with(&twice).unwrap().0);
+    assert!(findings.len() == 1 && findings[0].message.contains("two bones"), "{findings:?}");
 }
 
 #[test]

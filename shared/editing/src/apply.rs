@@ -8,11 +8,12 @@ use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
-use crate::document::{EditDocument, Method, Pins, Propagation};
+use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
 use crate::error::EditError;
-use crate::grab::{Editor, FOLLOW, Grip, Released, handle_target, pin_targets, skin};
+use crate::grab::{Editor, FOLLOW, Grab, Grip, Released, handle_target, pin_targets, skin};
 use crate::propagate::{firmness, share, window};
 use crate::reach::{Bend, Reach, Role};
+use crate::rotation::turn_by;
 
 /// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
 const STEPS: usize = 12;
@@ -23,18 +24,25 @@ const SOLE: u8 = 128;
 /// What is this close to the lowest point stands, relative to the body's height, where no feet are known.
 const LOW: f32 = 0.011;
 
-/// Recorded poses with the edits of a document; as bit for bit as they were where no edit reaches.
-pub struct EditedPoses<'a, S: PoseSource + ?Sized> {
-    source: &'a mut S,
-    timeline: &'a Timeline,
-    feet: &'a Feet,
+/// What recorded frames are read from, and what is known of them.
+pub struct Recording<'a> {
+    /// The poses as they were recorded.
+    pub source: &'a mut dyn PoseSource,
+    /// The sequences.
+    pub timeline: &'a Timeline,
+    /// What stands.
+    pub feet: &'a Feet,
+}
+
+/// The edits of a document over one capture: each is made of its own frame once, and then spread over the frames around.
+///
+/// It holds no recording, so that a page can keep it beside frames that arrive one by one.
+pub struct Edits {
     editor: Editor,
     document: EditDocument,
     /// By edit: its frame over the whole capture, how far it reaches, and what it does once that was asked for.
     edits: Vec<(u32, [i64; 2], Option<Keyed>)>,
     weights: Vec<f32>,
-    kept: VecDeque<(u32, Vec<Vec3>)>,
-    notes: Vec<String>,
 }
 
 /// An edit of its own frame.
@@ -43,6 +51,10 @@ struct Keyed {
     released: Released,
     /// The frame as it was recorded.
     recorded: Vec<Vec3>,
+    /// What is not as it was wanted, in sentences.
+    notes: Vec<String>,
+    /// Whether nothing moves any more: a drag that is under way has not settled.
+    is_settled: bool,
 }
 
 /// An edit as it is in a frame.
@@ -53,95 +65,182 @@ struct Active {
     turn: Quat,
 }
 
-impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
-    /// The poses of `source` with the edits of `document`; `weights` are the topology's, `feet` say what stands.
+impl Edits {
+    /// The edits of `document`; `weights` are the topology's.
     ///
     /// # Errors
     /// What the capture does not have, and in which edit.
     pub fn new(
-        source: &'a mut S,
-        (timeline, feet): (&'a Timeline, &'a Feet),
+        timeline: &Timeline,
         weights: &[f32],
         editor: Editor,
         document: EditDocument,
     ) -> Result<Self, EditError> {
-        let frames = document.check(timeline, weights.len())?;
-        let edits = frames.into_iter().zip(&document.edits);
-        let edits = edits.map(|(frame, edit)| (frame, window(edit, timeline), None)).collect();
-        let (kept, notes) = (VecDeque::new(), Vec::new());
-        let weights = weights.to_vec();
-        Ok(Self { source, timeline, feet, editor, document, edits, weights, kept, notes })
+        let mut edits = Self { editor, document, edits: Vec::new(), weights: weights.to_vec() };
+        edits.replace(timeline, edits.document.clone())?;
+        Ok(edits)
     }
 
-    /// Makes all edits of their own frames now; what is not as it was wanted, in sentences.
+    /// The document.
+    #[must_use]
+    pub fn document(&self) -> &EditDocument {
+        &self.document
+    }
+
+    /// What edits poses.
+    #[must_use]
+    pub fn editor(&self) -> &Editor {
+        &self.editor
+    }
+
+    /// Takes another document in place of this one. What was made of an edit that is in both is kept.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; nothing is changed then.
+    pub fn replace(&mut self, timeline: &Timeline, document: EditDocument) -> Result<(), EditError> {
+        let frames = document.check(timeline, self.weights.len())?;
+        let mut before: Vec<(&Edit, u32, Option<Keyed>)> = Vec::new();
+        for (edit, (frame, _, keyed)) in self.document.edits.iter().zip(std::mem::take(&mut self.edits)) {
+            before.push((edit, frame, keyed.filter(|keyed| keyed.is_settled)));
+        }
+        let mut edits = Vec::with_capacity(frames.len());
+        for (frame, edit) in frames.into_iter().zip(&document.edits) {
+            let same =
+                before.iter_mut().find(|(other, at, keyed)| *at == frame && keyed.is_some() && is_same(other, edit));
+            let keyed = same.and_then(|(_, _, keyed)| keyed.take());
+            edits.push((frame, window(edit, timeline), keyed));
+        }
+        (self.edits, self.document) = (edits, document);
+        Ok(())
+    }
+
+    /// The frame of edit `edit` over the whole capture; `None` where there is no such edit.
+    #[must_use]
+    pub fn frame(&self, edit: usize) -> Option<u32> {
+        self.edits.get(edit).map(|(frame, _, _)| *frame)
+    }
+
+    /// Whether any edit that is on reaches `frame`.
+    #[must_use]
+    pub fn reaches(&self, timeline: &Timeline, frame: u32) -> bool {
+        (0..self.edits.len()).any(|edit| self.reaches_by(timeline, edit, frame))
+    }
+
+    /// Whether edit `edit` is on and reaches `frame`.
+    #[must_use]
+    pub fn reaches_by(&self, timeline: &Timeline, edit: usize, frame: u32) -> bool {
+        let is_on = self.document.edits.get(edit).is_some_and(|edit| edit.on);
+        let reaches = |(key, window, _): &(u32, [i64; 2], Option<Keyed>)| share(timeline, *key, *window, frame) > 0.0;
+        is_on && self.edits.get(edit).is_some_and(reaches)
+    }
+
+    /// Makes all edits that are on of their own frames now.
     ///
     /// # Errors
     /// A frame that cannot be read; edits that cannot be made.
-    pub fn prepare(&mut self) -> Result<&[String], PreparedError> {
+    pub fn prepare(&mut self, recording: &mut Recording) -> Result<(), PreparedError> {
         for edit in 0..self.edits.len() {
             if self.document.edits[edit].on {
-                self.key(edit)?;
+                self.key(recording, edit)?;
             }
         }
-        Ok(&self.notes)
+        Ok(())
     }
 
-    /// Makes edit `edit` of its own frame, once.
-    fn key(&mut self, edit: usize) -> Result<(), PreparedError> {
-        let (frame, _, None) = &self.edits[edit] else { return Ok(()) };
-        let frame = *frame;
+    /// What is not as it was wanted, in sentences, of the edits that were made so far.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let keyed = self.edits.iter().enumerate().filter_map(|(edit, (_, _, keyed))| Some((edit, keyed.as_ref()?)));
+        keyed.flat_map(|(edit, keyed)| keyed.notes.iter().map(move |note| format!("edit {edit}: {note}"))).collect()
+    }
+
+    /// Takes hold of what edit `edit` grabs in its frame, to be dragged; the frame as it was recorded, beside.
+    ///
+    /// # Errors
+    /// A frame that cannot be read; an edit that cannot be made, or is none.
+    pub fn grab(&mut self, recording: &mut Recording, edit: usize) -> Result<(Grab, Vec<Vec3>), PreparedError> {
+        let nothing = EditError::Edit { edit, reason: "there is no such edit" };
+        let (Some(&(frame, _, _)), Some(asked)) = (self.edits.get(edit), self.document.edits.get(edit)) else {
+            return Err(nothing.into());
+        };
         let mut recorded = vec![Vec3::ZERO; self.weights.len()];
-        self.source.read(frame, &mut recorded)?;
-        let asked = &self.document.edits[edit];
+        recording.source.read(frame, &mut recorded)?;
         let pins = match &asked.pins {
-            Pins::Contacts if self.feet.count() == 0 => lowest(&recorded),
-            Pins::Contacts => (0..self.feet.count())
-                .filter(|&foot| self.feet.stands(frame, foot))
-                .flat_map(|foot| self.sole(foot))
+            Pins::Contacts if recording.feet.count() == 0 => lowest(&recorded),
+            Pins::Contacts => (0..recording.feet.count())
+                .filter(|&foot| recording.feet.stands(frame, foot))
+                .flat_map(|foot| sole(recording.feet, foot))
                 .collect(),
             Pins::None => Vec::new(),
             Pins::Vertices(pins) => pins.clone(),
         };
         let handles = asked.handles.iter().map(|handle| handle.vertex).collect();
-        let to: Vec<Vec3> = asked.handles.iter().map(|handle| handle.to).collect();
         let grip = Grip { handles, pins, scope: asked.scope, method: asked.method };
-        let numbered = |error: EditError| error.of_edit(edit);
-        if asked.method == Method::Rig && self.editor.rig.is_none() {
-            self.notes
-                .push(format!("edit {edit}: this actor has no rig: the surface alone is moved, as rigid as possible"));
+        let grab = self.editor.grab(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+        Ok((grab, recorded))
+    }
+
+    /// Drags what [`Self::grab`] has taken hold of to `to`, one place for each handle, in metres as the frame was recorded:
+    /// until it is let go ([`Self::replace`]), that is what the edit does.
+    ///
+    /// # Errors
+    /// As [`Editor::drag`].
+    pub fn drag(
+        &mut self,
+        edit: usize,
+        (grab, recorded): (&mut Grab, &[Vec3]),
+        to: &[Vec3],
+    ) -> Result<&[String], EditError> {
+        let dragged = self.editor.drag(grab, to).map_err(|error| error.of_edit(edit))?;
+        let released = self.editor.released(grab);
+        let notes = dragged.notes;
+        let Some((_, _, keyed)) = self.edits.get_mut(edit) else { return Ok(&[]) };
+        let keyed = keyed.insert(Keyed { released, recorded: recorded.to_vec(), notes, is_settled: false });
+        Ok(&keyed.notes)
+    }
+
+    /// Makes edit `edit` of its own frame, once.
+    fn key(&mut self, recording: &mut Recording, edit: usize) -> Result<(), PreparedError> {
+        if !matches!(self.edits[edit], (_, _, None)) {
+            return Ok(());
         }
-        let mut grab = self.editor.grab(&recorded, &grip).map_err(numbered)?;
-        let dragged = self.editor.settle(&mut grab, &to).map_err(numbered)?;
-        self.notes.extend(dragged.notes.iter().map(|note| format!("edit {edit}: {note}")));
+        let (mut grab, recorded) = self.grab(recording, edit)?;
+        let asked = &self.document.edits[edit];
+        let to: Vec<Vec3> = asked.handles.iter().map(|handle| handle.to).collect();
+        let mut notes = Vec::new();
+        if asked.method == Method::Rig && self.editor.rig.is_none() {
+            notes.push("this actor has no rig: the surface alone is moved, as rigid as possible".to_owned());
+        }
+        let dragged = self.editor.settle(&mut grab, &to).map_err(|error| error.of_edit(edit))?;
+        notes.extend(dragged.notes);
         let released = self.editor.release(grab);
-        self.edits[edit].2 = Some(Keyed { released, recorded });
+        self.edits[edit].2 = Some(Keyed { released, recorded, notes, is_settled: true });
         Ok(())
     }
 
-    /// The vertices of a foot's sole.
-    fn sole(&self, foot: usize) -> impl Iterator<Item = u32> + use<'a, S> {
-        self.feet.vertices(foot).iter().filter(|vertex| vertex.sole >= SOLE).map(|vertex| vertex.vertex)
-    }
-
     /// The edits that reach `frame`.
-    fn active(&mut self, frame: u32, pose: &[Vec3]) -> Result<Vec<Active>, PreparedError> {
+    fn active(&mut self, recording: &mut Recording, frame: u32, pose: &[Vec3]) -> Result<Vec<Active>, PreparedError> {
         let mut active = Vec::new();
         for edit in 0..self.edits.len() {
             let (key, window, _) = self.edits[edit];
-            let share = share(self.timeline, key, window, frame);
+            let share = share(recording.timeline, key, window, frame);
             if share <= 0.0 || !self.document.edits[edit].on {
                 continue;
             }
-            self.key(edit)?;
+            self.key(recording, edit)?;
             let Some(keyed) = &self.edits[edit].2 else { continue };
             let heading = if key == frame { 0.0 } else { align_heading(pose, &keyed.recorded, &self.weights) };
-            active.push(Active { edit, share, turn: Quat::from_rotation_y(heading) });
+            active.push(Active { edit, share, turn: turn_by(Vec3::Y * heading) });
         }
         Ok(active)
     }
 
-    fn edited(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PreparedError> {
-        let active = self.active(frame, pose)?;
+    /// Edits `pose`, which is `frame` as it was recorded.
+    ///
+    /// # Errors
+    /// The frame of an edit that cannot be read; edits that cannot be made.
+    pub fn apply(&mut self, recording: &mut Recording, frame: u32, pose: &mut [Vec3]) -> Result<(), PreparedError> {
+        let active = self.active(recording, frame, pose)?;
         if let [one] = active.as_slice()
             && self.edits[one.edit].0 == frame
             && let Some(keyed) = &self.edits[one.edit].2
@@ -155,7 +254,7 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
             .into_iter()
             .partition(|one| self.edits[one.edit].2.as_ref().is_some_and(|keyed| keyed.released.bones.is_some()));
         if !bones.is_empty() {
-            self.bend(frame, &bones, pose)?;
+            self.bend(recording, frame, &bones, pose)?;
         }
         if !surfaces.is_empty() {
             self.reshape(&surfaces, pose)?;
@@ -171,7 +270,13 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
 
     /// Edits that bones made: their rotation vectors are added up, feet brought back to where they stand, and the surface
     /// solved for once.
-    fn bend(&mut self, frame: u32, active: &[Active], pose: &mut [Vec3]) -> Result<(), PreparedError> {
+    fn bend(
+        &mut self,
+        recording: &Recording,
+        frame: u32,
+        active: &[Active],
+        pose: &mut [Vec3],
+    ) -> Result<(), PreparedError> {
         let Some(rig) = &self.editor.rig else { return Ok(()) };
         let count = rig.bones().len();
         let mut free = vec![false; count];
@@ -208,8 +313,8 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
                 own
             }));
         }
-        centre.turns = sums.into_iter().map(Quat::from_scaled_axis).collect();
-        let pins = self.pins(frame, active);
+        centre.turns = sums.into_iter().map(turn_by).collect();
+        let pins = self.pins(recording, frame, active);
         let rig = match &self.editor.rig {
             Some(rig) => rig,
             None => return Ok(()),
@@ -242,8 +347,7 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
             held.push((pin, told[pin as usize] * (1.0 - firm)));
         }
         // Of a vertex that is held twice the first one counts: handles before pins.
-        let mut seen = std::collections::BTreeSet::new();
-        held.retain(|(vertex, _)| seen.insert(*vertex));
+        once(&mut held, self.weights.len());
         let (vertices, wanted): (Vec<u32>, Vec<Vec3>) = held.into_iter().unzip();
         let system = self.editor.deformer.hold(pose, &vertices, FOLLOW).map_err(EditError::from)?;
         let moved = self.editor.deformer.solve(&system, pose, &turns, &told, &wanted).map_err(EditError::from)?;
@@ -252,14 +356,14 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
     }
 
     /// Vertices that stay in `frame`, and how firmly.
-    fn pins(&self, frame: u32, active: &[Active]) -> Vec<(u32, f32)> {
+    fn pins(&self, recording: &Recording, frame: u32, active: &[Active]) -> Vec<(u32, f32)> {
         let mut pins = Vec::new();
         let asked: Vec<&Pins> = active.iter().map(|one| &self.document.edits[one.edit].pins).collect();
         if asked.iter().any(|pins| matches!(pins, Pins::Contacts)) {
-            for foot in 0..self.feet.count() {
-                let firm = firmness(self.timeline, frame, |frame| self.feet.stands(frame, foot));
+            for foot in 0..recording.feet.count() {
+                let firm = firmness(recording.timeline, frame, |frame| recording.feet.stands(frame, foot));
                 if firm > 0.0 {
-                    pins.extend(self.sole(foot).map(|vertex| (vertex, firm)));
+                    pins.extend(sole(recording.feet, foot).map(|vertex| (vertex, firm)));
                 }
             }
         }
@@ -267,14 +371,17 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
             let vertices: &[u32] = match (&self.document.edits[one.edit].pins, &self.edits[one.edit].2) {
                 (Pins::Vertices(vertices), _) => vertices,
                 // What was lowest in the edited frame goes as it was recorded.
-                (Pins::Contacts, Some(keyed)) if self.feet.count() == 0 => &keyed.released.grip.pins,
+                (Pins::Contacts, Some(keyed)) if recording.feet.count() == 0 => &keyed.released.grip.pins,
                 _ => &[],
             };
             pins.extend(vertices.iter().map(|&vertex| (vertex, 1.0)));
         }
-        pins.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-        pins.dedup_by_key(|pin| pin.0);
-        pins
+        let mut firmest = vec![0.0_f32; self.weights.len()];
+        for (vertex, firm) in pins {
+            let most = &mut firmest[vertex as usize];
+            *most = most.max(firm);
+        }
+        (0..).zip(firmest).filter(|(_, firm)| *firm > 0.0).collect()
     }
 
     /// Edits of the surface alone: the vertices' rotation vectors are added up, one solve.
@@ -294,16 +401,32 @@ impl<'a, S: PoseSource + ?Sized> EditedPoses<'a, S> {
         held.extend(pinned.into_iter().map(|pin| (pin, Vec3::ZERO)));
         let beyond = (0..n as u32).filter(|&vertex| outside[vertex as usize] == active.len());
         held.extend(beyond.map(|vertex| (vertex, Vec3::ZERO)));
-        let mut seen = std::collections::BTreeSet::new();
-        held.retain(|(vertex, _)| seen.insert(*vertex));
+        once(&mut held, self.weights.len());
         let (vertices, wanted): (Vec<u32>, Vec<Vec3>) = held.into_iter().unzip();
-        let turns: Vec<Quat> = sums.into_iter().map(Quat::from_scaled_axis).collect();
+        let turns: Vec<Quat> = sums.into_iter().map(turn_by).collect();
         let system = self.editor.deformer.hold(pose, &vertices, 1e-4).map_err(EditError::from)?;
         let told = vec![Vec3::ZERO; n];
         let moved = self.editor.deformer.solve(&system, pose, &turns, &told, &wanted).map_err(EditError::from)?;
         pose.iter_mut().zip(moved).for_each(|(point, moved)| *point += moved);
         Ok(())
     }
+}
+
+/// Whether two edits do the same to the same frame, however far that reaches.
+fn is_same(one: &Edit, other: &Edit) -> bool {
+    let says = |edit: &Edit| (edit.handles.clone(), edit.pins.clone(), edit.scope, edit.method);
+    says(one) == says(other)
+}
+
+/// Of what is said of one vertex several times only the first stays; there are `count` vertices.
+fn once(held: &mut Vec<(u32, Vec3)>, count: usize) {
+    let mut seen = vec![false; count];
+    held.retain(|(vertex, _)| !std::mem::replace(&mut seen[*vertex as usize], true));
+}
+
+/// The vertices of a foot's sole.
+pub fn sole(feet: &Feet, foot: usize) -> impl Iterator<Item = u32> {
+    feet.vertices(foot).iter().filter(|vertex| vertex.sole >= SOLE).map(|vertex| vertex.vertex)
 }
 
 /// The vertices on which a pose stands where no feet are known: those that are about as low as the lowest.
@@ -325,11 +448,44 @@ pub enum PreparedError {
     Edit(#[from] EditError),
 }
 
-impl<S: PoseSource + ?Sized> PoseSource for EditedPoses<'_, S> {
+/// Recorded poses with the edits of a document; as bit for bit as they were where no edit reaches.
+pub struct EditedPoses<'a, S: PoseSource> {
+    source: &'a mut S,
+    timeline: &'a Timeline,
+    feet: &'a Feet,
+    edits: Edits,
+    kept: VecDeque<(u32, Vec<Vec3>)>,
+}
+
+impl<'a, S: PoseSource> EditedPoses<'a, S> {
+    /// The poses of `source` with the edits of `document`; `weights` are the topology's, `feet` say what stands.
+    ///
+    /// # Errors
+    /// What the capture does not have, and in which edit.
+    pub fn new(
+        source: &'a mut S,
+        (timeline, feet): (&'a Timeline, &'a Feet),
+        weights: &[f32],
+        editor: Editor,
+        document: EditDocument,
+    ) -> Result<Self, EditError> {
+        let edits = Edits::new(timeline, weights, editor, document)?;
+        Ok(Self { source, timeline, feet, edits, kept: VecDeque::new() })
+    }
+
+    /// Makes all edits of their own frames now; what is not as it was wanted, in sentences.
+    ///
+    /// # Errors
+    /// A frame that cannot be read; edits that cannot be made.
+    pub fn prepare(&mut self) -> Result<Vec<String>, PreparedError> {
+        self.edits.prepare(&mut Recording { source: self.source, timeline: self.timeline, feet: self.feet })?;
+        Ok(self.edits.notes())
+    }
+}
+
+impl<S: PoseSource> PoseSource for EditedPoses<'_, S> {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
-        let reaches =
-            |(key, window, _): &(u32, [i64; 2], Option<Keyed>)| share(self.timeline, *key, *window, frame) > 0.0;
-        if !self.edits.iter().any(reaches) {
+        if !self.edits.reaches(self.timeline, frame) {
             return self.source.read(frame, pose);
         }
         if let Some((_, kept)) = self.kept.iter().find(|(other, _)| *other == frame) {
@@ -338,7 +494,8 @@ impl<S: PoseSource + ?Sized> PoseSource for EditedPoses<'_, S> {
         }
         self.source.read(frame, pose)?;
         let mut edited = pose.to_vec();
-        self.edited(frame, &mut edited).map_err(|error| match error {
+        let mut recording = Recording { source: self.source, timeline: self.timeline, feet: self.feet };
+        self.edits.apply(&mut recording, frame, &mut edited).map_err(|error| match error {
             PreparedError::Pose(error) => error,
             // Edits were checked: what is left is a pose that is not finite.
             PreparedError::Edit(_) => PoseError::Damaged(frame),

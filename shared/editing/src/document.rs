@@ -1,8 +1,10 @@
 //! Edits as a document: what is grabbed in which frame, where it goes, and how that spreads.
 
+use actor::json::{Fields, Json, Unread, each, number, whole, wrong};
 use actor::timeline::Timeline;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use kernels::sort::sort;
+use serde::Serialize;
 
 use crate::error::EditError;
 
@@ -18,8 +20,7 @@ pub const MOST_HANDLES: usize = 4096;
 pub const FARTHEST: f32 = 1e4;
 
 /// A list of edits; see `docs/editing.md`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EditDocument {
     /// [`VERSION`].
     pub version: u32,
@@ -28,8 +29,7 @@ pub struct EditDocument {
 }
 
 /// One edit of one frame.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Edit {
     /// Name of the sequence.
     pub sequence: String,
@@ -37,29 +37,21 @@ pub struct Edit {
     pub frame: u32,
     /// First and last frame, within the sequence, that it reaches; at both it has faded to nothing. A quarter of a second to
     /// both sides where not given. In a cyclic sequence the numbers may lie beyond its ends.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<[i64; 2]>,
     /// What is grabbed.
     pub handles: Vec<Handle>,
     /// What stays.
-    #[serde(default)]
     pub pins: Pins,
     /// What may move.
-    #[serde(default)]
     pub scope: Scope,
     /// How it moves.
-    #[serde(default)]
     pub method: Method,
     /// How that spreads over the frames of the window.
-    #[serde(default)]
     pub propagate: Propagation,
     /// Whether it is done.
-    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    #[serde(skip_serializing_if = "is_yes")]
     pub on: bool,
-}
-
-fn yes() -> bool {
-    true
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
@@ -68,8 +60,7 @@ fn is_yes(on: &bool) -> bool {
 }
 
 /// A vertex and where it goes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Handle {
     /// The vertex.
     pub vertex: u32,
@@ -78,7 +69,7 @@ pub struct Handle {
 }
 
 /// What stays where it is.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pins {
     /// Feet that stand; where no feet are known, what is lowest.
@@ -92,7 +83,7 @@ pub enum Pins {
 }
 
 /// What may move.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scope {
     /// The whole body.
@@ -110,7 +101,7 @@ pub enum Scope {
 }
 
 /// How the surface follows its handles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
     /// Bones turn, the surface follows in one solve.
@@ -123,7 +114,7 @@ pub enum Method {
 }
 
 /// How an edit spreads over frames (Tejera et al. (2013), III-C).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Propagation {
     /// Rotations fade, and each frame is solved for.
@@ -141,17 +132,16 @@ impl EditDocument {
     /// # Errors
     /// [`EditError::Json`] and others that say which edit.
     pub fn from_json(text: &str) -> Result<Self, EditError> {
+        Self::parse(text, Json::read)
+    }
+
+    /// The same where `read` knows what JSON is: the browser.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse(text: &str, read: impl FnOnce(&str) -> Option<Json>) -> Result<Self, EditError> {
         limit("bytes", text.len(), MOST_BYTES)?;
-        let value: serde_json::Value =
-            serde_json::from_str(text).map_err(|error| EditError::Json(error.to_string()))?;
-        // A later version may have other fields: that is to be said first.
-        match value.get("version").and_then(serde_json::Value::as_u64) {
-            Some(version) if version == u64::from(VERSION) => {}
-            Some(found) => return Err(EditError::Version { found, known: VERSION }),
-            None => return Err(EditError::Json("\"version\" is missing, or is no whole number".into())),
-        }
-        // From the text again, since this says the line.
-        let document: Self = serde_json::from_str(text).map_err(|error| EditError::Json(error.to_string()))?;
+        let document = document(&Json::document(text, read)?)?;
         document.check_numbers()?;
         Ok(document)
     }
@@ -175,8 +165,8 @@ impl EditDocument {
             if !one.handles.iter().all(|handle| handle.to.to_array().into_iter().all(holds)) {
                 return refuse("a handle's place must be three numbers of at most 10,000 metres");
             }
-            let mut vertices: Vec<u32> = one.handles.iter().map(|handle| handle.vertex).collect();
-            vertices.sort_unstable();
+            let mut vertices: Vec<u128> = one.handles.iter().map(|handle| handle.vertex.into()).collect();
+            sort(&mut vertices);
             if vertices.windows(2).any(|pair| pair[0] == pair[1]) {
                 return refuse("a vertex is a handle twice: it can go to one place only");
             }
@@ -221,6 +211,91 @@ impl EditDocument {
         }
         Ok(frames)
     }
+}
+
+fn document(value: &Json) -> Result<EditDocument, EditError> {
+    let fields = Fields::new(value, "the document")?;
+    // A later version may have other fields: that is to be said first.
+    let version = whole(fields.need("version")?, "the version")?;
+    if version != VERSION {
+        return Err(EditError::Version { found: version.into(), known: VERSION });
+    }
+    let fields = fields.only(&["version", "edits"])?;
+    let Json::List(list) = fields.need("edits")? else { return Err(wrong(&["edits is no list"]).into()) };
+    let edits = list.iter().enumerate().map(|(edit, value)| {
+        self::edit(value).map_err(|Unread(reason)| EditError::Json(format!("edit {edit}: {reason}")))
+    });
+    Ok(EditDocument { version, edits: edits.collect::<Result<_, _>>()? })
+}
+
+fn edit(value: &Json) -> Result<Edit, Unread> {
+    let known = ["sequence", "frame", "window", "handles", "pins", "scope", "method", "propagate", "on"];
+    let fields = Fields::new(value, "it")?.only(&known)?;
+    Ok(Edit {
+        sequence: fields.text("sequence")?,
+        frame: whole(fields.need("frame")?, "frame")?,
+        window: fields.maybe("window").map(window).transpose()?,
+        handles: each(fields.need("handles")?, "handles", handle)?,
+        pins: match fields.maybe("pins") {
+            Some(Json::List(list)) => {
+                let pins = list.iter().map(|pin| whole(pin, "a pin"));
+                Pins::Vertices(pins.collect::<Result<_, _>>()?)
+            }
+            word => one_of(word, "pins", &[("contacts", Pins::Contacts), ("none", Pins::None)])?,
+        },
+        scope: match fields.maybe("scope") {
+            Some(region @ Json::Object(_)) => {
+                let region = Fields::new(region, "scope")?.only(&["radius"])?;
+                Scope::Region { radius: region.number("radius")? as f32 }
+            }
+            word => one_of(word, "scope", &[("body", Scope::Body), ("limb", Scope::Limb)])?,
+        },
+        method: {
+            let known = [("rig", Method::Rig), ("arap", Method::Arap), ("laplace", Method::Laplace)];
+            one_of(fields.maybe("method"), "method", &known)?
+        },
+        propagate: {
+            use Propagation::{Constraint, Linear, Nonlinear};
+            let known = [("nonlinear", Nonlinear), ("linear", Linear), ("constraint", Constraint)];
+            one_of(fields.maybe("propagate"), "propagate", &known)?
+        },
+        on: match fields.maybe("on") {
+            None => true,
+            Some(Json::Bool(on)) => *on,
+            Some(_) => return Err(wrong(&["on is true or false"])),
+        },
+    })
+}
+
+fn handle(value: &Json) -> Result<Handle, Unread> {
+    let fields = Fields::new(value, "a handle")?.only(&["vertex", "to"])?;
+    let coordinate = |part: &Json| -> Result<f32, Unread> { Ok(number(part, "a coordinate")? as f32) };
+    let to = each(fields.need("to")?, "to", coordinate)?;
+    let &[x, y, z] = to.as_slice() else { return Err(wrong(&["a handle's place has three numbers"])) };
+    Ok(Handle { vertex: whole(fields.need("vertex")?, "vertex")?, to: Vec3::new(x, y, z) })
+}
+
+fn window(value: &Json) -> Result<[i64; 2], Unread> {
+    let frame = |part: &Json| match number(part, "window")? {
+        // Farther than any capture.
+        at if at.fract() == 0.0 && at.abs() <= f64::from(u32::MAX) => Ok(at as i64),
+        _ => Err(wrong(&["a window has whole numbers"])),
+    };
+    match each(value, "window", frame)?.as_slice() {
+        &[first, last] => Ok([first, last]),
+        _ => Err(wrong(&["a window has a first and a last frame"])),
+    }
+}
+
+/// What a word means; the first of them where there is none.
+fn one_of<T: Clone>(word: Option<&Json>, name: &str, known: &[(&str, T)]) -> Result<T, Unread> {
+    let found = match word {
+        None => known.first(),
+        Some(Json::Text(text)) => known.iter().find(|(word, _)| word == text),
+        Some(_) => None,
+    };
+    let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
+    found.map(|(_, meaning)| meaning.clone()).ok_or_else(|| wrong(&[name, " is none of ", &words.join(", ")]))
 }
 
 fn limit(what: &'static str, count: usize, limit: usize) -> Result<(), EditError> {

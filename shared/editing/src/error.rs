@@ -1,5 +1,6 @@
 //! Why an edit cannot be made.
 
+use actor::json::Unread;
 use kernels::cholesky::CholeskyError;
 use thiserror::Error;
 
@@ -74,6 +75,12 @@ pub enum EditError {
     /// A surface that cannot be solved for.
     #[error("the surface cannot be edited: {0}")]
     Surface(#[from] CholeskyError),
+}
+
+impl From<Unread> for EditError {
+    fn from(error: Unread) -> Self {
+        Self::Json(error.0)
+    }
 }
 
 impl EditError {

@@ -14,6 +14,7 @@ use crate::error::EditError;
 use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::{NO_BONE, Rig};
 use crate::rigid::Rigid;
+use crate::rotation::between;
 use crate::skin::{Influences, Skin};
 
 /// How firmly vertices follow the skin beside the weights of edges.
@@ -157,9 +158,10 @@ impl Editor {
         if grip.handles.is_empty() {
             return Err(EditError::Edit { edit: 0, reason: "it has no handle: say which vertex goes where" });
         }
-        grip.pins.retain(|pin| !grip.handles.contains(pin));
-        grip.pins.sort_unstable();
-        grip.pins.dedup();
+        let mut is_pin = vec![false; count];
+        grip.pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
+        grip.handles.iter().for_each(|&handle| is_pin[handle as usize] = false);
+        grip.pins = (0..count as u32).filter(|&vertex| is_pin[vertex as usize]).collect();
         let with_bones = grip.method == Method::Rig && !matches!(grip.scope, Scope::Region { .. });
         if with_bones && self.rig.is_some() { self.grab_bones(pose, grip) } else { self.grab_surface(pose, grip) }
     }
@@ -345,25 +347,31 @@ impl Editor {
     /// Lets go: what was dragged, to be spread over other frames.
     #[must_use]
     pub fn release(&self, grab: Grab) -> Released {
-        let pose = grab.moved();
+        self.released(&grab)
+    }
+
+    /// What would be let go now.
+    #[must_use]
+    pub fn released(&self, grab: &Grab) -> Released {
         let mut released = Released {
-            grip: grab.grip,
-            pose,
-            displacements: grab.displacements,
-            wanted: grab.wanted,
+            grip: grab.grip.clone(),
+            pose: grab.moved(),
+            displacements: grab.displacements.clone(),
+            wanted: grab.wanted.clone(),
             bones: None,
             turns: Vec::new(),
             outside: Vec::new(),
         };
-        match grab.by {
+        match &grab.by {
             By::Bones { reach, bend, carried, skinned, .. } => {
                 let skin_of = |one: &Carried| skinned.get(one.vertex as usize).copied().unwrap_or_default();
                 let beyond = carried.iter().zip(&released.wanted).map(|(one, &wanted)| wanted - skin_of(one)).collect();
-                released.bones = Some(ReleasedBones { free: reach.free().to_vec(), bend, carried, beyond });
+                let (free, bend, carried) = (reach.free().to_vec(), bend.clone(), carried.clone());
+                released.bones = Some(ReleasedBones { free, bend, carried, beyond });
             }
             By::Surface { turns, outside } => {
-                released.turns = turns.into_iter().map(crate::reach::logarithm).collect();
-                released.outside = outside;
+                released.turns = turns.iter().map(|&turn| crate::reach::logarithm(turn)).collect();
+                released.outside.clone_from(outside);
             }
         }
         released
@@ -401,7 +409,10 @@ impl Grab {
 }
 
 fn far(vertex: u32, short: f32) -> String {
-    format!("vertex {vertex} stops {short:.2} m short of where it is to go: the body does not reach further")
+    // Whole numbers: to write others would weigh 6 KB on the page.
+    let centimetres = (100.0 * short).round() as u32;
+    let (metres, rest) = (centimetres / 100, centimetres % 100);
+    format!("vertex {vertex} stops {metres}.{rest:02} m short of where it is to go: the body does not reach further")
 }
 
 /// How large a pose is: the longest side of its box.
@@ -456,13 +467,12 @@ pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32], share: f32) ->
     pins.iter().for_each(|&pin| by_bone[rig.bone_of(pin)].push(pin));
     let mut targets = Vec::new();
     for (bone, pins) in by_bone.iter().enumerate() {
-        let mut chosen = Vec::new();
+        let mut chosen: Vec<u32> = Vec::new();
         for axis in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z, Vec3::Y, Vec3::NEG_Y] {
             let along = |pin: u32| pose[pin as usize].dot(axis);
-            chosen.extend(pins.iter().copied().reduce(|best, pin| if along(pin) > along(best) { pin } else { best }));
+            let outermost = pins.iter().copied().reduce(|best, pin| if along(pin) > along(best) { pin } else { best });
+            chosen.extend(outermost.filter(|pin| !chosen.contains(pin)));
         }
-        chosen.sort_unstable();
-        chosen.dedup();
         targets.extend(chosen.into_iter().map(|pin| {
             let point = pose[pin as usize];
             Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN * share * share) }
@@ -488,7 +498,7 @@ pub(crate) fn skin(rig: &Rig, pose: &[Vec3], motions: &[Rigid], carried: &[Carri
         let motion = &motions[one.bone];
         for &(vertex, share) in &one.around {
             let vertex = vertex as usize;
-            turns[vertex] = turns[vertex].slerp(motion.rotation, share);
+            turns[vertex] = between(turns[vertex], motion.rotation, share);
             told[vertex] = told[vertex].lerp(motion.apply(pose[vertex]) - pose[vertex], share);
         }
     }

@@ -26,8 +26,9 @@ pub mod rig;
 pub mod rigid;
 pub mod rotation;
 pub mod skin;
+pub mod stored;
 
-pub use self::apply::EditedPoses;
+pub use self::apply::{EditedPoses, Edits, Recording};
 pub use self::deform::Deformer;
 pub use self::document::{Edit, EditDocument, Handle, Method, Pins, Propagation, Scope};
 pub use self::error::EditError;
@@ -35,3 +36,4 @@ pub use self::grab::{Dragged, Editor, Grab, Grip, Released};
 pub use self::rig::{Bone, Rig};
 pub use self::rigid::Rigid;
 pub use self::skin::{INFLUENCES, Influences, Skin};
+pub use self::stored::StoredRig;

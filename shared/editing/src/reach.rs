@@ -9,7 +9,7 @@ use glam::{DMat3, Mat3, Quat, Vec3};
 
 use crate::rig::Rig;
 use crate::rigid::Rigid;
-use crate::rotation::{cross_matrix, log_change};
+use crate::rotation::{cross_matrix, log_change, rotation_vector, turn_by};
 
 /// Weight of rotations as rare as the recorded ones beside squared metres.
 const PRIOR: f32 = 2e-4;
@@ -56,7 +56,7 @@ impl Bend {
 /// The rotation vector of the short way.
 #[must_use]
 pub fn logarithm(turn: Quat) -> Vec3 {
-    (if turn.w < 0.0 { -turn } else { turn }).to_scaled_axis()
+    rotation_vector(if turn.w < 0.0 { -turn } else { turn })
 }
 
 /// What is asked of a point, or of a mean of points: to be at `to`, by axis as firmly as `weight` says.
@@ -223,7 +223,7 @@ impl Reach {
         }
         for (turn, first) in next.turns.iter_mut().zip(self.unknowns().0) {
             if let Some(first) = first {
-                *turn = (Quat::from_scaled_axis(three(first)) * *turn).normalize();
+                *turn = (turn_by(three(first)) * *turn).normalize();
             }
         }
         next

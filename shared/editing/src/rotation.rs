@@ -1,7 +1,39 @@
-//! Rigid transforms that fit, and what logarithms of rotations need.
+//! Rigid transforms that fit, rotations and their logarithms, and what those need.
+//!
+//! Sines and arc tangents are the kernels': the platform's differ in their last bits, and a page must make the same frames as
+//! a film.
 
-use glam::{DMat3, DVec3, Mat3, Vec3};
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use kernels::rotation::best_rotation;
+use kernels::scalar::{atan2, sin_cos};
+
+/// The rotation of the rotation vector `r`, in radians; the identity, to the bit, of none.
+#[must_use]
+pub fn turn_by(r: Vec3) -> Quat {
+    let angle = r.length();
+    if angle == 0.0 {
+        return Quat::IDENTITY;
+    }
+    let (sin, cos) = sin_cos(0.5 * angle);
+    let v = r * (sin / angle);
+    Quat::from_xyzw(v.x, v.y, v.z, cos)
+}
+
+/// The rotation vector of `turn`, in radians, of at most half a turn where its real part is not negative.
+#[must_use]
+pub fn rotation_vector(turn: Quat) -> Vec3 {
+    let v = Vec3::new(turn.x, turn.y, turn.z);
+    let sin = v.length();
+    // A small turn's sine is its angle.
+    if sin < 1e-6 { v * 2.0 } else { v * (2.0 * atan2(sin, turn.w) / sin) }
+}
+
+/// The rotation a share of the shorter way from `from` to `to`.
+#[must_use]
+pub fn between(from: Quat, to: Quat, share: f32) -> Quat {
+    let step = from.conjugate() * to;
+    from * turn_by(rotation_vector(if step.w < 0.0 { -step } else { step }) * share)
+}
 
 /// The matrix of `v x`.
 #[must_use]
@@ -20,7 +52,8 @@ pub fn log_change(r: Vec3) -> Mat3 {
     } else {
         // (1 + cos) / sin is finite up to a half turn, which a logarithm never passes.
         let half = 0.5 * angle.min(3.1);
-        1.0 / (angle * angle) - half.cos() / (2.0 * angle * half.sin())
+        let (sin, cos) = sin_cos(half);
+        1.0 / (angle * angle) - cos / (2.0 * angle * sin)
     };
     Mat3::IDENTITY - cross * 0.5 + cross * cross * square
 }
@@ -50,7 +83,7 @@ impl Fit {
     #[must_use]
     pub fn rigid(&self) -> crate::rigid::Rigid {
         if self.weight <= 0.0 {
-            return crate::rigid::Rigid { rotation: glam::Quat::IDENTITY, translation: Vec3::ZERO };
+            return crate::rigid::Rigid { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
         }
         let (from, to) = (self.from / self.weight, self.to / self.weight);
         let columns = [0, 1, 2].map(|axis: usize| self.sum[axis] - to * (from[axis] * self.weight));
@@ -61,9 +94,22 @@ impl Fit {
 
 #[cfg(test)]
 mod tests {
-    use glam::Quat;
-
     use super::*;
+
+    #[test]
+    fn turns_are_those_of_their_vectors() {
+        assert_eq!((turn_by(Vec3::ZERO), rotation_vector(Quat::IDENTITY)), (Quat::IDENTITY, Vec3::ZERO));
+        for r in [Vec3::new(1e-5, 0.0, -1e-5), Vec3::new(0.3, -1.2, 0.5), Vec3::new(2.0, 2.0, 0.3), Vec3::Z * 3.1] {
+            let turn = turn_by(r);
+            assert!(turn.dot(Quat::from_scaled_axis(r)) > 1.0 - 1e-6 && turn.is_normalized());
+            assert!(rotation_vector(turn).distance(r) < 2e-5, "{r}: {}", rotation_vector(turn));
+            let other = Quat::from_rotation_x(0.4);
+            for share in [0.0, 0.3, 1.0] {
+                let wanted = other.slerp(turn, share);
+                assert!(between(other, turn, share).dot(wanted).abs() > 1.0 - 1e-6, "{r}, {share}");
+            }
+        }
+    }
 
     #[test]
     fn rotations_are_found_again_half_turns_too() {

@@ -115,6 +115,14 @@ impl FrameMaker {
         Ok(())
     }
 
+    /// Forgets all that depends on poses read before.
+    pub fn forget_poses(&mut self) {
+        (self.memory, self.ahead, self.plan) = (PoseMemory::default(), None, None);
+        if let Some(interpolator) = &mut self.interpolator {
+            interpolator.forget_poses();
+        }
+    }
+
     pub fn ground<'a>(&'a mut self, source: &'a mut dyn PoseSource) -> PosesOnGround<'a> {
         PosesOnGround::new(source, &self.weights, &mut self.memory)
     }

@@ -168,6 +168,12 @@ impl Synthesiser {
         self.maker.warm(topology, order)
     }
 
+    /// Forgets the poses that it has read: its source has others from now on.
+    pub fn forget_poses(&mut self) {
+        self.maker.forget_poses();
+        self.coming = None;
+    }
+
     /// Begins `walk`, which starts at `frame`, the actor standing at `placement`. That frame is the first to come.
     ///
     /// # Errors

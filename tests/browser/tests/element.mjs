@@ -309,7 +309,7 @@ export const tests = {
     assert.equal(await fetched(), 1);
     await player.untilFound('an answer', (element) => element.answer !== null);
     await player.run((element) => (element.controls = true));
-    await player.until('all tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 5);
+    await player.until('all tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 6);
     assert.equal(await player.part('.place-dock').isVisible(), true);
     assert.equal(await fetched(), 1);
     await player.close();

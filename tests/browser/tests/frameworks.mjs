@@ -44,7 +44,7 @@ async function drives(browser, name) {
   const bare = await player.run((element) => ({ speed: element.speed, alt: element.alt, html: element.outerHTML }));
   assert.deepEqual([bare.speed, bare.alt], [1, '']);
   assert.doesNotMatch(bare.html, /null|undefined|true|false|tint/);
-  await shows('the tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 5);
+  await shows('the tools', (element) => element.shadowRoot.querySelectorAll('.tool').length === 6);
   await set({ controls: false });
   await shows('no controls', (element) => !element.hasAttribute('controls'));
 

@@ -143,7 +143,7 @@ export const tests = {
         return { drawn: picture.drawn, to: walk.to, leaves, tool, styled, tools: tools.length };
       }, mode);
       assert.ok(seen.drawn > 0.01, `${mode}: ${JSON.stringify(seen)}`);
-      assert.deepEqual([seen.to, seen.tool, seen.styled, seen.tools], [seen.leaves, 'place', 'flex', 5], mode);
+      assert.deepEqual([seen.to, seen.tool, seen.styled, seen.tools], [seen.leaves, 'place', 'flex', 6], mode);
       await nothingLeft(player, alone, `a player in a tree that is ${mode}`);
     }
     await player.close();

@@ -26,6 +26,22 @@ async function compare({ from, to, file }) {
   return { frames: ours.length / vertices / 3, lengths: [ours.length, theirs.length], farthest };
 }
 
+/** Runs in the page: how far edited frames, and a walk that passes them, are from the native ones at most. */
+async function compareEdited({ frames, from, to, file }) {
+  const { testing } = document.querySelector('reprise-player');
+  const theirs = new Float32Array((await (await fetch(`native/${file}`)).arrayBuffer()));
+  const farthest = (ours, at) => ours.reduce((most, place, index) => Math.max(most, Math.abs(place - theirs[at + index])), 0);
+  let at = 0;
+  let edited = 0;
+  for (const frame of frames) {
+    const ours = testing.player.pose_of(frame);
+    edited = Math.max(edited, farthest(ours, at));
+    at += ours.length;
+  }
+  const walk = testing.player.synthesise(from, to);
+  return { edited, walk: farthest(walk, at), lengths: [at + walk.length, theirs.length] };
+}
+
 export const tests = {
   'requests are refused in the same words natively and in WebAssembly': async (browser) => {
     const list = JSON.parse(await readFile(new URL('../../fixtures/requests.json', import.meta.url), 'utf8'));
@@ -46,6 +62,28 @@ export const tests = {
       list.map(([text]) => text),
     );
     assert.deepEqual(list.map(([text], at) => [text, refused[at]]), list);
+    await player.close();
+  },
+
+  'edited frames are the same natively and in WebAssembly, and walks go through them': async (browser) => {
+    if (!folder) {
+      assert.notEqual(process.env.CI, 'true', 'REPRISE_NATIVE names no folder of walks: run cargo xtask test');
+      console.log('skipped: REPRISE_NATIVE names no folder of walks, see cargo xtask test');
+      return;
+    }
+    const about = JSON.parse(await readFile(join(folder, 'edited.json'), 'utf8'));
+    const player = await browser.open();
+    await player.loaded();
+    await player.run((element, document) => {
+      element.pause();
+      element.edits = document;
+    }, about.document);
+    await player.untilFound('the edited frames', (element) => element.testing.edits().made > 20 && element.testing.edits().due === 0);
+    const { edited, walk, lengths } = await player.page.evaluate(compareEdited, about);
+    assert.equal(lengths[0], lengths[1]);
+    assert.equal(edited, 0, `edited frames are ${edited} m apart`);
+    assert.ok(walk <= NEAR, `the walk is ${walk} m apart`);
+    console.log(`        ${about.frames.length} frames the same to the bit, the walk ${walk.toExponential(1)} m apart at most`);
     await player.close();
   },
 

@@ -1,15 +1,21 @@
 //! Writes walks, synthesised natively, for the browser tests to compare theirs with.
 //!
 //! `native_walk BUNDLE FOLDER`: `walks.json` lists them as objects with `from`, `to`, `transitions` and `file`; a file
-//! holds three little-endian 32-bit floats per vertex, vertex after vertex, frame after frame.
+//! holds three little-endian 32-bit floats per vertex, vertex after vertex, frame after frame. `edited.json` is the same for edits
+//! (`document`): some of the `frames` that they reach, and a walk that passes them.
 
 use std::fs;
 use std::path::Path;
 
+use actor::pose_source::PoseSource;
 use anyhow::{Context, Result, bail};
 use bundle::BundleReader;
+use editing::{EditDocument, EditedPoses, Editor};
+use glam::Vec3;
+use kernels::align::Placement;
 use search::cheapest_walk;
 use serde_json::json;
+use synthesis::Synthesiser;
 
 /// Walks written.
 const WALKS: usize = 4;
@@ -28,7 +34,71 @@ fn main() -> Result<()> {
         write(&folder.join(&file), &floats.flat_map(f32::to_le_bytes).collect::<Vec<_>>())?;
         walks.push(json!({ "from": from, "to": to, "transitions": transitions, "file": file }));
     }
-    write(&folder.join("walks.json"), json!(walks).to_string().as_bytes())
+    write(&folder.join("walks.json"), json!(walks).to_string().as_bytes())?;
+    match choose(&bytes)?.first() {
+        Some(&(from, to, _)) => edited(&bytes, (from, to), folder),
+        None => Ok(()),
+    }
+}
+
+/// Three edits around the beginning of a walk, and what becomes of it.
+fn edited(bundle: &[u8], (from, to): (u32, u32), folder: &Path) -> Result<()> {
+    let mut reader = BundleReader::from_bytes(bundle)?;
+    let (Some(timeline), Some(graph), Some(topology), order) = (
+        reader.timeline().cloned(),
+        reader.graph().cloned(),
+        reader.topology().cloned(),
+        reader.order().map(<[u32]>::to_vec),
+    ) else {
+        bail!("the bundle is not complete")
+    };
+    let sequence = timeline.sequence_of(from).context("the walk begins nowhere")?;
+    let local = from - sequence.first_frame;
+    let mut pose = vec![Vec3::ZERO; topology.vertex_count()];
+    reader.read(from, &mut pose)?;
+    let farthest = |axis: Vec3| {
+        let along = |vertex: &usize| pose[*vertex].dot(axis);
+        (0..pose.len()).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or_default()
+    };
+    let edit = |frame: u32, axis: Vec3, by: Vec3| {
+        let vertex = farthest(axis);
+        let to = (pose[vertex] + by).to_array();
+        json!({ "sequence": sequence.name, "frame": frame, "handles": [{ "vertex": vertex, "to": to }] })
+    };
+    let mut document = json!({ "version": 1, "edits": [
+        edit(local, Vec3::X, Vec3::new(0.05, 0.12, 0.04)),
+        edit(local, Vec3::Y, Vec3::new(0.05, -0.08, 0.0)),
+        edit(local, Vec3::NEG_X, Vec3::new(-0.03, 0.05, 0.02)),
+    ]});
+    document["edits"][1]["propagate"] = json!("constraint");
+    document["edits"][2]["scope"] = json!({ "radius": 0.2 });
+    let rest = reader.rig()?;
+    let rig = match rest {
+        Some(stored) => {
+            let mut rest = vec![Vec3::ZERO; topology.vertex_count()];
+            reader.read(stored.rest_frame, &mut rest)?;
+            Some(stored.rig(rest)?)
+        }
+        None => None,
+    };
+    let editor = Editor::new(&topology, order.as_deref(), rig)?;
+    let edits = EditDocument::from_json(&document.to_string())?;
+    let mut poses = EditedPoses::new(&mut reader, (&timeline, graph.feet()), topology.weights(), editor, edits)?;
+    let frames: Vec<u32> = (-6..=6).filter_map(|steps| timeline.offset(from, 3 * steps)).collect();
+    let mut floats = Vec::new();
+    for &frame in &frames {
+        poses.read(frame, &mut pose)?;
+        floats.extend(pose.iter().flat_map(|point| point.to_array()));
+    }
+    let walk = cheapest_walk(&graph, &timeline, from, to).context("the walk is gone")?;
+    let mut synthesiser = Synthesiser::new(&topology, order.as_deref())?;
+    synthesiser.begin_walk(&graph, &timeline, (from, Placement::IDENTITY), &walk)?;
+    while synthesiser.next_frame(&graph, &timeline, &mut poses, &mut pose)?.is_some() {
+        floats.extend(pose.iter().flat_map(|point| point.to_array()));
+    }
+    write(&folder.join("edited.f32"), &floats.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<_>>())?;
+    let about = json!({ "document": document, "frames": frames, "from": from, "to": to, "file": "edited.f32" });
+    write(&folder.join("edited.json"), about.to_string().as_bytes())
 }
 
 /// Walks between the quarters of sequences, each to another frame: those with most transitions.

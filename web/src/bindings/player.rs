@@ -113,6 +113,14 @@ impl Player {
         self.inner.playing()
     }
 
+    /// From now on plans weigh a frame's duration by `alpha`, where it is above 0; else as the actor came.
+    ///
+    /// # Errors
+    /// The graph has not arrived.
+    pub fn set_quickness(&mut self, alpha: f64) -> Result<(), JsValue> {
+        Ok(self.inner.set_quickness(alpha)?)
+    }
+
     /// Plays `speed` times as fast.
     pub fn set_speed(&mut self, speed: f64) {
         self.inner.set_speed(speed);

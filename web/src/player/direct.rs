@@ -11,7 +11,7 @@ use glam::Vec3;
 use search::Start;
 use searcher::scene::words;
 
-use super::loading::{Actor, Source};
+use super::loading::{Actor, Recorded};
 use super::report::PlanReport;
 use super::{Player, PlayerError};
 
@@ -41,13 +41,13 @@ impl Player {
     /// Learns the motion: the bundle knows it, or some more poses are measured.
     fn measure_more(&mut self, actor: &Actor) -> Result<Option<Rc<Motion>>, PlayerError> {
         let directing = &mut self.directing;
-        if let Source::Bundle(reader) = &self.loading.source
+        if let Recorded::Bundle(reader) = &self.loading.source.recorded
             && let Some(motion) = reader.motion()
         {
             directing.motion.get_or_insert_with(|| Rc::new(motion.clone()));
         }
         if directing.motion.is_none() {
-            let (timeline, source) = (&actor.timeline, &mut self.loading.source);
+            let (timeline, source) = (&actor.timeline, &mut self.loading.source.recorded);
             let meter = directing.meter.get_or_insert_with(|| Box::new(MotionMeter::new(actor.topology.weights())));
             if meter.advance(timeline, source, FRAMES)?
                 && let Some(meter) = directing.meter.take()
@@ -74,7 +74,7 @@ impl Player {
             (directing.group, directing.middles) = (vertices.to_vec(), Vec::new());
         }
         let end = (self.now)() + milliseconds;
-        let source = &mut self.loading.source;
+        let source = &mut self.loading.source.recorded;
         while !measure_group(&actor.timeline, source, count, vertices, &mut directing.middles, FRAMES)? {
             if (self.now)() >= end {
                 return Ok(None);

@@ -26,15 +26,39 @@ pub struct Actor {
     pub first_frame: u32,
 }
 
+/// Where recorded poses come from, and what stands in for them.
+pub struct Source {
+    /// The poses as they were recorded.
+    pub recorded: Recorded,
+    /// Frames that the page has edited.
+    pub edited: Vec<(u32, Vec<Vec3>)>,
+}
+
 /// Where recorded poses come from.
-pub enum Source {
+pub enum Recorded {
     /// All in memory.
     Memory(Poses),
     /// A bundle that may still be arriving.
     Bundle(Box<BundleReader>),
 }
 
+impl Source {
+    fn of(recorded: Recorded) -> Self {
+        Self { recorded, edited: Vec::new() }
+    }
+}
+
 impl PoseSource for Source {
+    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
+        match self.edited.iter().find(|(edited, _)| *edited == frame) {
+            Some((_, edited)) => pose.copy_from_slice(edited),
+            None => self.recorded.read(frame, pose)?,
+        }
+        Ok(())
+    }
+}
+
+impl PoseSource for Recorded {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
         match self {
             Self::Memory(poses) => poses.read(frame, pose),
@@ -74,7 +98,7 @@ impl Phase {
 
 /// The bundle as far as it has arrived.
 pub struct Loading {
-    /// Recorded poses.
+    /// Recorded poses, or what stands in for them.
     pub source: Source,
     /// Known from [`Phase::FirstPose`] on.
     pub actor: Option<Actor>,
@@ -84,7 +108,7 @@ pub struct Loading {
 
 impl Default for Loading {
     fn default() -> Self {
-        Self { source: Source::Bundle(Box::default()), actor: None, graph: None }
+        Self { source: Source::of(Recorded::Bundle(Box::default())), actor: None, graph: None }
     }
 }
 
@@ -99,7 +123,7 @@ impl Loading {
             timeline: Rc::new(capture.timeline),
             first_frame: 0,
         };
-        Self { source: Source::Memory(capture.poses), actor: Some(actor), graph: Some(Rc::new(graph)) }
+        Self { source: Source::of(Recorded::Memory(capture.poses)), actor: Some(actor), graph: Some(Rc::new(graph)) }
     }
 
     /// Takes the next bytes of the bundle.
@@ -107,7 +131,7 @@ impl Loading {
     /// # Errors
     /// The first thing that is wrong with it, and the same again from then on.
     pub fn push(&mut self, bytes: &[u8]) -> Result<(), BundleError> {
-        let Source::Bundle(reader) = &mut self.source else { return Ok(()) };
+        let Recorded::Bundle(reader) = &mut self.source.recorded else { return Ok(()) };
         let outcome = reader.push(bytes);
         if self.actor.is_none() {
             self.actor = arrived(reader);
@@ -123,16 +147,16 @@ impl Loading {
     /// # Errors
     /// The bundle is cut off, or was wrong before.
     pub fn finish(&self) -> Result<(), BundleError> {
-        match &self.source {
-            Source::Memory(_) => Ok(()),
-            Source::Bundle(reader) => reader.finish(),
+        match &self.source.recorded {
+            Recorded::Memory(_) => Ok(()),
+            Recorded::Bundle(reader) => reader.finish(),
         }
     }
 
     /// How much has arrived.
     #[must_use]
     pub fn phase(&self) -> Phase {
-        let Source::Bundle(reader) = &self.source else { return Phase::Complete };
+        let Recorded::Bundle(reader) = &self.source.recorded else { return Phase::Complete };
         match (&self.actor, &self.graph) {
             _ if reader.is_complete() => Phase::Complete,
             (Some(_), Some(_)) => Phase::Partial,
@@ -145,27 +169,36 @@ impl Loading {
     /// Whether the positions of `frame` have arrived.
     #[must_use]
     pub fn loaded(&self, frame: u32) -> bool {
-        match &self.source {
-            Source::Memory(poses) => (frame as usize) < poses.len(),
-            Source::Bundle(reader) => reader.frame_loaded(frame),
+        match &self.source.recorded {
+            Recorded::Memory(poses) => (frame as usize) < poses.len(),
+            Recorded::Bundle(reader) => reader.frame_loaded(frame),
         }
     }
 
     /// Texture `index`, once its bytes have arrived.
     #[must_use]
     pub fn image(&self, index: usize) -> Option<&Image> {
-        match &self.source {
-            Source::Memory(_) => self.actor.as_ref()?.surface.images.get(index),
-            Source::Bundle(reader) => reader.image(index),
+        match &self.source.recorded {
+            Recorded::Memory(_) => self.actor.as_ref()?.surface.images.get(index),
+            Recorded::Bundle(reader) => reader.image(index),
+        }
+    }
+
+    /// The section of the rig, where the bundle has one.
+    #[must_use]
+    pub fn rig(&self) -> Option<&[u8]> {
+        match &self.source.recorded {
+            Recorded::Memory(_) => None,
+            Recorded::Bundle(reader) => reader.rig_bytes(),
         }
     }
 
     /// The elimination order of the vertices, where the bundle has one.
     #[must_use]
     pub fn order(&self) -> Option<&[u32]> {
-        match &self.source {
-            Source::Memory(_) => None,
-            Source::Bundle(reader) => reader.order(),
+        match &self.source.recorded {
+            Recorded::Memory(_) => None,
+            Recorded::Bundle(reader) => reader.order(),
         }
     }
 }

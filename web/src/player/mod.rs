@@ -7,6 +7,7 @@ pub mod bench;
 pub mod clock;
 mod direct;
 mod directing;
+mod edited;
 pub mod events;
 mod follow;
 pub mod loading;
@@ -116,6 +117,8 @@ pub struct Player {
     /// Factorisations for a transition's beginning that this tick may still do; the rest is left to the next.
     factorisations: u32,
     plans: Plans,
+    /// The weight of a frame's duration that the actor came with, once another one was chosen.
+    own_alpha: Option<f64>,
     reference: Vec<glam::Vec3>,
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
@@ -144,6 +147,7 @@ impl Player {
             stalled: None,
             factorisations: 0,
             plans: Plans::default(),
+            own_alpha: None,
             reference: Vec::new(),
             main: None,
             directing: Directing::default(),
@@ -378,7 +382,7 @@ impl Player {
     pub fn recorded_pose(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
         let actor = self.loading.actor.as_ref().ok_or(PlayerError::NotLoaded)?;
         let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
-        self.loading.source.read(frame, &mut pose)?;
+        self.loading.source.recorded.read(frame, &mut pose)?;
         Ok(pose)
     }
 

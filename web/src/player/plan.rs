@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use actor::graph::EssentialGraph;
+use actor::graph::{EssentialGraph, rounded_alpha};
 use actor::walk::Walk;
 use glam::Vec3;
 use kernels::align::Placement;
@@ -43,6 +43,22 @@ impl Player {
         Ok(to)
     }
 
+    /// From now on plans weigh a frame's duration by `alpha`, where it is above 0; else as the actor came. A walk under way goes
+    /// on.
+    ///
+    /// # Errors
+    /// The graph has not arrived.
+    pub fn set_quickness(&mut self, alpha: f64) -> Result<(), PlayerError> {
+        let graph = self.loading.graph.as_mut().ok_or(PlayerError::NotLoaded)?;
+        let own = *self.own_alpha.get_or_insert(graph.alpha());
+        let alpha = if alpha > 0.0 { alpha } else { own };
+        // What makes no sense changes nothing.
+        if graph.alpha() != rounded_alpha(alpha) && Rc::make_mut(graph).set_alpha(alpha).is_ok() {
+            self.plans.forget();
+        }
+        Ok(())
+    }
+
     /// Searches for walks to poses and behaviours so far.
     #[must_use]
     pub fn plans(&self) -> u64 {
@@ -66,9 +82,9 @@ impl Player {
     /// Frame `frame` in the world, where it would stand if the actor went there from the present.
     ///
     /// # Errors
-    /// As [`Self::plan`] and [`Self::recorded_pose`].
+    /// As [`Self::plan`], and a frame that cannot be read.
     pub fn ghost(&mut self, frame: u32) -> Result<Vec<Vec3>, PlayerError> {
-        let mut pose = self.recorded_pose(frame)?;
+        let mut pose = self.pose_of(frame)?;
         self.arrival(frame)?.apply_all(&mut pose);
         Ok(pose)
     }

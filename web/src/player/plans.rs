@@ -60,6 +60,11 @@ impl Plans {
         self.kept.push(Plan { from, to, walk, arrival: None });
     }
 
+    /// Keeps none of them.
+    pub fn forget(&mut self) {
+        self.kept.clear();
+    }
+
     /// Where a walk that is kept arrives, begun at `start`; `None` where that is not known.
     pub fn arrival(&mut self, from: u32, to: u32, start: Placement) -> Option<Placement> {
         let [begun, arrival] = self.find(from, to)?.arrival?;

@@ -172,6 +172,13 @@ impl Producer {
         median(&self.times)
     }
 
+    /// Forgets the poses that it has read: others stand in for them now.
+    pub fn forget_poses(&mut self) {
+        if let Some(synthesiser) = &mut self.synthesiser {
+            synthesiser.forget_poses();
+        }
+    }
+
     /// Makes what transitions need where it is missing: the slow part of the first one.
     ///
     /// # Errors

@@ -230,7 +230,7 @@ impl Player {
             triangles: actor.topology.triangles().len(),
             transitions: graph.map_or(0, |graph| graph.transitions().len()),
             density: graph.map_or(0.0, |graph| graph.density(timeline)),
-            alpha: graph.map_or(0.0, actor::graph::EssentialGraph::alpha),
+            alpha: self.own_alpha.or(graph.map(actor::graph::EssentialGraph::alpha)).unwrap_or(0.0),
             sequences: sequences.collect(),
             behaviours: behaviours(timeline).into_iter().map(|behaviour| behaviour.name).collect(),
             images: images.collect(),

@@ -228,6 +228,24 @@ fn cancelling_stands_still_between_frames() {
 }
 
 #[test]
+fn quickness_weighs_time_and_is_taken_back() {
+    let (capture, graph) = capture(&[(40, false), (40, false)], &[(3, 45), (10, 70), (60, 20)]);
+    let own = graph.alpha();
+    let mut player = Player::of_capture(capture, graph);
+    let smooth = player.plan(75).unwrap();
+    player.set_quickness(0.2).unwrap();
+    let quick = player.plan(75).unwrap();
+    assert!(quick.cost > smooth.cost);
+    assert_eq!(player.info().map(|info| serde_json::to_value(&info).unwrap()["alpha"].as_f64()), Some(Some(own)));
+    let planned = player.plans();
+    // What makes no sense changes nothing, and planned is planned.
+    player.set_quickness(f64::INFINITY).unwrap();
+    assert_eq!((player.plan(75).unwrap(), player.plans()), (quick, planned));
+    player.set_quickness(0.0).unwrap();
+    assert_eq!(player.plan(75).unwrap(), smooth);
+}
+
+#[test]
 fn what_is_looked_at_and_clicked_is_planned_once() {
     let mut player = player(&[(12, false), (12, false), (8, false)], &[(4, 18)]);
     assert_eq!(player.plans(), 0);

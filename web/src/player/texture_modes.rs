@@ -4,7 +4,7 @@ use bundle::{Appearance, BundleReader, ModeDecoder, Textures};
 use synthesis::FrameKind;
 use texture::basis::{Layer, Mode};
 
-use super::loading::Source;
+use super::loading::Recorded;
 use super::state::Picture;
 use super::{Player, PlayerError};
 
@@ -55,7 +55,7 @@ impl Player {
     /// # Errors
     /// A mode that is damaged.
     pub fn refine(&mut self, milliseconds: f64) -> Result<bool, PlayerError> {
-        let Source::Bundle(reader) = &self.loading.source else { return Ok(false) };
+        let Recorded::Bundle(reader) = &self.loading.source.recorded else { return Ok(false) };
         let (now, start) = (self.now, (self.now)());
         let end = || now() - start > milliseconds;
         for of in [Textures::Aligned, Textures::Naive] {
@@ -69,9 +69,9 @@ impl Player {
     /// What all textures share, once it has arrived.
     #[must_use]
     pub fn appearance(&self, of: Textures) -> Option<&Appearance> {
-        match &self.loading.source {
-            Source::Bundle(reader) => reader.appearance_of(of),
-            Source::Memory(_) => None,
+        match &self.loading.source.recorded {
+            Recorded::Bundle(reader) => reader.appearance_of(of),
+            Recorded::Memory(_) => None,
         }
     }
 

@@ -92,6 +92,7 @@ button:disabled { opacity: 0.38; cursor: default; }
 .weight span { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
 .weight input { accent-color: var(--accent); min-inline-size: 0; margin: 0; }
 .exact { display: flex; align-items: center; gap: 8px; color: var(--muted); }
+.toolbar .exact { margin-inline: 8px 6px; }
 .exact input { accent-color: var(--accent); inline-size: 72px; margin: 0; }
 .weight output { color: var(--muted); text-align: end; }
 
@@ -111,6 +112,27 @@ button:disabled { opacity: 0.38; cursor: default; }
 .ground-label { position: absolute; inset: 0 auto auto 0; padding: 0 6px; border-radius: 3px; background: color-mix(in srgb, var(--b) 22%, var(--surface)); border-inline-start: 4px solid var(--b); font-size: 12px; margin: 10px 0 0 -20px; white-space: nowrap; }
 .view[data-drawing] { cursor: crosshair; }
 .view[data-tool="place"] { cursor: crosshair; }
+
+.edit-marks { position: absolute; inset: 0; }
+.pin { position: absolute; inset: 0 auto auto 0; inline-size: 28px; block-size: 28px; margin: -14px; padding: 0; border: 0; background: none; pointer-events: auto; cursor: pointer; }
+.pin::before { content: ""; position: absolute; inset: 7px; border: 2px solid var(--accent); border-radius: 50% 50% 50% 0; rotate: -45deg; background: var(--surface); }
+.pin[aria-pressed="true"]::before { background: var(--accent); }
+.pin:hover::before, .pin:focus-visible::before { inset: 5px; }
+.view[data-over-actor] { cursor: grab; }
+.edits { flex: 0 1 auto; flex-wrap: nowrap; min-inline-size: 0; overflow: auto hidden; scrollbar-width: none; }
+.edits .chip { flex: none; }
+.edits .off { text-decoration: line-through; }
+.edit-ruler { block-size: 32px; }
+.edit-ruler .lane { cursor: text; touch-action: pan-y; }
+.edit-bars span { position: absolute; inset-block: 8px; border-radius: 4px; background: color-mix(in srgb, var(--accent) 22%, transparent); pointer-events: none; }
+.edit-bars span[data-chosen] { background: color-mix(in srgb, var(--accent) 44%, transparent); }
+.edit-bars span[data-off] { background: color-mix(in srgb, var(--muted) 22%, transparent); }
+.edit-bars i { position: absolute; inset-block: -4px; inline-size: 2px; margin-inline-start: -1px; background: var(--accent); }
+.edit-end { position: absolute; inset-block: 0; inline-size: 16px; margin-inline-start: -8px; padding: 0; border: 0; background: none; cursor: ew-resize; touch-action: none; }
+.edit-end::before { content: ""; position: absolute; inset: 6px 5px; border-radius: 3px; background: var(--accent); }
+.edit-end.key::before { inset: 11px 3px; border-radius: 2px; rotate: 45deg; }
+.edit-end:hover::before, .edit-end:focus-visible::before { outline: 2px solid var(--surface); }
+.edit-ruler .playhead { opacity: 1; background: var(--ink); }
 
 .keys {
   inline-size: min(460px, calc(100vw - 32px));
@@ -148,6 +170,7 @@ button:disabled { opacity: 0.38; cursor: default; }
   .tools { flex: 1; gap: 0; margin: 0; }
   .tool { min-block-size: 40px; padding: 0 7px; }
   .toolbar .round { inline-size: 34px; }
+  .toolbar .exact { display: none; }
   .go-row { position: sticky; inset-block-end: 0; background: var(--surface); }
   .go-row:has(> :nth-child(3)) { flex-wrap: wrap; gap: 8px; }
   .go-row:has(> :nth-child(3)) .outcome { order: -1; flex-basis: 100%; }

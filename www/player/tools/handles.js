@@ -17,6 +17,7 @@ export class Handles {
    * @param {(index: number, by: number, merge: string) => void} [act.lift] metres
    * @param {(index: number) => void} [act.chosen] it has the focus
    * @param {(index: number, point: Point) => string} act.describe for screen readers
+   * @param {number} [act.step] metres that an arrow key moves a point
    */
   constructor(box, act) {
     this.box = box;
@@ -93,7 +94,7 @@ export class Handles {
 
   key(event, index) {
     const { key, shiftKey } = event;
-    const step = STEP * (shiftKey ? 5 : 1);
+    const step = (this.act.step ?? STEP) * (shiftKey ? 5 : 1);
     const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const lifts = { PageUp: 1, PageDown: -1 };
     if (Object.hasOwn(moves, key)) {

@@ -15,6 +15,7 @@ const WITH_TOOLS = [
   { shown: '+, Delete', does: 'a point after it; without it' },
   { shown: 'Page ↑ ↓', does: 'lift a path’s point, or lower it; alt and drag does too' },
   { shown: 'alt + drag', does: 'turn the camera while a tool is in use' },
+  { shown: 'shift, edit', does: 'while a point of the actor is dragged: straight up or down' },
 ];
 
 const POINTER = [

@@ -14,6 +14,8 @@ export const EMPTY = Object.freeze({
   path: { points: [], stretches: [], shape: 'spline' },
   keys: [],
   wander: { seed: 1, weights: {} },
+  /** Edits of recorded frames, as docs/editing.md has them: beside whatever is asked. */
+  edits: [],
   /** Targets that wait, as `queue` takes them. */
   queue: [],
 });
@@ -31,8 +33,14 @@ export function requestOf(tool, { place, path, keys, wander, pose }) {
   if (tool === 'place') return place && request({ place: tidy({ ...place, heading: place.heading ?? undefined }) });
   if (tool === 'path') return path.points.length > 1 ? request({ path: tidy({ ...path, points: path.points.map(swapped) }) }) : null;
   if (tool === 'timing') return keys.length > 0 ? request({ keys: { poses: keys.map(({ frame, seconds }) => ({ pose: frame, time: seconds })) } }) : null;
+  if (tool === 'edit') return null;
   if (tool === 'wander') return request({ wander: { seconds: WANDER, weights: wander.weights } }, wander.seed);
   return pose ? request(pose) : null;
+}
+
+/** The document of edits as links, files and films have it. */
+export function documentOf(edits) {
+  return { version: VERSION, edits };
 }
 
 /** The vertices that a request wants to follow its paths. */

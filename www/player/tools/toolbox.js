@@ -7,14 +7,15 @@
  */
 
 import { loadTools } from '../engine.js';
+import { PlayerError } from '../errors.js';
 import { nameOf, requestTarget, soughtTarget } from '../targets.js';
 import { History } from './history.js';
-import { EMPTY, VERSION, partOf, requestOf } from './request.js';
+import { EMPTY, VERSION, documentOf, partOf, requestOf } from './request.js';
 import { SearchDriver } from './search.js';
 
 /** What is known of the tools before they are there. They are in the order of their keys. */
 const KNOWN = Object.fromEntries(
-  ['pose', 'place', 'path', 'timing', 'wander'].map((id) => [id, { id, withScore: id === 'pose', onGround: id === 'place' || id === 'path' }]),
+  ['pose', 'place', 'path', 'timing', 'wander', 'edit'].map((id) => [id, { id, withScore: id === 'pose', onGround: id === 'place' || id === 'path' }]),
 );
 
 /** The view of tools that draw on the ground: radians above it, and the distance, more for what lies farther away. */
@@ -86,6 +87,7 @@ export class Toolbox {
   open(director) {
     this.director = director;
     for (const tool of Object.values(this.tools)) tool.opened?.(director);
+    if (this.core.host.quickness !== null) director.tell('set_quickness', this.core.host.quickness);
     this.showTool();
     if (this.waiting) this.takeWaiting();
     else this.ask();
@@ -101,6 +103,7 @@ export class Toolbox {
   close() {
     this.director = null;
     this.search.forget();
+    this.kit?.edits.forget();
     this.answer = null;
     this.history.reset(EMPTY);
     if (this.core.view) this.refresh();
@@ -122,7 +125,7 @@ export class Toolbox {
     const tool = this.tools[name] ?? this.tools.pose;
     if (tool.id !== 'pose') {
       this.fetch();
-      this.search.fetch();
+      if (tool.id !== 'edit') this.search.fetch();
     }
     if (tool === this.tool) {
       if (!this.director) this.showTool();
@@ -220,9 +223,26 @@ export class Toolbox {
   /** The request of the tool in use, or null. */
   get request() {
     const { core: { queue, director }, tool: { withScore }, document } = this;
-    const request = requestOf(this.tool.id, document);
+    const request = this.hurried(requestOf(this.tool.id, document));
     if (!request || !withScore || queue.targets.length === 0) return request;
     return { ...request, target: { queue: [request.target, ...queue.targets.map((target) => requestTarget(target, director))] } };
+  }
+
+  /** A request with the quickness that was chosen, where one was. */
+  hurried(request) {
+    const { quickness } = this.core.host;
+    return request && quickness !== null ? { ...request, quickness } : request;
+  }
+
+  /** Another quickness was chosen: plans are made anew. */
+  hurry() {
+    const { director, core } = this;
+    if (!director) return;
+    director.tell('set_quickness', core.host.quickness ?? 0);
+    core.poses.choose(director);
+    this.refresh();
+    this.ask();
+    core.dispatch('change', { tool: this.tool.id });
   }
 
   /**
@@ -230,16 +250,30 @@ export class Toolbox {
    * sentence.
    */
   load(outside) {
-    if (!this.director || !this.search.module) {
-      this.waiting = outside;
-      // Whatever comes last of the two takes it up.
-      this.search.fetch().then(() => this.takeWaiting(), () => {});
+    const asked = outside?.request || outside?.edits ? outside : { request: outside };
+    const { request, edits } = asked;
+    const asks = Boolean(request) || !edits;
+    if (!this.director || (asks && !this.search.module) || (edits && !this.kit?.edits.ready)) {
+      this.waiting = { ...this.waiting, ...asked, ...(request ? { start: asked.start } : {}) };
+      // Whatever comes last of them takes it up.
+      const coming = [asks && this.search.fetch(), edits && this.fetch().then(() => this.kit?.edits.fetch())];
+      Promise.all(coming).then(() => this.takeWaiting(), () => {});
       return;
     }
+    if (asks) this.search.check(request);
+    if (edits) this.kit.edits.check(edits);
+    if (edits) this.history.change({ ...this.document, edits: edits.edits });
+    if (asks) this.loadRequest(request, asked);
+    else {
+      this.history.settle();
+      this.refresh();
+    }
+  }
+
+  loadRequest(request, outside) {
     const { timeline } = this.director;
-    const request = outside?.request ?? outside;
-    this.search.check(request);
     const { tool, part, queue } = partOf(request, timeline);
+    this.core.host.quickness = request.quickness ?? null;
     const { frame, placement } = outside?.start ?? {};
     if (Number.isInteger(frame) && Array.isArray(placement)) this.director.tell('stand', frame, ...placement.slice(0, 3).map(Number));
     this.history.change({ ...this.document, ...part });
@@ -251,7 +285,7 @@ export class Toolbox {
     if (queue) {
       this.core.queue.show(queue);
       this.history.amend({ queue });
-      this.search.go(requestOf(tool, this.document));
+      this.search.go(this.hurried(requestOf(tool, this.document)));
     }
     this.core.dispatch('change', { tool });
   }
@@ -265,13 +299,30 @@ export class Toolbox {
     this.edit({ [part]: EMPTY[part] });
   }
 
-  /** What links and files hold: the request, and where the actor was when its answer was found. */
+  /** What links and files hold: the request, where the actor was when its answer was found, and the edits. */
   get shared() {
     const { request, answer } = this;
-    return request && { request, ...(answer ? { start: answer.start } : {}) };
+    const { edits } = this.document;
+    if (!request && edits.length === 0) return null;
+    return { ...(request ? { request } : {}), ...(answer ? { start: answer.start } : {}), ...(edits.length > 0 ? { edits: documentOf(edits) } : {}) };
+  }
+
+  /** Adds an edit. @returns {Promise<{notes: string[]}>} once all frames are as it has them */
+  async addEdit(edit) {
+    await this.fetch();
+    await this.kit.edits.fetch();
+    if (!this.director || !this.kit.edits.ready) throw new PlayerError('not-loaded', 'The actor has not arrived yet.');
+    const edits = [...this.document.edits, JSON.parse(JSON.stringify(edit ?? null))];
+    this.kit.edits.check(documentOf(edits));
+    this.edit({ edits });
+    return this.kit.edits.done();
   }
 
   refresh() {
+    const { edits } = this.document;
+    if (this.kit) this.kit.edits.take(edits);
+    else if (edits.length > 0) this.fetch();
+    this.kit?.bar.setQuickness(this.core.host.quickness ?? this.director?.info.alpha);
     this.kit?.bar.setSteps(this.history.canUndo, this.history.canRedo);
     this.tool.refresh?.();
     this.redraw();
@@ -329,7 +380,7 @@ export class Toolbox {
       if (!sought) return core.go(target);
       core.say('looking for a way', 'waiting');
       this.history.amend({ pose: sought });
-      return this.search.go({ version: VERSION, target: sought });
+      return this.search.go(this.hurried({ version: VERSION, target: sought }));
     });
   }
 
@@ -341,6 +392,7 @@ export class Toolbox {
 
   /** Called once a display frame. */
   step() {
+    this.tool.step?.();
     this.search.lookAhead();
   }
 

@@ -5,6 +5,8 @@
 
 import { toolStyles } from '../styles/tools.js';
 import { ToolBar } from './bar.js';
+import { EditTool } from './edit.js';
+import { EditDriver } from './edits.js';
 import { KeysDialog } from './keys.js';
 import { Marks } from './marks.js';
 import { PathTool } from './path.js';
@@ -14,7 +16,7 @@ import { Share } from './share.js';
 import { TimingTool } from './timing.js';
 import { WanderTool } from './wander.js';
 
-const ALL = [PoseTool, PlaceTool, PathTool, TimingTool, WanderTool];
+const ALL = [PoseTool, PlaceTool, PathTool, TimingTool, WanderTool, EditTool];
 
 /** One player's tools, in its view. */
 export class Tools {
@@ -22,9 +24,10 @@ export class Tools {
   constructor(box) {
     const { view, host } = box.core;
     view.addStyles(toolStyles);
+    this.edits = new EditDriver(box);
     this.byName = Object.fromEntries(ALL.map((Tool) => [Tool.id, new Tool(box)]));
     this.marks = new Marks();
-    this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by) });
+    this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by), hurry: (quickness) => (host.quickness = Number(quickness.toFixed(4))) });
     this.bar.root.append(new Share(box).root);
     this.keys = new KeysDialog();
     view.bar.append(this.bar.root);

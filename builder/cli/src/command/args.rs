@@ -154,6 +154,10 @@ pub struct PackArguments {
     /// again, or more with --appearance-ssim.
     #[arg(long)]
     pub appearance_compare: bool,
+    /// Also estimate a rig, by which edits move the body (docs/editing.md); with =FILE corrected by a TOML or JSON file as
+    /// `builder rig --toml` writes it.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    pub rig: Option<PathBuf>,
     /// Print an object with times, sizes and errors on stdout at the end.
     #[arg(long)]
     pub json: bool,
@@ -303,8 +307,17 @@ pub struct PerformerArguments {
     #[arg(long, value_name = "PIXELS")]
     pub texture_size: Option<u32>,
     /// Capture artefacts to add, with their truth.
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES", conflicts_with = "scanned")]
     pub artefacts: Vec<Artefact>,
+    /// As a volumetric studio would deliver it: every frame with its own mesh, atlas and texture; the capture itself is its truth.
+    #[arg(long)]
+    pub scanned: bool,
+    /// Frames that share a mesh and an atlas, as keyframe groups do.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "scanned")]
+    pub group: u32,
+    /// Noise of the scans along normals: its standard deviation in millimetres.
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "scanned")]
+    pub noise: f32,
     /// Seed of everything random.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
@@ -340,6 +353,9 @@ pub struct DirectArguments {
     /// How far the walk is bent onto its paths and places, from 0 (not at all) to 1; what the path says where not given, or 1.
     #[arg(long, value_name = "SHARE")]
     pub exactness: Option<f64>,
+    /// What a frame's duration costs: 0.01 for smooth ways, 0.2 for quick ones; as the actor was packed, if not given.
+    #[arg(long, value_name = "ALPHA", allow_negative_numbers = true)]
+    pub quickness: Option<f64>,
     /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
@@ -364,7 +380,8 @@ pub struct DirectArguments {
     /// A JSON file with edits of recorded frames (docs/editing.md): they and the transitions that pass there are changed.
     #[arg(long, value_name = "FILE")]
     pub edits: Option<PathBuf>,
-    /// A TOML file that corrects the rig by which edits move the body, as `builder rig --toml` writes it.
+    /// A TOML or JSON file that corrects the rig by which edits move the body, as `builder rig --toml` writes it. Without one the
+    /// bundle's rig is taken, where it has one.
     #[arg(long, value_name = "FILE", requires = "edits")]
     pub rig: Option<PathBuf>,
     /// The pose to begin with; whatever suits best where not given.
@@ -411,7 +428,7 @@ pub struct RigArguments {
     /// A TOML file to write, with the bones that were found: change it and give it back with --rig.
     #[arg(long, value_name = "FILE")]
     pub toml: Option<PathBuf>,
-    /// A TOML file that corrects what was found.
+    /// A TOML or JSON file that corrects what was found. Without it and --parts, a bundle's own rig is shown.
     #[arg(long, value_name = "FILE")]
     pub rig: Option<PathBuf>,
     /// Rigid parts that the surface is split into at most; the file's where one is given, else 26.

@@ -30,6 +30,7 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
     if let Some(path) = &arguments.request {
         let mut asked = saved(path)?;
         asked.request.seed = arguments.seed.unwrap_or(asked.request.seed);
+        asked.request.quickness = arguments.quickness.or(asked.request.quickness);
         bend(&mut asked.request.target, arguments.exactness);
         asked.request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
         return Ok(asked);
@@ -58,7 +59,8 @@ pub fn asked(arguments: &DirectArguments) -> Result<Asked, Failure> {
     };
     let mut target = target;
     bend(&mut target, arguments.exactness);
-    let request = Request { seed: arguments.seed.unwrap_or(0), ..Request::new(target) };
+    let (seed, quickness) = (arguments.seed.unwrap_or(0), arguments.quickness);
+    let request = Request { seed, quickness, ..Request::new(target) };
     request.check_numbers().map_err(|error| Failure::Input(error.into()))?;
     Ok(Asked { request, start: None })
 }

@@ -71,10 +71,13 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     }
     let Asked { request, start } = asked(arguments)?;
     let mut reader = read_bundle(&arguments.bundle)?;
-    let (Some(timeline), Some(graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
+    let (Some(timeline), Some(mut graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
     };
-    let search_graph = search_graph(&mut reader, &timeline, &request)?;
+    if let Some(quickness) = request.quickness {
+        graph.set_alpha(quickness).map_err(|error| Failure::Input(error.into()))?;
+    }
+    let search_graph = search_graph(&mut reader, &graph, &timeline, &request)?;
     let scene = Scene { graph: &graph, timeline: &timeline, search_graph: &search_graph };
     let began = Instant::now();
     let answer = search(&scene, arguments, start, &request, terminal)?;
@@ -186,9 +189,14 @@ fn read_bundle(path: &Path) -> Result<BundleReader, Failure> {
 }
 
 /// The ways of the centre of mass, or of the vertices that the request wants to follow its path.
-fn search_graph(reader: &mut BundleReader, timeline: &Timeline, request: &Request) -> Result<SearchGraph, Failure> {
+fn search_graph(
+    reader: &mut BundleReader,
+    graph: &EssentialGraph,
+    timeline: &Timeline,
+    request: &Request,
+) -> Result<SearchGraph, Failure> {
     let ours = |error: actor::pose_source::PoseError| Failure::Input(error.into());
-    let (Some(topology), Some(graph)) = (reader.topology(), reader.graph().cloned()) else {
+    let Some(topology) = reader.topology() else {
         return Err(Failure::Input(anyhow!("the bundle is not whole")));
     };
     let weights = topology.weights().to_vec();
@@ -215,8 +223,8 @@ fn search_graph(reader: &mut BundleReader, timeline: &Timeline, request: &Reques
         }
         None => None,
     };
-    let mut survey = SearchGraphBuilder::new(&graph, timeline, &motion, group).map_err(ours)?;
-    while !survey.advance(&graph, timeline, &motion, usize::MAX).map_err(ours)? {}
+    let mut survey = SearchGraphBuilder::new(graph, timeline, &motion, group).map_err(ours)?;
+    while !survey.advance(graph, timeline, &motion, usize::MAX).map_err(ours)? {}
     Ok(survey.finish())
 }
 

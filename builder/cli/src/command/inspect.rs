@@ -9,8 +9,12 @@ use anyhow::{Context, anyhow};
 use bundle::{BundleReader, MAGIC};
 use capture_io::import::{ImportError, import};
 use job::Job;
+#[cfg(feature = "complete")]
+use reprise::look::{is_scan, look};
 use reprise::pack::{PackOptions, summary_of};
 use reprise::preflight::preflight;
+#[cfg(feature = "complete")]
+use reprise::scans::ScanOptions;
 use serde_json::{Value, json};
 
 use super::args::InspectArguments;
@@ -29,10 +33,14 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
             options.import = import_options(&arguments.import);
             let report = |step| terminal.progress(step);
             let job = Job::new(&report);
-            let imported = import(inputs, &options.import, &job).map_err(|error| match error {
-                ImportError::Stopped(_) => Failure::StoppedReading,
-                error => Failure::Input(error.into()),
-            })?;
+            let imported = match import(inputs, &options.import, &job) {
+                #[cfg(feature = "complete")]
+                Err(error) if is_scan(&error) => return inspect_scan(arguments, options, &job),
+                imported => imported.map_err(|error| match error {
+                    ImportError::Stopped(_) => Failure::StoppedReading,
+                    error => Failure::Input(error.into()),
+                })?,
+            };
             let found = preflight(&imported, &options, &job);
             refusal = found.refusal;
             let warnings: Vec<_> = imported.warnings.iter().chain(&found.warnings).collect();
@@ -55,6 +63,32 @@ pub fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(), Fail
     if arguments.json { print_json(&found) } else { print_text(text(&found).trim_end()) }?;
     // What it holds is told all the same, but it cannot be packed.
     refusal.map_or(Ok(()), |error| Err(Failure::Input(error.into())))
+}
+
+/// Tells of frames that have meshes of their own.
+#[cfg(feature = "complete")]
+fn inspect_scan(arguments: &InspectArguments, options: PackOptions, job: &Job) -> Result<(), Failure> {
+    let mut scan = ScanOptions::default();
+    scan.import = options.import;
+    let found = look(&arguments.inputs, &scan, job).map_err(|error| match error {
+        error if error.is_stopped() => Failure::StoppedReading,
+        error => Failure::Input(error.into()),
+    })?;
+    let sequences = found.sequences.iter().map(|(name, frames)| json!({ "name": name, "frames": frames }));
+    let found = json!({
+        "kind": "scan",
+        "name": found.name,
+        "fps": found.fps,
+        "frames": found.frames,
+        "meshes": found.meshes,
+        "sequences": sequences.collect::<Vec<_>>(),
+        // The frame whose mesh the others would get, and its area in square metres.
+        "template": found.template,
+        "area": found.area,
+        "lost": found.lost,
+        "warnings": found.warnings,
+    });
+    if arguments.json { print_json(&found) } else { print_text(text(&found).trim_end()) }
 }
 
 /// Whether a file begins as a bundle does.

@@ -13,6 +13,7 @@ use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
 use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis, WorkFolderArgument};
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
+use super::rigged;
 use super::terminal::Terminal;
 use super::work;
 
@@ -110,6 +111,9 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         AppearanceKind::Static => AppearanceChoice::Static,
         AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
     };
+    if let Some(file) = &arguments.rig {
+        options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);
+    }
     Ok(options)
 }
 
@@ -168,6 +172,11 @@ fn summary(report: &PackReport) -> String {
             appearance.stored.psnr,
             seconds.appearance
         ));
+    }
+    if let Some(rig) = &report.rig {
+        let kind = if rig.human { ", a human's" } else { "" };
+        let (bones, misfit) = (rig.bones, rig.misfit_mm);
+        lines.push(format!("rig: {bones} bones{kind}, skinning misses {misfit:.1} mm RMS; in {:.1} s", seconds.rig));
     }
     if let Some(bytes) = report.peak_memory_bytes {
         lines.push(format!("peak memory: {:.0} MB", bytes as f64 / 1e6));

@@ -25,6 +25,17 @@ use super::terminal::Terminal;
 /// What `--json` prints.
 #[derive(Serialize)]
 struct RigReport {
+    /// The frame of the rest pose.
+    rest_frame: u32,
+    /// What was found; nothing of a rig that a bundle has.
+    #[serde(flatten)]
+    found: Option<FoundReport>,
+    /// The bones, as corrected.
+    bones: Vec<BoneReport>,
+}
+
+#[derive(Serialize)]
+struct FoundReport {
     /// Whether it was taken for a human's.
     human: bool,
     /// Rigid parts that were found.
@@ -35,8 +46,6 @@ struct RigReport {
     parts_misfit_mm: [f32; 2],
     /// The same with the bones as they were found.
     misfit_mm: [f32; 2],
-    /// The bones, as corrected.
-    bones: Vec<BoneReport>,
 }
 
 #[derive(Serialize)]
@@ -50,35 +59,60 @@ struct BoneReport {
     vertices: usize,
 }
 
-/// Estimates a rig and writes what is asked for.
+/// Estimates a rig, or takes that of a bundle, and writes what is asked for.
 pub fn run(arguments: &RigArguments, terminal: &Terminal) -> Result<(), Failure> {
+    if let Some(mut reader) = bundle(arguments)?
+        && arguments.rig.is_none()
+        && arguments.parts.is_none()
+        && arguments.toml.is_none()
+        && let Some((rest_frame, rig)) = rigged::of_bundle(&mut reader)?
+    {
+        if let Some(topology) = reader.topology() {
+            draw(arguments, &rig, topology)?;
+        }
+        return print(arguments, &report(rest_frame, None, &rig));
+    }
     let file = rigged::read_file(arguments.rig.as_deref())?;
     let (topology, poses) = read(arguments, terminal)?;
     let parts = arguments.parts.map(usize::from);
     let (found, rig) =
         rigged::corrected(&topology, &poses, &file, parts).map_err(|error| Failure::Input(error.into()))?;
-    if let Some(path) = &arguments.output {
-        let picture =
-            rig_picture(&rig, topology.triangles(), facing(&rig)).map_err(|error| Failure::Internal(error.into()))?;
-        write_whole(path, &picture).map_err(Failure::Input)?;
-    }
+    draw(arguments, &rig, &topology)?;
     if let Some(path) = &arguments.toml {
         let text = toml::to_string(&RigFile::of(&found)).map_err(|error| Failure::Internal(error.into()))?;
         write_whole(path, text.as_bytes()).map_err(Failure::Input)?;
     }
-    let report = report(&found, &rig);
-    if arguments.json { print_json(&report) } else { print_text(&text(&report)) }
+    let rest_frame = found.keys.first().copied().unwrap_or_default();
+    print(arguments, &report(rest_frame, Some(&found), &rig))
+}
+
+/// Writes the picture, where one is asked for.
+fn draw(arguments: &RigArguments, rig: &Rig, topology: &Topology) -> Result<(), Failure> {
+    let Some(path) = &arguments.output else { return Ok(()) };
+    let picture =
+        rig_picture(rig, topology.triangles(), facing(rig)).map_err(|error| Failure::Internal(error.into()))?;
+    write_whole(path, &picture).map_err(Failure::Input)
+}
+
+fn print(arguments: &RigArguments, report: &RigReport) -> Result<(), Failure> {
+    if arguments.json { print_json(report) } else { print_text(&text(report)) }
+}
+
+/// The bundle that was named; `None` where files were.
+fn bundle(arguments: &RigArguments) -> Result<Option<BundleReader>, Failure> {
+    let [path] = arguments.inputs.as_slice() else { return Ok(None) };
+    if !is_bundle(Path::new(path)) {
+        return Ok(None);
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
+    BundleReader::from_bytes(&bytes).with_context(|| path.clone()).map(Some).map_err(Failure::Input)
 }
 
 /// The mesh and all poses of a bundle or of an input.
 fn read(arguments: &RigArguments, terminal: &Terminal) -> Result<(Topology, Poses), Failure> {
-    if let [path] = arguments.inputs.as_slice()
-        && is_bundle(Path::new(path))
-    {
-        let bytes = std::fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
-        let mut reader = BundleReader::from_bytes(&bytes).with_context(|| path.clone()).map_err(Failure::Input)?;
+    if let Some(mut reader) = bundle(arguments)? {
         let (Some(timeline), Some(topology)) = (reader.timeline().cloned(), reader.topology().cloned()) else {
-            return Err(Failure::Input(anyhow!("{path} ends before its mesh is described")));
+            return Err(Failure::Input(anyhow!("the bundle ends before its mesh is described")));
         };
         let poses = rigged::poses(&mut reader, &timeline, topology.vertex_count())?;
         return Ok((topology, poses));
@@ -103,7 +137,7 @@ fn facing(rig: &Rig) -> Vec2 {
     if across == Vec2::ZERO { Vec2::Y } else { Vec2::new(-across.y, across.x) }
 }
 
-fn report(found: &Estimate, rig: &Rig) -> RigReport {
+fn report(rest_frame: u32, found: Option<&Estimate>, rig: &Rig) -> RigReport {
     let mut vertices = vec![0; rig.bones().len()];
     (0..rig.rest().len() as u32).for_each(|vertex| vertices[rig.bone_of(vertex)] += 1);
     let bones = rig.bones().iter().enumerate().map(|(index, bone)| BoneReport {
@@ -113,31 +147,33 @@ fn report(found: &Estimate, rig: &Rig) -> RigReport {
         gap_mm: 1000.0 * bone.gap,
         vertices: vertices[index],
     });
-    RigReport {
+    let found = found.map(|found| FoundReport {
         human: found.is_human,
         parts: found.parts,
         keys: found.keys.clone(),
         parts_misfit_mm: found.parts_misfit.map(|off| 1000.0 * off),
         misfit_mm: found.misfit.map(|off| 1000.0 * off),
-        bones: bones.collect(),
-    }
+    });
+    RigReport { rest_frame, found, bones: bones.collect() }
 }
 
 fn text(report: &RigReport) -> String {
-    let kind = if report.human { "a human" } else { "no human that is known: all parts are bones" };
-    let mut lines = vec![
-        format!(
-            "{} rigid parts from {} key frames; rest pose: frame {}; {kind}",
-            report.parts,
-            report.keys.len(),
-            report.keys.first().copied().unwrap_or_default()
-        ),
-        format!(
-            "skinning misses {:.1} mm with all parts, {:.1} mm with the bones (root of the mean square)",
-            report.parts_misfit_mm[0], report.misfit_mm[0]
-        ),
-        format!("{:14} {:14} {:>24} {:>8} {:>9}", "bone", "hangs on", "joint (m)", "gap (mm)", "vertices"),
-    ];
+    let frame = report.rest_frame;
+    let mut lines = match &report.found {
+        None => vec![format!("the rig of the bundle: {} bones; rest pose: frame {frame}", report.bones.len())],
+        Some(found) => {
+            let kind = if found.human { "a human" } else { "no human that is known: all parts are bones" };
+            let (parts, keys) = (found.parts, found.keys.len());
+            vec![
+                format!("{parts} rigid parts from {keys} key frames; rest pose: frame {frame}; {kind}"),
+                format!(
+                    "skinning misses {:.1} mm with all parts, {:.1} mm with the bones (root of the mean square)",
+                    found.parts_misfit_mm[0], found.misfit_mm[0]
+                ),
+            ]
+        }
+    };
+    lines.push(format!("{:14} {:14} {:>24} {:>8} {:>9}", "bone", "hangs on", "joint (m)", "gap (mm)", "vertices"));
     for bone in &report.bones {
         let [x, y, z] = bone.joint;
         let parent = bone.parent.as_deref().unwrap_or("-");

@@ -30,7 +30,11 @@ pub fn poses(reader: &mut BundleReader, timeline: &Timeline, vertex_count: usize
 pub fn read_file(file: Option<&Path>) -> Result<RigFile, Failure> {
     let Some(file) = file else { return Ok(RigFile::default()) };
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()));
-    let read = text.and_then(|text| toml::from_str(&text).with_context(|| file.display().to_string()));
+    let is_json = file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let parse = |text: String| -> anyhow::Result<RigFile> {
+        if is_json { Ok(serde_json::from_str(&text)?) } else { Ok(toml::from_str(&text)?) }
+    };
+    let read = text.and_then(|text| parse(text).with_context(|| file.display().to_string()));
     read.map_err(Failure::Input)
 }
 
@@ -48,7 +52,19 @@ pub fn corrected(
     Ok((found, rig))
 }
 
-/// What edits poses of a bundle: with its rig, or without one where nothing moves against anything else.
+/// The rig that a bundle has, and the frame of its rest pose.
+pub fn of_bundle(reader: &mut BundleReader) -> Result<Option<(u32, Rig)>, Failure> {
+    let damaged =
+        |error: anyhow::Error| Failure::Input(error.context("the bundle's rig cannot be used: pack it again"));
+    let Some(stored) = reader.rig().map_err(|error| damaged(error.into()))? else { return Ok(None) };
+    let frame = stored.rest_frame;
+    let mut rest = vec![Vec3::ZERO; reader.topology().map_or(0, Topology::vertex_count)];
+    reader.read(frame, &mut rest).map_err(|error| damaged(error.into()))?;
+    let rig = stored.rig(rest).map_err(|error| damaged(error.into()))?;
+    Ok(Some((frame, rig)))
+}
+
+/// What edits poses of a bundle: with the rig that it has, with one that is estimated and corrected by a file, or without one where nothing moves against anything else.
 pub fn editor(
     reader: &mut BundleReader,
     (topology, order): (&Topology, Option<&[u32]>),
@@ -56,6 +72,11 @@ pub fn editor(
     file: Option<&Path>,
     terminal: &Terminal,
 ) -> Result<Editor, Failure> {
+    if file.is_none()
+        && let Some((_, rig)) = of_bundle(reader)?
+    {
+        return Editor::new(topology, order, Some(rig)).map_err(|error| Failure::Input(error.into()));
+    }
     let rig_file = read_file(file)?;
     let poses = poses(reader, timeline, topology.vertex_count())?;
     let rig = match corrected(topology, &poses, &rig_file, None) {

@@ -7,8 +7,12 @@ use anyhow::{Context, anyhow};
 use bundle::{Finding, Severity, validate};
 use capture_io::import::{Warning, import};
 use job::Job;
+#[cfg(feature = "complete")]
+use reprise::look::{is_scan, look};
 use reprise::pack::{PackError, PackOptions};
 use reprise::preflight::preflight;
+#[cfg(feature = "complete")]
+use reprise::scans::ScanOptions;
 use serde::Serialize;
 
 use super::args::ValidateArguments;
@@ -77,6 +81,15 @@ fn of_input(inputs: &[String], options: PackOptions, terminal: &Terminal) -> Vec
             let error = |error: PackError| Line { code: error.code(), severity: "error", message: error.to_string() };
             let warnings = imported.warnings.into_iter().chain(found.warnings).map(warning);
             warnings.chain(found.refusal.map(error)).collect()
+        }
+        #[cfg(feature = "complete")]
+        Err(error) if is_scan(&error) => {
+            let mut scan = ScanOptions::default();
+            scan.import = options.import;
+            match look(inputs, &scan, &job) {
+                Ok(found) => found.warnings.into_iter().map(warning).collect(),
+                Err(error) => vec![Line { code: error.code(), severity: "error", message: error.to_string() }],
+            }
         }
         Err(error) => vec![Line { code: error.code(), severity: "error", message: error.to_string() }],
     }

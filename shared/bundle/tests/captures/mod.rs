@@ -9,7 +9,9 @@ use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use actor::temporal_warp::{Move, TemporalWarp};
 use actor::ties::{Tie, Ties};
 use actor::timeline::{Sequence, Timeline};
-use glam::{Quat, Vec2, Vec3};
+use editing::rig::NO_BONE;
+use editing::{Bone, StoredRig};
+use glam::{Mat3, Quat, Vec2, Vec3};
 use kernels::align::Placement;
 use kernels::topology::{Topology, barycentric_areas};
 
@@ -172,4 +174,26 @@ pub fn feet(vertex_count: usize, timeline: &Timeline) -> Feet {
     feet.iter_mut().for_each(|foot| foot[0].sole = 255);
     let stands = (0..2 * timeline.frame_count()).map(|index| index % 7 < 4).collect();
     Feet::new(feet, stands, vertex_count, timeline).unwrap()
+}
+
+/// Three bones over a mesh of `vertex_count` vertices, by whole numbers over powers of two.
+pub fn rig(vertex_count: usize, rest_frame: u32) -> StoredRig {
+    let bone = |name: &str, parent: usize, y: f32| Bone {
+        name: name.into(),
+        parent,
+        joint: Vec3::new(0.25, y, -0.5),
+        limb: u32::from(y > 0.75),
+        range: [Vec3::splat(-y), Vec3::new(0.5, y, 1.0)],
+        spread: Mat3::from_cols(Vec3::X * 0.25, Vec3::new(0.0, 0.125, 0.0625), Vec3::new(0.0, 0.0625, 0.5)),
+        gap: 0.015625 * y,
+    };
+    let influences = (0..vertex_count).map(|vertex| match vertex % 4 {
+        0 => vec![((vertex % 3) as u8, 255)],
+        1 => vec![(1, 200), (2, 55)],
+        2 => vec![(2, 128), (0, 127)],
+        _ => vec![(0, 100), (1, 100), (2, 55)],
+    });
+    let core = (0..vertex_count).map(|vertex| if vertex % 5 == 4 { NO_BONE } else { (vertex % 3) as u8 });
+    let bones = vec![bone("root", 0, 0.5), bone("left", 0, 1.0), bone("hand", 1, 1.5)];
+    StoredRig { rest_frame, bones, influences: influences.collect(), core: core.collect() }
 }

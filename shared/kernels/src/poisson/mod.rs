@@ -75,6 +75,12 @@ pub struct Memory {
     factors: LruCache<KeptFactor>,
 }
 
+impl Memory {
+    fn new() -> Self {
+        Self { laplacians: LruCache::new(KEPT_LAPLACIANS), factors: LruCache::new(KEPT_FACTORS) }
+    }
+}
+
 /// An interpolation that has begun.
 struct UnderWay {
     sides: [Side; 2],
@@ -137,7 +143,7 @@ impl PoissonInterpolator {
             symbolic,
             workspace: Workspace::default(),
             components: MeshComponents::new(topology),
-            memory: Memory { laplacians: LruCache::new(KEPT_LAPLACIANS), factors: LruCache::new(KEPT_FACTORS) },
+            memory: Memory::new(),
             under_way: None,
             gradients: PairGradients::default(),
             system: System::default(),
@@ -157,6 +163,11 @@ impl PoissonInterpolator {
     /// Forgets the frame before: the next interpolation starts from the linear blend.
     pub fn restart(&mut self) {
         self.offset.fill(Vec4::ZERO);
+    }
+
+    /// Forgets all poses: those of the frames that follow are others.
+    pub fn forget_poses(&mut self) {
+        self.recall(Memory::new());
     }
 
     /// What it remembers now.

@@ -7,12 +7,12 @@ export const tests = {
   'every tool is reached and used with the keyboard alone': async (browser) => {
     const player = await using(browser, 'pose');
     const focused = () => player.run((element) => element.shadowRoot.activeElement?.getAttribute('aria-label') ?? element.shadowRoot.activeElement?.textContent);
-    const names = ['pose', 'place', 'path', 'timing', 'wander'];
+    const names = ['pose', 'place', 'path', 'timing', 'wander', 'edit'];
     for (const [at, name] of names.entries()) {
       await player.keyboard.press(String(at + 1));
       assert.equal(await player.run((element) => element.tool), name);
     }
-    assert.equal((await player.heard('toolchange')).length, 5 - 1);
+    assert.equal((await player.heard('toolchange')).length, 6 - 1);
 
     // Path: points are added, moved, inserted and deleted, a stretch is painted, and the actor goes.
     await player.keyboard.press('3');

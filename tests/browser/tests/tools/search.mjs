@@ -39,6 +39,34 @@ async function countSlices(element, direction) {
 }
 
 export const tests = {
+  'quickness changes plans at once, and goes with requests': async (browser) => {
+    const player = await using(browser, 'pose');
+    const seen = await player.run((element) => {
+      const targets = Array.from({ length: 24 }, (_, index) => Math.floor(((index + 0.5) / 24) * element.info.frames));
+      const seconds = () => targets.map((to) => { try { return element.plan(to).seconds; } catch { return 0; } }).reduce((a, b) => a + b);
+      const slider = element.shadowRoot.querySelector('.toolbar .exact input');
+      const smooth = [seconds(), slider.value];
+      slider.value = '1';
+      slider.dispatchEvent(new Event('input'));
+      const quick = [seconds(), element.quickness];
+      element.setAttribute('quickness', 'very');
+      const nonsense = [seconds(), element.quickness, slider.value];
+      element.quickness = 0.05;
+      element.direction = { version: 1, target: { place: { x: 0.5, z: 1 } } };
+      const without = element.quickness;
+      element.quickness = 0.05;
+      const { quickness } = element.direction;
+      element.direction = { ...element.direction, quickness: 0.1 };
+      return { smooth, quick, nonsense, without, quickness, after: [element.quickness, Number(slider.value)] };
+    });
+    assert.ok(seen.quick[0] < seen.smooth[0], JSON.stringify(seen));
+    assert.deepEqual([seen.smooth[1], seen.quick[1], seen.without, seen.quickness, seen.after[0]], ['0', 0.2, null, 0.05, 0.1], JSON.stringify(seen));
+    assert.deepEqual(seen.nonsense, [seen.smooth[0], null, '0']);
+    assert.ok(Math.abs(seen.after[1] - Math.log(10) / Math.log(20)) < 0.02, JSON.stringify(seen));
+    await player.untilFound('an answer', (element) => element.answer !== null);
+    await player.close();
+  },
+
   'pages direct the actor to places and along paths, let it wander and hold': async (browser) => {
     const player = await using(browser, 'pose');
     const outcome = await player.run(async (element) => {

@@ -96,6 +96,18 @@ impl Stage {
         (0..).zip(&pose).filter(|(_, point)| point.distance(hit) < reach).map(|(vertex, _)| vertex).collect()
     }
 
+    /// The vertex of the actor that is nearest to the point of it under the pointer (CSS pixels); -1 beside it.
+    #[must_use]
+    pub fn vertex_at(&self, player: &Player, x: f32, y: f32) -> i32 {
+        let seen = self.camera.view();
+        let ray = seen.ray(Vec2::new(x, y) / self.css_size());
+        let pose = player.inner.picture().map(|picture| picture.pose()).unwrap_or_default();
+        let Some(distance) = nearest_hit(seen.eye, ray, &self.scene.triangles, &pose) else { return -1 };
+        let hit = seen.eye + ray * distance;
+        let nearest = (0..).zip(&pose).min_by(|a, b| a.1.distance(hit).total_cmp(&b.1.distance(hit)));
+        nearest.map_or(-1, |(vertex, _)| vertex)
+    }
+
     /// Where the point of the world is seen: CSS x, CSS y, and 1 where it is in the picture, else 0.
     #[must_use]
     pub fn project(&self, x: f32, y: f32, z: f32) -> Float32Array {

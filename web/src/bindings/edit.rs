@@ -1,0 +1,66 @@
+//! Editing, as more methods of the class `Player`: what the module that edits needs, and the frames that it makes.
+
+use editor::scene::words;
+use glam::Vec3;
+use js_sys::{Float32Array, Uint8Array, Uint32Array};
+use wasm_bindgen::prelude::*;
+
+use super::player::{Player, array};
+use crate::player::PlayerError;
+
+#[wasm_bindgen]
+impl Player {
+    /// What an `Editor` needs to know of the actor.
+    ///
+    /// # Errors
+    /// The graph has not arrived.
+    pub fn editable(&self) -> Result<Uint32Array, JsValue> {
+        let loading = self.inner.loading();
+        let (Some(actor), Some(graph)) = (&loading.actor, &loading.graph) else {
+            return Err(PlayerError::NotLoaded.into());
+        };
+        let words = words(&actor.timeline, &actor.topology, graph.feet(), loading.order());
+        Ok(Uint32Array::from(words.as_slice()))
+    }
+
+    /// The bundle's section of the rig; empty where there is none.
+    #[must_use]
+    pub fn rig(&self) -> Uint8Array {
+        Uint8Array::from(self.inner.loading().rig().unwrap_or_default())
+    }
+
+    /// From now on `positions` stand in for frame `frame`; without any, what was recorded.
+    ///
+    /// # Errors
+    /// There is no such frame, or they are none of this mesh.
+    pub fn set_edited(&mut self, frame: u32, positions: &[f32]) -> Result<(), JsValue> {
+        let pose: Vec<Vec3> = positions.chunks_exact(3).map(Vec3::from_slice).collect();
+        Ok(self.inner.set_edited(frame, (!pose.is_empty()).then_some(pose))?)
+    }
+
+    /// Positions of `frame` as walks show it: edited where it is, in the place where it was recorded.
+    ///
+    /// # Errors
+    /// It has not arrived.
+    pub fn pose_of(&mut self, frame: u32) -> Result<Float32Array, JsValue> {
+        Ok(array(&self.inner.pose_of(frame)?))
+    }
+
+    /// No frame is edited any more.
+    ///
+    /// # Errors
+    /// A frame that is shown cannot be read.
+    pub fn clear_edited(&mut self) -> Result<(), JsValue> {
+        Ok(self.inner.clear_edited()?)
+    }
+
+    /// Stands still in the recorded frame that is shown: the frame, and its placement as heading, x and z; nothing in a
+    /// transition.
+    pub fn hold(&mut self) -> Float32Array {
+        let held = self.inner.hold().map(|(frame, placement)| {
+            let [x, z] = placement.translation.to_array();
+            vec![frame as f32, placement.heading, x, z]
+        });
+        Float32Array::from(held.unwrap_or_default().as_slice())
+    }
+}
