@@ -26,6 +26,7 @@ mod poses;
 mod scaling;
 pub mod scans;
 mod seams;
+mod seen;
 pub mod short;
 pub mod statistics;
 mod subject;

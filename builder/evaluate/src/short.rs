@@ -1,15 +1,14 @@
 //! `builder report`: the short version for one's own bundle. What is in it, how good its transitions are, which
 //! sequences are islands, its worst seams, and what to capture next.
 
-use actor::capture::Poses;
+use actor::capture::{Capture, Poses};
 use actor::graph::EssentialGraph;
 use actor::pose_source::PoseSource;
-use actor::timeline::{Sequence, Timeline};
+use actor::timeline::Sequence;
 use actor::walk::{Leg, Walk};
 use bundle::{BundleError, BundleReader};
 use glam::{Vec2, Vec3};
 use kernels::cholesky::elimination_order;
-use kernels::topology::Topology;
 use rayon::prelude::*;
 use search::cheapest_walk;
 use thiserror::Error;
@@ -20,6 +19,7 @@ use super::document::{Cell, Document, Picture, SectionReport, Table};
 use super::performance::{Performance, Recordings};
 use super::plot::{Plot, Series, SeriesStyle, histogram};
 use super::seams::{self, Change, Ease, Own, SeamSummary, Seams};
+use super::seen;
 use super::statistics::{Moments, percentile};
 use super::subject::progress_of;
 use job::Job;
@@ -51,6 +51,9 @@ pub enum ReportError {
     /// Its mesh cannot be interpolated.
     #[error(transparent)]
     Cholesky(#[from] kernels::cholesky::CholeskyError),
+    /// Its parts do not fit together.
+    #[error(transparent)]
+    Capture(#[from] actor::capture::CaptureError),
     /// A picture cannot be encoded.
     #[error("a picture cannot be encoded: {0}")]
     Picture(#[from] image::ImageError),
@@ -58,12 +61,9 @@ pub enum ReportError {
 
 /// A bundle, whole in memory.
 struct Actor {
-    name: String,
     bytes: usize,
-    timeline: Timeline,
-    topology: Topology,
+    capture: Capture,
     graph: EssentialGraph,
-    poses: Poses,
     centres: Vec<Vec2>,
 }
 
@@ -74,22 +74,27 @@ struct Actor {
 pub fn report_on(bytes: &[u8], job: &Job) -> Result<Document, ReportError> {
     let actor = read(bytes)?;
     let edges: Vec<(u32, u32)> = actor.graph.transitions().iter().map(|t| (t.from, t.to)).collect();
-    let components = strongly_connected(&actor.timeline, &edges);
+    let components = strongly_connected(&actor.capture.timeline, &edges);
     let walks = walks(&actor);
     let mut sections =
         vec![contents(&actor), quality(&actor, &walks), islands(&actor, &components), seam_section(&actor, job)?];
+    let order = elimination_order(&actor.capture.topology);
+    sections.push(seen::section(&actor.capture, &order, &actor.graph, job)?);
     sections.push(suggestions(&actor, &components, &walks));
     for (index, section) in sections.iter_mut().enumerate() {
         section.number = index as u8 + 1;
     }
     let fact = |name: &str, value: String| (name.to_owned(), value);
     Ok(Document {
-        title: format!("{}: report", actor.name),
+        title: format!("{}: report", actor.capture.name),
         lead: "What this actor can do, and where it will show that it is put together.".into(),
         facts: vec![
-            fact("Frames", format!("{} at {} a second", actor.timeline.frame_count(), actor.timeline.fps())),
-            fact("Sequences", actor.timeline.sequences().len().to_string()),
-            fact("Vertices", actor.topology.vertex_count().to_string()),
+            fact(
+                "Frames",
+                format!("{} at {} a second", actor.capture.timeline.frame_count(), actor.capture.timeline.fps()),
+            ),
+            fact("Sequences", actor.capture.timeline.sequences().len().to_string()),
+            fact("Vertices", actor.capture.topology.vertex_count().to_string()),
             fact("Transitions", actor.graph.transitions().len().to_string()),
             fact("Bundle", format!("{:.2} MB", actor.bytes as f64 / 1e6)),
         ],
@@ -99,9 +104,13 @@ pub fn report_on(bytes: &[u8], job: &Job) -> Result<Document, ReportError> {
 
 fn read(bytes: &[u8]) -> Result<Actor, ReportError> {
     let mut reader = BundleReader::from_bytes(bytes)?;
-    let (Some(meta), Some(timeline), Some(topology), Some(graph)) =
-        (reader.meta(), reader.timeline().cloned(), reader.topology().cloned(), reader.graph().cloned())
-    else {
+    let (Some(meta), Some(timeline), Some(topology), Some(surface), Some(graph)) = (
+        reader.meta(),
+        reader.timeline().cloned(),
+        reader.topology().cloned(),
+        reader.surface().cloned(),
+        reader.graph().cloned(),
+    ) else {
         return Err(ReportError::Incomplete);
     };
     let name = meta.name.clone();
@@ -112,29 +121,30 @@ fn read(bytes: &[u8]) -> Result<Actor, ReportError> {
         poses.push(&pose);
     }
     let centres = poses.ground_centres(topology.weights());
-    Ok(Actor { name, bytes: bytes.len(), timeline, topology, graph, poses, centres })
+    let capture = Capture::new(name, topology, surface, timeline, poses)?;
+    Ok(Actor { bytes: bytes.len(), capture, graph, centres })
 }
 
 impl Actor {
     fn sequences(&self) -> &[Sequence] {
-        self.timeline.sequences()
+        self.capture.timeline.sequences()
     }
 
     fn name_of(&self, frame: u32) -> &str {
-        self.timeline.sequence_of(frame).map_or("", |sequence| &sequence.name)
+        self.capture.timeline.sequence_of(frame).map_or("", |sequence| &sequence.name)
     }
 
     /// A frame, as a reader finds it again.
     fn place(&self, frame: u32) -> String {
-        let first = self.timeline.sequence_of(frame).map_or(0, |sequence| sequence.first_frame);
-        format!("{} {:.2} s", self.name_of(frame), (frame - first) as f32 / self.timeline.fps())
+        let first = self.capture.timeline.sequence_of(frame).map_or(0, |sequence| sequence.first_frame);
+        format!("{} {:.2} s", self.name_of(frame), (frame - first) as f32 / self.capture.timeline.fps())
     }
 
     fn recordings(&self) -> Recordings<'_> {
         Recordings {
-            topology: &self.topology,
-            timeline: &self.timeline,
-            poses: &self.poses,
+            topology: &self.capture.topology,
+            timeline: &self.capture.timeline,
+            poses: &self.capture.poses,
             headings: None,
             centres: &self.centres,
             contacts: self.graph.contacts(),
@@ -145,7 +155,8 @@ impl Actor {
 /// Cheapest walks from the middle of each sequence to the middle of each other, by row.
 fn walks(actor: &Actor) -> Vec<Vec<Option<Walk>>> {
     let middle = |sequence: &Sequence| sequence.first_frame + sequence.frame_count / 2;
-    let walk = |from: &Sequence, to: &Sequence| cheapest_walk(&actor.graph, &actor.timeline, middle(from), middle(to));
+    let walk =
+        |from: &Sequence, to: &Sequence| cheapest_walk(&actor.graph, &actor.capture.timeline, middle(from), middle(to));
     let row = |from: &Sequence| actor.sequences().iter().map(|to| walk(from, to)).collect();
     actor.sequences().par_iter().map(row).collect()
 }
@@ -166,7 +177,7 @@ fn contents(actor: &Actor) -> SectionReport {
         table.rows.push(vec![
             sequence.name.as_str().into(),
             sequence.labels.join(", ").into(),
-            Cell::Number(f64::from(sequence.frame_count as f32 / actor.timeline.fps()), 2),
+            Cell::Number(f64::from(sequence.frame_count as f32 / actor.capture.timeline.fps()), 2),
             Cell::Count(sequence.frame_count.into()),
             count(|transition| transition.from),
             count(|transition| transition.to),
@@ -206,7 +217,7 @@ fn quality(actor: &Actor, walks: &[Vec<Option<Walk>>]) -> SectionReport {
     for (name, row) in names.iter().zip(walks) {
         let cell = |walk: &Option<Walk>| match walk {
             Some(walk) => {
-                let seconds = walk.duration as f32 / actor.timeline.fps();
+                let seconds = walk.duration as f32 / actor.capture.timeline.fps();
                 let frames = synthetic_frames(actor, walk);
                 if frames == 0 {
                     format!("0 / {seconds:.1}")
@@ -283,7 +294,7 @@ fn islands(actor: &Actor, components: &StrongComponents) -> SectionReport {
 
 fn seam_section(actor: &Actor, job: &Job) -> Result<SectionReport, ReportError> {
     let mut section = SectionReport::new(0, "Seams");
-    let order = elimination_order(&actor.topology);
+    let order = elimination_order(&actor.capture.topology);
     let recordings = actor.recordings();
     let own = Own::of(&recordings);
     let limit = own.percentile(0.99);
@@ -338,7 +349,7 @@ fn picture(actor: &Actor, stage: &mut Performance, seam: &Seams) -> Result<Optio
     let worth = |change: Option<Change>| change.map_or(0.0, |change| change.velocity);
     let at_start = worth(seam.start) >= worth(seam.end);
     let recorded = |frame: u32, step, placement| {
-        let frame = actor.timeline.offset(frame, step).unwrap_or(frame);
+        let frame = actor.capture.timeline.offset(frame, step).unwrap_or(frame);
         actor.recordings().placed(frame, placement)
     };
     let frames = if at_start {
@@ -356,7 +367,7 @@ fn picture(actor: &Actor, stage: &mut Performance, seam: &Seams) -> Result<Optio
     let red = Vec3::new(0.80, 0.07, 0.04);
     let colours: Vec<Vec3> = changes.iter().map(|change| clay.lerp(red, (change / most).powi(2))).collect();
     let camera = Camera::framing(at, [300, 360], 0.6);
-    let drawn = clay::draw(at, actor.topology.triangles(), &colours, &camera);
+    let drawn = clay::draw(at, actor.capture.topology.triangles(), &colours, &camera);
     let [here, there] = [transition.from, transition.to].map(|frame| actor.place(frame));
     let caption = if at_start {
         format!("Leaving {here} for {there}: up to {:.0} mm a frame at a vertex.", most * 1e3)
@@ -387,14 +398,14 @@ fn suggestions(actor: &Actor, components: &StrongComponents, walks: &[Vec<Option
         table.rows.push(vec![from.into(), to.into(), cost]);
     }
     section.tables.push(table);
-    let n = actor.timeline.frame_count();
+    let n = actor.capture.timeline.frame_count();
     let loose = n as usize - components.largest_frames().count();
     let shortest = actor.graph.transitions().iter().map(|t| t.warp.lengths().0).min().unwrap_or(0);
     section.text.push(format!(
         "{loose} of {n} frames cannot be used as targets to go on from: at the end of a take, {shortest} frames are needed \
          to blend out of it, and as many to blend into its beginning. Let each take run on for about {:.1} s longer than \
          the action, best into a pose that other takes begin with.",
-        shortest as f32 / actor.timeline.fps()
+        shortest as f32 / actor.capture.timeline.fps()
     ));
     section
 }

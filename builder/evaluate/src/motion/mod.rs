@@ -7,6 +7,7 @@ mod pictures;
 mod played;
 mod series;
 
+use actor::capture::Capture;
 use actor::graph::EssentialGraph;
 use actor::walk::{Leg, steps_of};
 use kernels::cholesky::elimination_order;
@@ -38,7 +39,7 @@ const LEAST_WAY: f64 = 0.5;
 /// Makes the section.
 pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
     let order = elimination_order(&subject.capture.topology);
-    let own = Own::of(subject);
+    let own = Own::of(&subject.capture);
     let mut section = SectionReport::default();
     section.text.push(
         "Walks are shown frame by frame as the player makes them, with four recorded frames before and after, and measured \
@@ -46,6 +47,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
          it, and leaps where it is more than 1.8 times as long, as seen or once both frames are aligned in the plane."
             .into(),
     );
+    let turning = turning(subject);
     let (mut lengths, mut parts) = (lengths_table(), parts::table());
     let mut frames = frames_table(&own);
     frames.rows.push(own.row());
@@ -55,7 +57,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let recordings =
             Recordings::of(&subject.capture, &subject.measured.headings, &subject.centres, &subject.contacts);
         let added = Added::of(&recordings, &subject.measured.distances, &graph, &walks)?;
-        lengths.rows.push(lengths_row(subject, choice, &graph, &walks, &added, &own));
+        lengths.rows.push(lengths_row(subject, choice, &graph, &walks, &added, turning));
         let few: Vec<Begun> =
             walks.iter().take(SHOWN).map(|walk| walk.with_surroundings(&graph, subject.timeline())).collect();
         let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
@@ -90,6 +92,16 @@ fn walks(subject: &Subject, graph: &EssentialGraph, job: &Job) -> Result<Vec<Beg
     Ok(found.into_iter().flatten().collect())
 }
 
+/// Median and 99th percentile of the distance between frames in a row, in radians a second.
+fn turning(subject: &Subject) -> [f64; 2] {
+    let timeline = subject.timeline();
+    let frames = 0..timeline.frame_count().saturating_sub(1);
+    let beside = frames.filter(|&frame| timeline.next(frame) == Some(frame + 1));
+    let apart = |frame: u32| f64::from(subject.measured.distances.get(frame as usize, frame as usize + 1));
+    let distances: Vec<f64> = beside.map(|frame| apart(frame) * f64::from(timeline.fps())).collect();
+    [0.5, 0.99].map(|share| percentile(&distances, share).unwrap_or(0.0))
+}
+
 /// The capture's own frames.
 pub(super) struct Own {
     /// Steps of all sequences.
@@ -100,15 +112,15 @@ pub(super) struct Own {
     /// Median and 99th percentile of the ways and of their changes, in metres.
     way: [f64; 2],
     change: [f64; 2],
-    /// Median and 99th percentile of the distance between frames in a row, in radians a second.
-    distance: [f64; 2],
-    fps: f64,
+    /// Height of the lowest vertex of each frame from the ground.
+    pub(super) lowest: Vec<f64>,
+    height: f64,
 }
 
 impl Own {
-    pub(super) fn of(subject: &Subject) -> Self {
-        let (poses, timeline) = (&subject.capture.poses, subject.timeline());
-        let look = Look::of(poses, subject.capture.topology.weights());
+    pub(super) fn of(capture: &Capture) -> Self {
+        let (poses, timeline) = (&capture.poses, &capture.timeline);
+        let look = Look::of(poses, capture.topology.weights());
         let sequences: Vec<Series> = timeline
             .sequences()
             .par_iter()
@@ -128,13 +140,23 @@ impl Own {
             let found = series.stutter(LEAST_WAY * way[0]);
             (0..2).for_each(|kind| stutters[kind] += found[kind].len());
         }
-        let fps = f64::from(timeline.fps());
-        let frames = 0..timeline.frame_count().saturating_sub(1);
-        let beside = frames.filter(|&frame| timeline.next(frame) == Some(frame + 1));
-        let distances: Vec<f64> = beside
-            .map(|frame| f64::from(subject.measured.distances.get(frame as usize, frame as usize + 1)) * fps)
-            .collect();
-        Self { ways, changes, slides, stutters, way, change, distance: both(&distances), fps }
+        let lowest = all(&|series| series.lowest.clone());
+        Self { ways, changes, slides, stutters, way, change, lowest, height: f64::from(look.height) }
+    }
+
+    /// Mean slide of what touches the ground, in metres a frame.
+    pub(super) fn slide(&self) -> f64 {
+        Moments::of(self.slides.iter().copied()).mean
+    }
+
+    /// The 99th percentiles of steps and of changes of step, in metres a frame.
+    pub(super) fn limits(&self) -> [f64; 2] {
+        [self.way[1], self.change[1]]
+    }
+
+    /// Height of the body in metres.
+    pub(super) fn height(&self) -> f64 {
+        self.height
     }
 
     fn row(&self) -> Vec<Cell> {
@@ -181,7 +203,6 @@ impl Own {
             percent(values.iter().filter(|value| **value > limit).count() as f64 / (values.len() as f64).max(1.0))
         };
         let slide = Moments::of(slides.iter().copied());
-        let own = Moments::of(self.slides.iter().copied());
         let thousandth = |count: usize| Cell::Number(1e3 * count as f64 / (ways.len() as f64).max(1.0), 1);
         vec![
             name.into(),
@@ -191,7 +212,7 @@ impl Own {
             thousandth(stutters[0]),
             thousandth(stutters[1]),
             if slide.count > 0 { Cell::Number(slide.mean * 1e3, 2) } else { Cell::Empty },
-            if slide.count > 0 { Cell::Number(slide.mean / own.mean, 2) } else { Cell::Empty },
+            if slide.count > 0 { Cell::Number(slide.mean / self.slide(), 2) } else { Cell::Empty },
         ]
     }
 }
@@ -264,8 +285,9 @@ fn lengths_row(
     graph: &EssentialGraph,
     walks: &[Begun],
     added: &Added,
-    own: &Own,
+    turning: [f64; 2],
 ) -> Vec<Cell> {
+    let fps = f64::from(subject.timeline().fps());
     let steps = |synthetic: bool| -> f64 {
         let of = |leg: &Leg| match *leg {
             Leg::Recorded { steps, .. } if !synthetic => steps,
@@ -277,22 +299,22 @@ fn lengths_row(
     let (recorded, synthetic) = (steps(false), steps(true));
     let mean = |of: &dyn Fn(&Begun) -> f64| Moments::of(walks.iter().map(of)).mean;
     let at = |values: &[f64], share| percentile(values, share).unwrap_or(f64::NAN);
-    let seconds: Vec<f64> = added.durations.iter().map(|steps| steps / own.fps).collect();
+    let seconds: Vec<f64> = added.durations.iter().map(|steps| steps / fps).collect();
     vec![
         choice.word().into(),
         Cell::Count(graph.transitions().len() as u64),
         Cell::Number(graph.density(subject.timeline()), 4),
         Cell::Count(walks.len() as u64),
         Cell::Number(mean(&|begun| begun.walk.cost), 2),
-        Cell::Number(mean(&|begun| f64::from(begun.walk.steps(graph)) / own.fps), 2),
+        Cell::Number(mean(&|begun| f64::from(begun.walk.steps(graph)) / fps), 2),
         Cell::Number(mean(&|begun| begun.walk.transition_count() as f64), 2),
         percent(synthetic / (recorded + synthetic).max(1.0)),
         Cell::Number(at(&seconds, 0.5), 2),
         Cell::Number(at(&seconds, 0.9), 2),
-        Cell::Number(Moments::of(added.means.iter().copied()).mean * own.fps, 2),
-        Cell::Number(at(&added.peaks, 0.5) * own.fps, 2),
-        Cell::Number(at(&added.peaks, 0.9) * own.fps, 2),
-        Cell::Number(own.distance[0], 2),
-        Cell::Number(own.distance[1], 2),
+        Cell::Number(Moments::of(added.means.iter().copied()).mean * fps, 2),
+        Cell::Number(at(&added.peaks, 0.5) * fps, 2),
+        Cell::Number(at(&added.peaks, 0.9) * fps, 2),
+        Cell::Number(turning[0], 2),
+        Cell::Number(turning[1], 2),
     ]
 }

@@ -19,6 +19,8 @@ pub struct Look<'a> {
     weights: &'a [f32],
     /// Height of the ground in metres.
     pub ground: f32,
+    /// Height of the body.
+    pub height: f32,
     /// What is below this height touches the ground, in metres.
     touches: f32,
 }
@@ -32,7 +34,8 @@ impl<'a> Look<'a> {
         let lowest: Vec<f64> = poses.iter().map(|pose| f64::from(range(pose).0)).collect();
         let ground = percentile(&lowest, 0.25).unwrap_or(0.0) as f32;
         let (low, high) = range(poses.iter().next().unwrap_or_default());
-        Self { weights, ground, touches: ground + TOUCHES * (high - low).max(0.0) }
+        let height = (high - low).max(0.0);
+        Self { weights, ground, height, touches: ground + TOUCHES * height }
     }
 }
 
@@ -47,6 +50,8 @@ pub struct Series {
     pub change: Vec<f64>,
     /// Mean way along the ground of the vertices that touch it on both sides of each interval, where any do.
     pub slide: Vec<Option<f64>>,
+    /// Height of the lowest vertex of each frame, from the ground.
+    pub lowest: Vec<f64>,
     /// The last two frames, the later one last.
     last: Vec<Vec<Vec3>>,
 }
@@ -54,6 +59,8 @@ pub struct Series {
 impl Series {
     /// Adds the next frame.
     pub fn push(&mut self, pose: &[Vec3], look: &Look) {
+        let lowest = pose.iter().fold(f32::MAX, |low, point| low.min(point.y));
+        self.lowest.push(f64::from(lowest - look.ground));
         if let Some(before) = self.last.last() {
             self.way.push(root_mean_square(before, pose));
             self.in_place.push(in_place(before, pose, look.weights));

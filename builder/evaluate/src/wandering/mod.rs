@@ -62,7 +62,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         times_table(&scene, &taken),
     ]);
     section.agreements.extend(agreements(&taken, fps, timeline_allows(&search_graph)));
-    let own = Own::of(subject);
+    let own = Own::of(&subject.capture);
     let mut frames = frames_table(&own);
     frames.name = "wandering_frames";
     let most = (SHOWN_SECONDS * fps) as usize;
