@@ -149,11 +149,11 @@ export interface PictureOptions {
 }
 
 /**
- * A place on the ground, and which way to face there; or a path that a spline goes through, of points all (x, z) or all
+ * A place on the ground, which way to face there, and the pose to end in; or a path that a spline goes through, of points all (x, z) or all
  * (x, y, z). It is followed by the middle of the body, or by that of some vertices, such as a hand's.
  */
 export type GroundTarget =
-  | { x: number; z: number; heading?: number | null; exactness?: number }
+  | { x: number; z: number; heading?: number | null; pose?: FrameRef; exactness?: number }
   | { path: number[][]; stretches?: Stretch[]; shape?: 'spline' | 'polyline'; vertices?: number[]; exactness?: number };
 
 /** A part of a path that demands a behaviour. Ends are counted in points: 1.5 is between the second and the third. */
@@ -179,7 +179,8 @@ export type RequestTarget =
   | { pose: FrameRef }
   | { behaviour: { name: string; hold?: number } }
   /** `exactness`, from 0 to 1 (the default), is how far the walk is bent onto its place or path. */
-  | { place: { x: number; z: number; heading?: number; realism?: number; exactness?: number } }
+  /** `pose` is what the walk ends in there. */
+  | { place: { x: number; z: number; heading?: number; pose?: FrameRef; realism?: number; exactness?: number } }
   | {
       path: {
         /** All [x, z], or all [x, y, z]. */
@@ -242,8 +243,8 @@ export interface Answer {
   legs: Leg[];
   /** Where it leads on the ground (x, z), leg by leg. */
   track: { synthetic: boolean; points: [number, number][] }[];
-  /** Metres off the place, radians off the heading. */
-  place?: { distance: number; turn: number | null };
+  /** Metres off the place, radians off the heading; the frame that it ends in, where a pose is wanted. */
+  place?: { distance: number; turn: number | null; frame?: number };
   /** Metres; `mean` and `max` against the path's point of equal length, `...Aside` against its nearest. */
   path?: {
     length: number;

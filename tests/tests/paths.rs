@@ -19,7 +19,7 @@ use kernels::align::{Placement, centre_of_mass};
 use performer::{PerformerOptions, write_performer};
 use reprise::pack::{PackOptions, pack};
 use search::{
-    Answer, Curve, Direction, Goal, PathRequest, PlaceRequest, Progress, Request, Scene, SearchGraph, Shape, Start,
+    Answer, Curve, Direction, FrameRef, Goal, PathRequest, PlaceRequest, Progress, Request, Scene, SearchGraph, Shape, Start,
     Target,
 };
 use synthesis::Synthesiser;
@@ -301,6 +301,33 @@ fn places_are_reached() {
     }
     println!("places: {missed:.3?} m in all, {count} of 12 within a centimetre");
     assert!(count >= 10, "{count}");
+}
+
+/// Poses at places: the walk ends in the very pose, and it is the frames that are made that stand there.
+#[test]
+fn poses_are_taken_at_places() {
+    let mut actor = performed();
+    let main: Vec<u32> =
+        (0..actor.search_graph.frame_count()).filter(|&frame| actor.search_graph.main[frame as usize]).collect();
+    let start = Start { frame: main[0], placement: Placement::IDENTITY };
+    let mut random = Random::new(5);
+    let (mut offs, mut turns) = (Vec::new(), Vec::new());
+    for _ in 0..12 {
+        let (x, z) = (random.range(-3.0, 3.0), random.range(-3.0, 3.0));
+        let heading = random.range(-3.0, 3.0);
+        let pose = main[random.below(main.len())];
+        let place = PlaceRequest { x, z, heading: Some(heading), pose: Some(FrameRef::Number(pose)), ..PlaceRequest::default() };
+        let answer = actor.ask(Some(start), Target::Place(place));
+        assert_eq!(answer.end_frame, pose);
+        let walked = actor.walk(&answer);
+        offs.push(f64::from(walked.centres[walked.centres.len() - 1].xz().distance(Vec2::new(x, z))));
+        let Goal::Place(report) = answer.parts[0].goal else { panic!() };
+        assert_eq!(report.frame, Some(pose));
+        turns.push(report.turn.unwrap().to_degrees());
+    }
+    let count = offs.iter().filter(|&&off| off < 0.01).count();
+    println!("poses at places: off {offs:.3?} m, {turns:.1?} degrees; {count} of 12 within a centimetre");
+    assert!(count >= 8, "{count}");
 }
 
 #[test]

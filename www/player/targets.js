@@ -28,11 +28,11 @@ export function frameOfTarget(target, director) {
  */
 export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
-  const { x, z, heading, path, stretches = [], shape = 'spline', vertices, behaviour, hold, exactness } = target;
+  const { x, z, heading, pose, path, stretches = [], shape = 'spline', vertices, behaviour, hold, exactness } = target;
   if (behaviour !== undefined && hold) return { behaviour: { name: behaviour, hold } };
   if (path !== undefined) return { path: { points: path, stretches, shape, vertices, exactness } };
   if (x === undefined && z === undefined) return null;
-  return { place: { x, z, exactness, ...(heading === undefined || heading === null ? {} : { heading }) } };
+  return { place: { x, z, pose, exactness, ...(heading === undefined || heading === null ? {} : { heading }) } };
 }
 
 /** What a target is in a request. */

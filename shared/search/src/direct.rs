@@ -180,7 +180,7 @@ fn check(scene: &Scene, target: &Target) -> Result<(), RequestError> {
         Target::Wander(request) => {
             request.weights.keys().try_for_each(|name| scene.search_graph.behaviour(name).map(|_| ()))
         }
-        Target::Place(_) => Ok(()),
+        Target::Place(request) => request.pose.as_ref().map_or(Ok(()), |pose| pose.find(scene.timeline).map(|_| ())),
         Target::Queue(_) => Err(RequestError::Nested),
     }
 }

@@ -5,7 +5,8 @@ use glam::{Vec2, Vec2Swizzles, Vec3Swizzles};
 use super::bend::Bend;
 use super::detour::Detour;
 use super::ground_pose::{angle, turn_of};
-use super::search_graph::SearchGraph;
+use super::search_graph::{Edge, SearchGraph};
+use super::tail::Tail;
 use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
 
 /// Seconds that a metre off the place is worth.
@@ -47,6 +48,8 @@ pub struct PlaceTask {
     wanted: Option<Vec2>,
     /// What coming there that way takes, once [`Self::prepare`] is done.
     detour: Option<Detour>,
+    /// How the pose that it shall end in is reached from every frame, once [`Self::prepare`] is done.
+    tail: Option<Tail>,
     /// Where the actor is.
     pub start: State,
     /// Weight of the graph's cost against seconds.
@@ -67,6 +70,9 @@ pub struct PlaceReport {
     pub distance: f64,
     /// Angle in radians between the heading wanted and reached; `None` where none is wanted.
     pub turn: Option<f64>,
+    /// The frame that it ends in, where a pose is wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
 }
 
 impl PlaceTask {
@@ -81,6 +87,7 @@ impl PlaceTask {
             heading,
             wanted,
             detour: wanted.map(|wanted| Detour::new(search_graph, place, wanted, a_step)),
+            tail: None,
             start,
             realism,
             exactness: 0.0,
@@ -91,10 +98,52 @@ impl PlaceTask {
         }
     }
 
-    /// Learns what detours facing a way takes, for as long as expanding up to so many `states` does; how many it took, fewer than
-    /// `states` once that is done. A search that begins before finds the way all the same, later.
-    pub fn prepare(&mut self, states: u32) -> u32 {
-        self.detour.as_mut().map_or(0, |detour| detour.advance(states))
+    /// The same, ending in the pose of `frame`, which must exist.
+    #[must_use]
+    pub fn in_pose(mut self, search_graph: &SearchGraph, frame: u32) -> Self {
+        self.tail = Some(Tail::new(search_graph, frame));
+        self
+    }
+
+    /// Learns what detours facing a way takes, and what leads to the pose to end in, for as long as expanding up to so many
+    /// `states` does; how many it took, fewer than `states` once that is done. A search that begins before finds the way all the
+    /// same, later.
+    pub fn prepare(&mut self, search_graph: &SearchGraph, states: u32) -> u32 {
+        let (price, mut taken) = (self.price(), 0);
+        if let Some(tail) = &mut self.tail {
+            taken = tail.advance(search_graph, states, price);
+        }
+        taken + self.detour.as_mut().map_or(0, |detour| detour.advance(states - taken))
+    }
+
+    /// What following an edge adds to the cost.
+    fn price(&self) -> impl Fn(&Edge) -> f64 + use<> {
+        let (a_step, realism, least) = (self.seconds_per_step, self.realism, self.step_cost);
+        move |edge| {
+            let steps = f64::from(edge.steps);
+            (steps * a_step + realism * edge.cost).max(steps * least)
+        }
+    }
+
+    /// Where a walk that has come to `state` ends, if it then goes to the pose that it shall end in, and what that costs; `None`
+    /// where no walk leads to that.
+    fn after_tail(&self, state: &State) -> Option<State> {
+        let Some(tail) = &self.tail else { return Some(*state) };
+        let (cost, ground_pose) = tail.from(state.frame, state.ground_pose)?;
+        Some(State { frame: tail.to, ground_pose, cost: state.cost + cost, ..*state })
+    }
+
+    /// A walk that was found, on to the pose that it shall end in.
+    #[must_use]
+    pub fn completed(&self, search_graph: &SearchGraph, found: &Found) -> Found {
+        let mut found = found.clone();
+        let Some(tail) = &self.tail else { return found };
+        for edge in tail.edges(search_graph, found.end.frame) {
+            let Some(end) = self.follow(search_graph, &found.end, edge) else { break };
+            found.end = end;
+            found.edges.push(edge);
+        }
+        found
     }
 
     /// Metres off the place and radians off the heading.
@@ -105,6 +154,13 @@ impl PlaceTask {
             f64::from(angle(face.perp_dot(wanted), face.dot(wanted)).abs())
         });
         (off, turn)
+    }
+
+    /// What ending costs after the walk from there to the pose to end in.
+    fn ending_in_pose(&self, search_graph: &SearchGraph, state: State) -> Option<f64> {
+        let end = self.after_tail(&State { cost: 0.0, ..state })?;
+        let (off, turn) = self.missing(search_graph, &end);
+        Some(end.cost + off * METRE_OFF + turn * RADIAN_OFF)
     }
 
     /// What ending costs where the recording passes nearest, between one glance and the next.
@@ -143,7 +199,8 @@ impl PlaceTask {
     pub(super) fn judge_bent(&self, search_graph: &SearchGraph, found: &Found, bend: &Bend) -> PlaceReport {
         let bent = bend.0.last().map(|pose| State { ground_pose: pose.after(&found.end.ground_pose), ..found.end });
         let (distance, turn) = self.missing(search_graph, &bent.unwrap_or(found.end));
-        PlaceReport { distance, turn: self.heading.map(|_| turn) }
+        let frame = self.tail.as_ref().map(|_| found.end.frame);
+        PlaceReport { distance, turn: self.heading.map(|_| turn), frame }
     }
 }
 
@@ -154,8 +211,7 @@ impl Task for PlaceTask {
 
     fn follow(&self, search_graph: &SearchGraph, from: &State, index: u32) -> Option<State> {
         let way = search_graph.edge(index);
-        let steps = f64::from(way.steps);
-        let cost = (steps * self.seconds_per_step + self.realism * way.cost).max(steps * self.step_cost);
+        let cost = self.price()(way);
         Some(State {
             frame: way.to,
             ground_pose: from.ground_pose.after(&way.ground_pose),
@@ -200,15 +256,19 @@ impl Task for PlaceTask {
                 }
             };
             let goes_on = trust * left + self.realism * A_TRANSITION + ANOTHER_TRY;
-            let ends = self.passing(before.replace((point, face)), (point, face));
+            let ends = if self.tail.is_some() {
+                let there = State { frame: state.frame + steps, ..*state };
+                self.ending_in_pose(search_graph, there).unwrap_or(f64::INFINITY)
+            } else {
+                self.passing(before.replace((point, face)), (point, face))
+            };
             least = least.min(f64::from(steps) * self.step_cost + goes_on.min(ends));
         }
         least
     }
 
     fn ending(&self, search_graph: &SearchGraph, state: &State) -> Option<f64> {
-        let (off, turn) = self.missing(search_graph, state);
-        Some(off * METRE_OFF + turn * RADIAN_OFF)
+        self.ending_in_pose(search_graph, *state)
     }
 
     fn halts(&self, _: &SearchGraph, state: &State) -> bool {

@@ -34,7 +34,7 @@ const STATES_A_LOOP: u32 = 50;
 pub(super) enum Work {
     Hold(Box<Holding>),
     Path(Box<(PathTask, Anytime, Vec<String>)>),
-    Place(Box<(PlaceTask, Anytime)>),
+    Place(Box<(PlaceTask, Anytime, Vec<String>)>),
     Keys(Box<KeyPlan>),
     Wander(Box<(Wander, u32)>),
 }
@@ -55,7 +55,7 @@ impl Work {
                 return Ok(None);
             }
             Target::Behaviour(request) => hold_work(scene, request)?,
-            Target::Place(request) => place_work(scene, done, &request),
+            Target::Place(request) => place_work(scene, done, &request)?,
             Target::Path(request) => path_work(scene, done, &request, is_free)?,
             Target::Keys(request) => Self::Keys(Box::new(KeyPlan::new(scene, done.frame, &request)?)),
             Target::Wander(request) => wander_work(scene, &request, seed)?,
@@ -77,7 +77,7 @@ impl Work {
         match self {
             Self::Path(work) => search(&work.0, &mut work.1, scene, budget),
             Self::Place(work) => {
-                let prepared = work.0.prepare(budget);
+                let prepared = work.0.prepare(scene.search_graph, budget);
                 if prepared == budget {
                     return (false, prepared);
                 }
@@ -113,11 +113,13 @@ impl Work {
                 done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Path(report), notes);
             }
             Self::Place(work) => {
-                let (task, search) = work.as_ref();
+                let (task, search, notes) = work.as_ref();
                 let Some(found) = search.best() else { return };
-                let bend = task.bend(scene.search_graph, found);
-                let report = task.judge_bent(scene.search_graph, found, &bend);
-                done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Place(report), place_notes(&report));
+                let found = task.completed(scene.search_graph, found);
+                let bend = task.bend(scene.search_graph, &found);
+                let report = task.judge_bent(scene.search_graph, &found, &bend);
+                let notes = [notes.clone(), place_notes(&report)].concat();
+                done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Place(report), notes);
             }
             Self::Keys(plan) => done.push(
                 scene,
@@ -230,12 +232,23 @@ fn play_on(scene: &Scene, walk: &mut Walk, start: u32, number: usize, wanted: u3
     held
 }
 
-fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Work {
+fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Result<Work, RequestError> {
     let place = glam::Vec2::new(request.x, request.z);
     let mut task = PlaceTask::new(scene.search_graph, done.state(), place, request.heading, request.realism);
     task.exactness = request.exactness;
+    let mut notes = Vec::new();
+    if let Some(pose) = &request.pose {
+        let frame = pose.find(scene.timeline)?;
+        let shown =
+            if scene.search_graph.main[frame as usize] { Some(frame) } else { scene.search_graph.substitute(frame) };
+        match shown {
+            Some(shown) => task = task.in_pose(scene.search_graph, shown),
+            None => notes.push("No walk leads to that pose: it is left out.".to_owned()),
+        }
+        notes.extend(shown.filter(|&shown| shown != frame).map(|shown| substitute_note(frame, shown)));
+    }
     let search = Anytime::new(&task, scene.search_graph);
-    Work::Place(Box::new((task, search)))
+    Ok(Work::Place(Box::new((task, search, notes))))
 }
 
 fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -> Result<Work, RequestError> {

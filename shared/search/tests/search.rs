@@ -82,6 +82,48 @@ fn places_are_found_as_the_oracle_finds_them() {
     assert!(proven >= 4, "only {proven} of 8 searches were finished by both");
 }
 
+/// A walk to a place that ends in a pose costs what the same walk costs edge by edge, and no walk of all that are short enough to be
+/// tried one by one is cheaper.
+#[test]
+fn places_are_found_in_poses() {
+    let mut proven = 0;
+    for seed in 0..12 {
+        let mut random = Random::new(300 + seed);
+        let scene = small_scene(seed);
+        let graph = &scene.search_graph;
+        let main: Vec<u32> = (0..graph.frame_count()).filter(|&frame| graph.main[frame as usize]).collect();
+        let Some(&pose) = main.get(random.below(main.len().max(1))) else { continue };
+        let place = Vec2::new(random.range(-0.3, 0.3), random.range(0.1, 0.6));
+        let plain = PlaceTask::new(graph, State::start(0, GroundPose::IDENTITY), place, None, 0.03);
+        let mut task = plain.clone().in_pose(graph, pose);
+        while task.prepare(graph, 10) == 10 {}
+        task.most_steps = 18;
+        let (search, progress) = finish(&task, graph);
+        let Some(found) = search.best() else { continue };
+        let whole = task.completed(graph, found);
+        assert_eq!(whole.end.frame, pose);
+        assert_eq!(whole.walk(graph).check(&scene.graph, &scene.timeline, 0), Ok(pose));
+        let report = task.judge(graph, &whole);
+        assert_eq!(report.frame, Some(pose));
+        // What is missing at its end costs what it costs any walk that ends there.
+        let missing = plain.ending(graph, &whole.end).unwrap();
+        assert!(
+            (whole.end.cost + missing - found.cost).abs() < 1e-4,
+            "{} and {missing}, {}",
+            whole.end.cost,
+            found.cost
+        );
+        if progress == Progress::Proven {
+            let oracle = depth_first(&task, graph, 3_000_000);
+            if let Some(best) = oracle.found.filter(|_| oracle.complete) {
+                assert!((found.cost - best.cost).abs() < 1e-9, "seed {seed}: {} against {}", found.cost, best.cost);
+                proven += 1;
+            }
+        }
+    }
+    assert!(proven >= 6, "only {proven} of 12 searches were finished by both");
+}
+
 /// A walk that was found is in the graph, costs what the task says, and ends where it says.
 fn check_found(task: &impl Task, scene: &random_scene::Made, found: &Found) {
     let walk = found.walk(&scene.search_graph);
@@ -107,6 +149,9 @@ proptest! {
         let heading = (random.below(2) == 0).then(|| random.range(-3.0, 3.0));
         let place = PlaceTask::new(&scene.search_graph, State::start(0, GroundPose::IDENTITY), place, heading, 0.03);
         check_bounds(&place, &scene.search_graph, &mut random);
+        let mut posed = place.in_pose(&scene.search_graph, random.below(scene.search_graph.frame_count() as usize) as u32);
+        while posed.prepare(&scene.search_graph, 100) == 100 {}
+        check_bounds(&posed, &scene.search_graph, &mut random);
     }
 
     #[test]

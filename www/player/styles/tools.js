@@ -26,6 +26,8 @@ button:disabled { opacity: 0.38; cursor: default; }
 .go { padding: 6px 18px; margin-inline-start: auto; }
 .field { display: flex; align-items: center; gap: 6px; color: var(--muted); }
 .field input { inline-size: 64px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; font-variant-numeric: tabular-nums; }
+.field select { max-inline-size: 120px; padding: 4px 6px; border: 1px solid var(--line); border-radius: 4px; background: none; color: var(--ink); font: inherit; }
+.field option { background: var(--raised); }
 
 .path-dock .field span:first-child { display: none; }
 

@@ -18,7 +18,7 @@ export function readAnswer(text, fps) {
   };
   for (const { goal } of parts) {
     const { place, path, keys, wander } = goal;
-    if (place) answer.place = { distance: place.distance, turn: place.turn ?? null };
+    if (place) answer.place = { ...place, turn: place.turn ?? null };
     if (path) answer.path = { length: path.length, travelled: path.travelled, mean: path.mean, max: path.max, meanAside: path.mean_aside, maxAside: path.max_aside, demandsKept: path.demands_kept ?? null, samples: path.track };
     if (keys) answer.keys = keys.rows.map((row) => ({ frame: row.frame, wanted: row.wanted / fps, reached: row.reached === null ? null : row.reached / fps }));
     if (wander) answer.wander = { frames: wander.frames, objective: wander.objectives[2], objectives: wander.objectives };

@@ -1,10 +1,11 @@
-/** Click the ground, and the actor goes there; drag, and it arrives facing that way. */
+/** Click the ground, and the actor goes there; drag, and it arrives facing that way. It may end in a pose that is chosen. */
 
 import { button, h } from '../dom.js';
-import { count, duration } from '../format.js';
+import { count, duration, poseName, title } from '../format.js';
 import { NumberField, centimetres } from './dock.js';
 import { Handles } from './handles.js';
 import { apart } from './marks.js';
+import { frameOf } from './request.js';
 import { Tool } from './tool.js';
 
 const DEGREE = Math.PI / 180;
@@ -26,7 +27,11 @@ export class PlaceTool extends Tool {
       new NumberField(name, unit, null, attributes, (value) => this.set({ [part]: part === 'heading' && value !== null ? value * DEGREE : value }));
     this.fields = [field('x', 'x', 'm', { step: 0.1 }), field('z', 'z', 'm', { step: 0.1 }), field('heading', 'facing', '°', { step: 5, placeholder: 'any' })];
     this.any = button('Any', 'Arrive facing any way', () => this.set({ heading: null }));
-    this.build(h('div', { class: 'row' }, ...this.fields.map(({ root }) => root), this.any), this.row.root);
+    this.sequence = h('select', { 'aria-label': 'Pose to end in' });
+    this.sequence.addEventListener('change', () => this.endIn(this.sequence.value, 0));
+    this.time = new NumberField('at', 's', 'When in the recording the pose is', { min: 0, step: 0.1 }, (value) => this.endIn(this.sequence.value, value ?? 0));
+    const pose = h('label', { class: 'field', title: 'The walk ends in this pose' }, h('span', {}, 'in'), this.sequence);
+    this.build(h('div', { class: 'row' }, ...this.fields.map(({ root }) => root), this.any, h('span', { class: 'space' }), pose, this.time.root), this.row.root);
     this.handles = new Handles(box, {
       move: (index, point, merge) => this.moved(index, point, merge),
       remove: (index) => this.removed(index),
@@ -36,6 +41,12 @@ export class PlaceTool extends Tool {
 
   get busy() {
     return 'looking for a way';
+  }
+
+  opened({ timeline }) {
+    this.timeline = timeline;
+    const option = (sequence) => h('option', { value: sequence.name }, title(sequence));
+    this.sequence.replaceChildren(h('option', { value: '' }, 'any pose'), ...timeline.sequences.map(option));
   }
 
   get goal() {
@@ -54,6 +65,21 @@ export class PlaceTool extends Tool {
   set(part, merge = null) {
     const { x, z, heading, ...rest } = { ...this.goal, ...part };
     this.box.edit({ place: { ...rest, x: x ?? 0, z: z ?? 0, heading: heading ?? null } }, merge);
+  }
+
+  /** The pose that walks end in, of a sequence of this name; any where it has none. */
+  endIn(name, time) {
+    this.set({ pose: name ? { sequence: name, time } : undefined });
+  }
+
+  /** The sequence and the time in it of the pose to end in; null where there is none. */
+  get ends() {
+    const { timeline, goal } = this;
+    const pose = goal?.pose;
+    if (pose === undefined || pose === null || !timeline) return null;
+    const frame = frameOf(pose, timeline);
+    const sequence = timeline.sequences.find(({ first, count: frames }) => frame >= first && frame < first + frames);
+    return sequence ? { name: sequence.name, time: (frame - sequence.first) / timeline.fps } : null;
   }
 
   moved(index, [x, z], merge) {
@@ -89,6 +115,10 @@ export class PlaceTool extends Tool {
     const values = place ? [place.x.toFixed(2), place.z.toFixed(2), place.heading === null ? '' : Math.round(place.heading / DEGREE)] : ['', '', ''];
     this.fields.forEach((field, index) => field.show(values[index]));
     this.any.disabled = !place || place.heading === null;
+    const { ends } = this;
+    this.sequence.value = ends?.name ?? '';
+    this.time.root.hidden = !ends;
+    if (ends) this.time.show(String(Math.round(ends.time * 100) / 100));
     this.answered(this.box.answer);
   }
 
@@ -97,9 +127,11 @@ export class PlaceTool extends Tool {
   }
 
   sentence({ seconds, transitions, place }) {
-    const { distance = 0, turn = null } = place ?? {};
+    const { distance = 0, turn = null, frame } = place ?? {};
     const facing = turn === null ? '' : `, ${Math.round(Math.abs(turn) / DEGREE)}° off the way it should face`;
-    return `there in ${duration(seconds)}, through ${count(transitions, 'transition')}; stops ${centimetres(distance)} away${facing}`;
+    const sequence = frame === undefined ? null : this.timeline.sequenceOf(frame);
+    const pose = sequence ? `, in ${poseName(sequence, frame, this.timeline.fps)}` : '';
+    return `there in ${duration(seconds)}, through ${count(transitions, 'transition')}; stops ${centimetres(distance)} away${facing}${pose}`;
   }
 
   place(seen) {

@@ -90,7 +90,7 @@ function targetOf({ pose, behaviour }, timeline) {
 }
 
 /** A frame that does not exist is left for the search to complain about. */
-function frameOf(pose, timeline) {
+export function frameOf(pose, timeline) {
   if (typeof pose === 'number') return pose;
   const sequence = timeline.sequences.find(({ name }) => name === pose.sequence);
   const local = pose.frame ?? Math.round((pose.time ?? 0) * timeline.fps);

@@ -359,8 +359,9 @@ pub struct DirectArguments {
     /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
-    /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given.
-    #[arg(long, value_name = "X,Z[,HEADING]", value_parser = parse_place, allow_hyphen_values = true)]
+    /// Go to a place, in metres, and face a heading there, in radians about +Y from +Z, if one is given; end in a pose there, if one
+    /// is given: NAME:SECONDS or a frame's number.
+    #[arg(long, value_name = "X,Z[,HEADING][@POSE]", value_parser = parse_place, allow_hyphen_values = true)]
     pub place: Option<PlaceRequest>,
     /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given.
     #[arg(long, value_name = "NAME[:SECONDS]", value_parser = parse_behaviour)]

@@ -4,12 +4,16 @@ use search::{BehaviourRequest, FrameRef, PlaceRequest, WithinSequence};
 
 /// Reads a place as it is typed: `2,1.5` or `2,1.5,0.8`.
 pub fn parse_place(text: &str) -> Result<PlaceRequest, String> {
-    let wrong = || format!("{text:?} is no place, such as 2,1.5 or 2,1.5,0.8");
+    let wrong = || format!("{text:?} is no place, such as 2,1.5 or 2,1.5,0.8 or 2,1.5@kick:0.5");
+    let (text, pose) = match text.split_once('@') {
+        Some((place, pose)) => (place, Some(parse_pose(pose)?.0)),
+        None => (text, None),
+    };
     let numbers: Vec<f32> =
         text.split(',').map(|part| part.trim().parse().map_err(|_| wrong())).collect::<Result<_, _>>()?;
     match *numbers.as_slice() {
-        [x, z] => Ok(PlaceRequest { x, z, ..PlaceRequest::default() }),
-        [x, z, heading] => Ok(PlaceRequest { x, z, heading: Some(heading), ..PlaceRequest::default() }),
+        [x, z] => Ok(PlaceRequest { x, z, pose, ..PlaceRequest::default() }),
+        [x, z, heading] => Ok(PlaceRequest { x, z, heading: Some(heading), pose, ..PlaceRequest::default() }),
         _ => Err(wrong()),
     }
 }

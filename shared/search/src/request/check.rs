@@ -36,6 +36,7 @@ impl Target {
                 metres("z", request.z)?;
                 weight("realism", request.realism)?;
                 range("exactness", request.exactness, 0.0, 1.0)?;
+                request.pose.as_ref().map_or(Ok(()), FrameRef::check)?;
                 request.heading.map_or(Ok(()), |heading| range("heading", f64::from(heading), -1e3, 1e3))
             }
             Self::Path(request) => request.check(),

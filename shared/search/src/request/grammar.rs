@@ -63,11 +63,12 @@ fn behaviour(value: &Json) -> Read<BehaviourRequest> {
 }
 
 fn place(value: &Json) -> Read<PlaceRequest> {
-    let fields = Fields::new(value, "the place")?.only(&["x", "z", "heading", "realism", "exactness"])?;
+    let fields = Fields::new(value, "the place")?.only(&["x", "z", "heading", "pose", "realism", "exactness"])?;
     Ok(PlaceRequest {
         x: fields.number("x")? as f32,
         z: fields.number("z")? as f32,
         heading: fields.maybe("heading").map(|heading| number(heading, "heading")).transpose()?.map(|h| h as f32),
+        pose: fields.maybe("pose").map(frame).transpose()?,
         realism: fields.number_or("realism", DEFAULT_REALISM)?,
         exactness: fields.number_or("exactness", DEFAULT_EXACTNESS)?,
     })

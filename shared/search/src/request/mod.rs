@@ -97,6 +97,9 @@ pub struct PlaceRequest {
     /// Which way to face there, in radians about +Y from +Z; any way where not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heading: Option<f32>,
+    /// The pose to end in there; any where not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose: Option<FrameRef>,
     /// Weight of the graph's cost against seconds.
     pub realism: f64,
     /// How far the walk is bent so that it ends there, from 0 (not at all) to 1.
@@ -173,7 +176,7 @@ pub const DEFAULT_EXACTNESS: f64 = 1.0;
 
 impl Default for PlaceRequest {
     fn default() -> Self {
-        Self { x: 0.0, z: 0.0, heading: None, realism: DEFAULT_REALISM, exactness: DEFAULT_EXACTNESS }
+        Self { x: 0.0, z: 0.0, heading: None, pose: None, realism: DEFAULT_REALISM, exactness: DEFAULT_EXACTNESS }
     }
 }
 
