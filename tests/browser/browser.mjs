@@ -29,7 +29,7 @@ const FLAGS = [
  * Milliseconds after which an event that is waited for will not come any more. Nothing takes nearly as long, on a machine
  * that does much else besides and draws in software; it is no measure of anything.
  */
-const LIMIT = 300_000;
+const LIMIT = Number(process.env.REPRISE_LIMIT ?? 300_000);
 
 /** Small, for every pixel is drawn by the processor. */
 const SMALL = { width: 800, height: 600 };

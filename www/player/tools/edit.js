@@ -564,6 +564,8 @@ export class EditTool extends Tool {
   refresh() {
     if (!this.timeline || !this.box.kit) return;
     if (this.at >= this.edits.length) this.at = this.edits.length - 1;
+    // What is undone and done again, or comes in a link, is chosen where the actor stands in it.
+    if (this.at < 0 && this.edits.length > 0 && this.standing) this.at = this.editOf(this.standing.frame);
     const { edit, driver } = this;
     this.chosen = Math.min(this.chosen, Math.max(0, (edit?.handles.length ?? 1) - 1));
     this.showList();
