@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 14] = [
     &["shared/kernels", "builder/job"],
     &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
     &["shared/editing"],
-    &["shared/bundle", "shared/synthesis", "shared/search", "builder/rig", "builder/motion", "builder/registration"],
+    &["shared/bundle", "shared/synthesis", "shared/search", "builder/rig", "builder/drive", "builder/motion", "builder/registration"],
     &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
     &["builder/reprise"],
     &["builder/evaluate"],

@@ -1,0 +1,2 @@
+//! Readers of motion capture: what they agree on, and what they refuse.
+
