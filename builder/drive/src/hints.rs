@@ -27,6 +27,22 @@ const BODY: [&str; 17] = [
     "radius", "wrist", "hand",
 ];
 
+/// Whether `name` is of a part that helps animators and is none of the body: its targets and controls.
+#[must_use]
+pub fn is_helper(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    let has = ["control", "ctrl", "pole", "target", "slot"].iter().any(|word| lower.contains(word));
+    has || name.contains("IK") || lower.split(|c: char| !c.is_ascii_alphabetic()).any(|word| word == "ik")
+}
+
+/// Whether `name` is of an arm or a hand.
+#[must_use]
+pub fn is_arm(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    ["arm", "hand", "finger", "palm", "wrist", "thumb", "elbow", "humerus"].iter().any(|word| lower.contains(word))
+        && !lower.contains("armature")
+}
+
 /// How well `name` fits `role`, whatever the side: 1 where it says it, -1 where it says something else.
 #[must_use]
 pub fn fit(name: &str, role: Role) -> f32 {

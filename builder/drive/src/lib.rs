@@ -16,12 +16,14 @@
 pub mod body;
 pub mod clip;
 pub mod contacts;
+pub mod examples;
 pub mod foot;
 pub mod frames;
 mod hints;
 pub mod mapping;
 pub mod measure;
 pub mod plant;
+pub mod pose;
 pub mod posture;
 pub mod retarget;
 pub mod role;

@@ -190,6 +190,10 @@ fn feet(tree: &Tree) -> Option<(usize, [usize; 2])> {
             let way = tree.way(a, b);
             let Some(&meet) = way.iter().min() else { continue };
             let lengths = [a, b].map(|end| tree.length(&tree.way(meet, end)) / tree.size);
+            let is_other = |end: usize| tree.way(meet, end)[1..].iter().any(|&joint| !is_leg(tree.name(joint)));
+            if is_other(a) || is_other(b) {
+                continue;
+            }
             if lengths.iter().any(|&length| length < 0.3) || [a, b].iter().any(|&e| tree.way(meet, e).len() < 4) {
                 continue;
             }
@@ -203,6 +207,11 @@ fn feet(tree: &Tree) -> Option<(usize, [usize; 2])> {
     best.map(|(_, meet, feet)| (meet, feet))
 }
 
+/// Whether a name may be of a leg.
+fn is_leg(name: &str) -> bool {
+    !hints::is_helper(name) && !hints::is_arm(name)
+}
+
 /// What is above the legs.
 struct Upper {
     head: Option<usize>,
@@ -214,7 +223,8 @@ fn upper(tree: &Tree, pelvis: usize, feet: [usize; 2]) -> Upper {
     let legs: Vec<usize> = feet.iter().filter_map(|&foot| tree.way(pelvis, foot).get(1).copied()).collect();
     let is_free = |end: usize| {
         let way = tree.way(pelvis, end);
-        way.len() > 1 && !way.iter().any(|joint| legs.contains(joint))
+        let is_body = |joint: &usize| !legs.contains(joint) && !hints::is_helper(tree.name(*joint));
+        way.len() > 1 && way[1..].iter().all(is_body)
     };
     let mut ends: Vec<usize> = tree.ends.iter().copied().filter(|&end| is_free(end)).collect();
     ends.sort_by(|&a, &b| tree.heights[b].total_cmp(&tree.heights[a]).then(a.cmp(&b)));
@@ -231,7 +241,8 @@ fn upper(tree: &Tree, pelvis: usize, feet: [usize; 2]) -> Upper {
                 let lengths = ways.each_ref().map(|way| tree.length(way) / tree.size);
                 let own = tree.length(&tree.way(chest, head)) / tree.size;
                 let is_trunk = chest == a || chest == b || chest == head || ways.iter().any(|way| way.len() < 4);
-                if is_trunk || lengths.iter().any(|&length| length < 0.2) {
+                let is_below = tree.heights[chest] < tree.heights[pelvis] - 0.02 * tree.size;
+                if is_trunk || is_below || lengths.iter().any(|&length| length < 0.2) {
                     continue;
                 }
                 let heights = (tree.heights[a] - tree.heights[b]).abs() / tree.size;
@@ -240,7 +251,8 @@ fn upper(tree: &Tree, pelvis: usize, feet: [usize; 2]) -> Upper {
                     - 0.3 * (lengths[0] + lengths[1])
                     - rise
                     + own
-                    - 0.3 * hints::fit(tree.name(head), Role::Head).max(0.0)
+                    - hints::fit(tree.name(head), Role::Head).max(0.0)
+                    + if hints::is_arm(tree.name(head)) { 1.0 } else { 0.0 }
                     + if chest == pelvis { 0.2 } else { 0.0 };
                 if best.is_none_or(|(least, ..)| badness < least) {
                     best = Some((badness, head, chest, [b, a]));

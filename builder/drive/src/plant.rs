@@ -2,14 +2,16 @@
 //! too short.
 
 use editing::rotation::{rotation_vector, turn_by};
+use editing::Rigid;
 use glam::{Quat, Vec3};
 use kernels::scalar::atan2;
 
 use crate::body::{Body, Leg};
 use crate::contacts::Contacts;
 use crate::foot::Foot;
+use crate::pose::{Pose, farthest, reach};
 use crate::posture::Posture;
-use crate::retarget::{Pose, farthest, reach};
+
 use crate::smooth::{dilated, ease, gaussian, quantile};
 use crate::steps::{Print, Step, steps};
 
@@ -19,6 +21,8 @@ const PITCH: f32 = 0.035;
 const SINK: f32 = 0.08;
 /// How long toes take to straighten once they have left the ground, in seconds.
 const STRAIGHTEN: f32 = 0.15;
+/// Where no foot ever stands, the floor is at this share of the feet's heights.
+const NEVER: f32 = 0.1;
 /// Toes bend no farther than this, in radians.
 const MOST_BEND: f32 = 1.1;
 
@@ -60,6 +64,12 @@ pub struct Planted {
     pub frames: Vec<PlantedFrame>,
 }
 
+/// The rigid motions of the bones in all frames, from the rest pose.
+#[must_use]
+pub fn bones(body: &Body, planted: &Planted) -> Vec<Vec<Rigid>> {
+    planted.frames.iter().map(|frame| body.motions(&frame.pose)).collect()
+}
+
 /// Where a foot is to be: its rotation from the rest pose, and its ankle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Goal {
@@ -89,18 +99,24 @@ pub fn plant(body: &Body, postures: &[Posture], contacts: &[Contacts; 2], fps: f
     Planted { frames: poses.into_iter().zip(feet).map(|(pose, feet)| PlantedFrame { pose, feet }).collect() }
 }
 
+/// Whether a foot stands in any frame: in walks on the spot none does.
+#[must_use]
+pub fn ever_stands(contacts: &[Contacts; 2]) -> bool {
+    contacts.iter().any(|contacts| (0..contacts.heel.len()).any(|frame| contacts.stands(frame)))
+}
+
 /// Raises or lowers all frames so that standing soles are on the floor, in the middle of all.
 fn settle(body: &Body, poses: &mut [Pose], contacts: &[Contacts; 2]) {
     let mut heights = Vec::new();
+    let ever = ever_stands(contacts);
     for (frame, pose) in poses.iter().enumerate() {
         let motions = body.motions(pose);
-        for (side, leg) in body.legs.iter().enumerate().filter(|(side, _)| contacts[*side].stands(frame)) {
-            let _ = side;
+        for (_, leg) in body.legs.iter().enumerate().filter(|(side, _)| !ever || contacts[*side].stands(frame)) {
             let foot = &motions[leg.foot.bone];
             heights.push(foot.apply(leg.foot.heel).y.min(foot.apply(leg.foot.ball).y) - body.floor);
         }
     }
-    let off = quantile(heights, 0.5);
+    let off = quantile(heights, if ever { 0.5 } else { NEVER });
     poses.iter_mut().for_each(|pose| pose.root.y -= off);
 }
 

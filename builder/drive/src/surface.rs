@@ -1,22 +1,27 @@
 //! The surface of the actor over its bones: skinned, then solved once with the soles that stand held where they stand.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use actor::capture::Poses;
 use editing::{Deformer, Rigid, Skin};
 use glam::{Quat, Vec3};
 use kernels::cholesky::{CholeskyError, elimination_order};
 use kernels::topology::Topology;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use thiserror::Error;
 
 use crate::body::Body;
+use crate::examples::Examples;
 use crate::foot::Foot;
-use crate::plant::{Flat, Planted, PlantedFrame, Standing};
+use crate::plant::{Flat, Planted, PlantedFrame, Standing, bones};
 
 /// How firmly vertices are kept where skinning puts them, beside the weights of edges.
 const ANCHOR: f32 = 0.05;
 /// Frames that are made by one thread after another.
 const BATCH: usize = 32;
+/// What comes nearer to the floor than this is laid onto it, in metres.
+const LAID: f32 = 0.03;
 
 /// The surface cannot be solved for.
 #[derive(Clone, Debug, Error)]
@@ -28,9 +33,11 @@ pub struct Surface<'a> {
     body: &'a Body<'a>,
     topology: &'a Topology,
     order: Option<&'a [u32]>,
-    poses: &'a Poses,
+    examples: Examples,
     /// Of each foot the share of its toes' bend that each of its vertices takes part in; vertices without any are left out.
     toes: [Vec<(u32, f32)>; 2],
+    /// Vertices that belong to feet and shins: what is planted.
+    is_low: Vec<bool>,
 }
 
 /// Which patches of the soles stand: heel and ball of the left foot, and of the right one.
@@ -46,14 +53,15 @@ impl<'a> Surface<'a> {
     #[must_use]
     pub fn new(body: &'a Body<'a>, topology: &'a Topology, order: Option<&'a [u32]>, poses: &'a Poses) -> Self {
         let toes = body.legs.each_ref().map(|leg| toes(body, &leg.foot));
-        Self { body, topology, order, poses, toes }
+        let examples = Examples::new(body.rig, poses, &body.legs.each_ref().map(|leg| leg.foot.bone));
+        let is_low = is_foot(body);
+        Self { body, topology, order, examples, toes, is_low }
     }
 
     /// The recorded frame whose bones are turned against each other most as those of all frames are, on average.
     #[must_use]
-    pub fn nearest(&self, _planted: &Planted) -> u32 {
-        let _ = self.poses;
-        0
+    pub fn nearest(&self, planted: &Planted) -> u32 {
+        self.examples.nearest(self.body.rig, &bones(self.body, planted))
     }
 
     /// Vertex positions of all frames in metres. The number of threads changes nothing.
@@ -81,30 +89,43 @@ impl<'a> Surface<'a> {
     }
 
     fn frame(&self, frame: &PlantedFrame, solver: &mut Solver) -> Result<Vec<Vec3>, SurfaceError> {
-        let rest = self.body.rig.rest();
-        let vertices = self.skinned(frame);
+        let motions = self.body.motions(&frame.pose);
+        let vertices = self.skinned(frame, &motions);
+        let base = self.examples.rest(self.body.rig, &motions);
         let turns: Vec<Quat> = vertices.iter().map(|motion| motion.rotation).collect();
-        let told: Vec<Vec3> = vertices.iter().zip(rest).map(|(motion, &point)| motion.apply(point) - point).collect();
+        let told: Vec<Vec3> = vertices.iter().zip(&base).map(|(motion, &point)| motion.apply(point) - point).collect();
         let standing = held(&frame.feet);
         let patches = self.patches(standing);
-        let wanted: Vec<Vec3> = patches.iter().map(|&(side, v)| self.sole(frame.feet[side].flat, side, v)).collect();
+        let wanted: Vec<Vec3> =
+            patches.iter().map(|&(side, v)| self.sole(frame.feet[side].flat, v) - base[v as usize]).collect();
         let pins: Vec<u32> = patches.iter().map(|(_, v)| *v).collect();
         let factor = match solver.held.entry(standing) {
-            std::collections::btree_map::Entry::Occupied(entry) => entry.into_mut(),
-            std::collections::btree_map::Entry::Vacant(entry) => {
-                entry.insert(solver.deformer.hold(rest, &pins, ANCHOR)?)
-            }
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => entry.insert(solver.deformer.hold(self.body.rig.rest(), &pins, ANCHOR)?),
         };
-        let moved = solver.deformer.solve(factor, rest, &turns, &told, &wanted)?;
-        Ok(rest.iter().zip(moved).map(|(point, moved)| *point + moved).collect())
+        let moved = solver.deformer.solve(factor, &base, &turns, &told, &wanted)?;
+        let mut pose: Vec<Vec3> = base.iter().zip(moved).map(|(point, moved)| *point + moved).collect();
+        self.lift(&mut pose);
+        Ok(pose)
+    }
+
+    /// Lifts what would lie below the floor onto it: cloth as if it were laid down, feet as they are.
+    fn lift(&self, pose: &mut [Vec3]) {
+        for (point, &is_low) in pose.iter_mut().zip(&self.is_low) {
+            let height = point.y - self.body.floor;
+            if is_low {
+                point.y = point.y.max(self.body.floor);
+            } else if height < LAID {
+                point.y = self.body.floor + LAID * ((height - LAID) / LAID).exp();
+            }
+        }
     }
 
     /// How each vertex moves by skinning, from the rest pose.
-    fn skinned(&self, frame: &PlantedFrame) -> Vec<Rigid> {
+    fn skinned(&self, frame: &PlantedFrame, motions: &[Rigid]) -> Vec<Rigid> {
         let rig = self.body.rig;
-        let motions = self.body.motions(&frame.pose);
         let still = vec![Rigid { rotation: Quat::IDENTITY, translation: Vec3::ZERO }; motions.len()];
-        let skin = Skin::new(&still, &motions);
+        let skin = Skin::new(&still, motions);
         let mut vertices: Vec<Rigid> = rig.influences().iter().map(|own| skin.motion(own)).collect();
         for (side, leg) in self.body.legs.iter().enumerate() {
             let bend = frame.feet[side].bend;
@@ -138,16 +159,22 @@ impl<'a> Surface<'a> {
         patches
     }
 
-    /// By how much a vertex of a sole that stands is displaced from the rest pose.
-    fn sole(&self, flat: Option<Flat>, _side: usize, vertex: u32) -> Vec3 {
+    /// Where a vertex of a sole that stands is.
+    fn sole(&self, flat: Option<Flat>, vertex: u32) -> Vec3 {
         let point = self.body.rig.rest()[vertex as usize];
-        flat.map_or(Vec3::ZERO, |flat| flat.rotation * point + flat.translation - point)
+        flat.map_or(point, |flat| flat.rotation * point + flat.translation)
     }
 }
 
 struct Solver {
     deformer: Deformer,
     held: BTreeMap<Held, editing::deform::Held>,
+}
+
+/// Whether each vertex belongs to a foot or a shin.
+fn is_foot(body: &Body) -> Vec<bool> {
+    let bones: Vec<usize> = body.legs.iter().flat_map(|leg| [leg.foot.bone, leg.bones.bones[1]]).collect();
+    (0..body.rig.rest().len() as u32).map(|v| bones.contains(&body.rig.bone_of(v))).collect()
 }
 
 /// Vertices of a foot in front of its ball, with their share of its toes' bend.

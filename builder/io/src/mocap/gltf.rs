@@ -37,7 +37,7 @@ pub(super) fn read(
     };
     if wanted.is_none() && skeleton.clips.len() > 1 {
         let message =
-            format!("{}: clip {:?} is taken; --clip names another: {}", path.display(), skeleton.clips[0], known());
+            format!("{}: clip {:?} is taken; --take names another: {}", path.display(), skeleton.clips[0], known());
         warnings.push(Warning::new("W_MOCAP_CLIP", message));
     }
     let rate = rate.unwrap_or(RATE);

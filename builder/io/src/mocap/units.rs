@@ -54,7 +54,7 @@ pub(super) fn in_metres(
     let (unit, name) =
         UNITS.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).unwrap_or((1.0, "metres"));
     let message = format!(
-        "{}: lengths are taken for {name}, for the skeleton is then {:.2} m tall (--unit)",
+        "{}: lengths are taken for {name}, for the skeleton is then {:.2} m tall (--clip-unit)",
         path.display(),
         unit * height
     );

@@ -64,11 +64,6 @@ impl<'a> Words<'a> {
         Ok(word)
     }
 
-    /// The word after the next is looked at without being taken.
-    pub fn peek(&self) -> Option<&'a str> {
-        self.words.get(self.next).map(|(_, word)| *word)
-    }
-
     /// Takes `word`, which must come next.
     pub fn expect(&mut self, word: &str) -> Result<(), MocapError> {
         let line = self.line();

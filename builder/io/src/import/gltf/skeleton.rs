@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::Mat4;
 
 use super::animation::clips;
+use super::clips::join;
 use super::document::Document;
 use super::inflate::inflate_all;
 use super::nodes::Nodes;
@@ -41,6 +42,7 @@ impl Skeleton {
         let nodes = Nodes::read(&document)?;
         let mut warnings = Vec::new();
         let moving = clips(&document, &nodes, &stem(path), &mut warnings)?;
+        let moving = join(moving, &document, &stem(path), &mut warnings);
         let joints = joints(&document, &nodes)?;
         let place = |node: usize| joints.iter().position(|&joint| joint == node);
         let parents = joints.iter().map(|&joint| nodes.upwards(joint).skip(1).find_map(place)).collect();
