@@ -30,9 +30,8 @@ impl Contacts {
         let least = (SHORTEST * fps).round() as usize;
         let settled = |way: &[Vec3], above: f32| {
             let floor = quantile(way.iter().map(|place| place.y).collect(), STANDING);
-            let mut stands: Vec<bool> = (0..way.len())
-                .map(|frame| way[frame].y < floor + above && speed(way, frame, fps) < SPEED)
-                .collect();
+            let mut stands: Vec<bool> =
+                (0..way.len()).map(|frame| way[frame].y < floor + above && speed(way, frame, fps) < SPEED).collect();
             without_short(&mut stands, false, least);
             without_short(&mut stands, true, least);
             stands

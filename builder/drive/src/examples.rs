@@ -62,7 +62,8 @@ impl Examples {
             let off = |v: usize| skin.motion(&rig.influences()[v]).inverse().apply(pose[v]) - rig.rest()[v];
             (0..pose.len()).map(off).collect()
         };
-        let about = |bone: usize| (1..rig.bones().len()).filter(|&b| b == bone || rig.bones()[b].parent == bone).collect();
+        let about =
+            |bone: usize| (1..rig.bones().len()).filter(|&b| b == bone || rig.bones()[b].parent == bone).collect();
         Self {
             missed: chosen.par_iter().map(missed).collect(),
             turns: chosen.iter().map(|&example| turns[example].clone()).collect(),
@@ -81,7 +82,8 @@ impl Examples {
         let point = |(v, rest): (usize, &Vec3)| {
             own.fill(0.0);
             let influences = &rig.influences()[v];
-            for (&bone, &share) in influences.joints.iter().zip(&influences.weights).filter(|(_, share)| **share > 0.0) {
+            for (&bone, &share) in influences.joints.iter().zip(&influences.weights).filter(|(_, share)| **share > 0.0)
+            {
                 own.iter_mut().zip(&weights[bone as usize]).for_each(|(own, weight)| *own += share * weight);
             }
             let missed = own.iter().zip(&self.missed).filter(|(weight, _)| **weight > 1e-4);

@@ -80,16 +80,7 @@ impl Foot {
         }
         let side = place_middle(&near, &place);
         let under = |share: f32| axes * Vec3::new(side, lowest, from + share * length);
-        Some(Self {
-            bone,
-            axes,
-            heel: under(HEEL),
-            ball: under(BALL),
-            length,
-            heel_patch,
-            fore_patch,
-            arch,
-        })
+        Some(Self { bone, axes, heel: under(HEEL), ball: under(BALL), length, heel_patch, fore_patch, arch })
     }
 
     /// All vertices of the sole.

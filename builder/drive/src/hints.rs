@@ -23,8 +23,8 @@ pub fn side(name: &str) -> Option<usize> {
 }
 
 const BODY: [&str; 17] = [
-    "hip", "femur", "thigh", "upleg", "knee", "tibia", "shin", "calf", "ankle", "foot", "toe", "humerus", "arm", "elbow",
-    "radius", "wrist", "hand",
+    "hip", "femur", "thigh", "upleg", "knee", "tibia", "shin", "calf", "ankle", "foot", "toe", "humerus", "arm",
+    "elbow", "radius", "wrist", "hand",
 ];
 
 /// Whether `name` is of a part that helps animators and is none of the body: its targets and controls.

@@ -17,6 +17,7 @@ pub mod body;
 pub mod clip;
 pub mod contacts;
 pub mod examples;
+mod find;
 pub mod foot;
 pub mod frames;
 mod hints;

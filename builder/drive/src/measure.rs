@@ -1,11 +1,15 @@
 //! How good driven frames are: soles on the floor, sliding, volume.
 
+use actor::capture::Poses;
 use glam::Vec3;
 use kernels::topology::Topology;
 use serde::Serialize;
 
 use crate::body::Body;
 use crate::plant::{Planted, Standing};
+
+/// Recorded frames that are measured.
+const SAMPLES: usize = 200;
 
 /// What was measured over all frames.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -20,15 +24,17 @@ pub struct Measures {
     pub slide_mm: [f32; 2],
     /// How far anything is below the floor at most, in millimetres.
     pub below_mm: f32,
-    /// Volume beside that of the rest pose: the least, and the mean.
+    /// Volume beside the mean one of the recorded frames: the least, and the mean.
     pub volume: [f32; 2],
+    /// The same of the recorded frames: the least, and the largest.
+    pub recorded_volume: [f32; 2],
     /// Largest mean acceleration of a frame's vertices beside the mean one of all: how much a frame jerks.
     pub jerk: f32,
 }
 
 /// Measures `poses`, whose feet stand as `planted` says.
 #[must_use]
-pub fn measure(body: &Body, topology: &Topology, poses: &[Vec<Vec3>], planted: &Planted) -> Measures {
+pub fn measure(body: &Body, topology: &Topology, recorded: &Poses, poses: &[Vec<Vec3>], planted: &Planted) -> Measures {
     let (mut off, mut slide) = (Mean::default(), Mean::default());
     let mut standing = 0;
     let mut below = 0.0_f32;
@@ -42,27 +48,27 @@ pub fn measure(body: &Body, topology: &Topology, poses: &[Vec<Vec3>], planted: &
                 if !stands(&feet[side]) || patch.is_empty() {
                     continue;
                 }
-                let mean = |of: &dyn Fn(u32) -> f32| patch.iter().map(|&v| of(v)).sum::<f32>() / patch.len() as f32;
-                off.add(mean(&|v| (pose[v as usize].y - body.floor).abs()));
+                let over = |of: &dyn Fn(u32) -> f32| patch.iter().map(|&v| of(v)).sum::<f32>() / patch.len() as f32;
+                off.add(over(&|v| (pose[v as usize].y - body.floor).abs()));
                 if frame > 0 && stands(&planted.frames[frame - 1].feet[side]) && same(planted, frame, side) {
                     let before = &poses[frame - 1];
-                    slide.add(mean(&|v| (pose[v as usize] - before[v as usize]).length()));
+                    slide.add(over(&|v| (pose[v as usize] - before[v as usize]).length()));
                 }
             }
         }
     }
-    let whole = volume(topology, body.rig.rest());
-    let volumes: Vec<f32> = poses.iter().map(|pose| (volume(topology, pose) / whole) as f32).collect();
+    let seen = volumes(topology, recorded.iter().step_by(recorded.len().div_ceil(SAMPLES).max(1)));
+    let whole = mean(&seen).max(f32::MIN_POSITIVE);
+    let driven = volumes(topology, poses.iter().map(Vec::as_slice));
+    let least = |volumes: &[f32]| volumes.iter().copied().fold(f32::INFINITY, f32::min) / whole;
     Measures {
         frames: poses.len(),
         standing: standing as f32 / poses.len().max(1) as f32,
         sole_off_mm: off.told(),
         slide_mm: slide.told(),
         below_mm: 1000.0 * below,
-        volume: [
-            volumes.iter().copied().fold(f32::INFINITY, f32::min),
-            volumes.iter().sum::<f32>() / volumes.len().max(1) as f32,
-        ],
+        volume: [least(&driven), mean(&driven) / whole],
+        recorded_volume: [least(&seen), seen.iter().copied().fold(0.0, f32::max) / whole],
         jerk: jerk(poses),
     }
 }
@@ -70,6 +76,14 @@ pub fn measure(body: &Body, topology: &Topology, poses: &[Vec<Vec3>], planted: &
 /// Whether a foot stands in the same place as in the frame before.
 fn same(planted: &Planted, frame: usize, side: usize) -> bool {
     planted.frames[frame].feet[side].flat == planted.frames[frame - 1].feet[side].flat
+}
+
+fn mean(values: &[f32]) -> f32 {
+    values.iter().sum::<f32>() / values.len().max(1) as f32
+}
+
+fn volumes<'a>(topology: &Topology, poses: impl Iterator<Item = &'a [Vec3]>) -> Vec<f32> {
+    poses.map(|pose| volume(topology, pose) as f32).collect()
 }
 
 fn volume(topology: &Topology, pose: &[Vec3]) -> f64 {

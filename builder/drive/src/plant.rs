@@ -1,8 +1,8 @@
 //! Feet are planted: standing soles are put on the floor and stay there, legs bend after them, the body sinks where a leg is
 //! too short.
 
-use editing::rotation::{rotation_vector, turn_by};
 use editing::Rigid;
+use editing::rotation::{rotation_vector, turn_by};
 use glam::{Quat, Vec3};
 use kernels::scalar::atan2;
 
@@ -213,8 +213,10 @@ fn between(steps: &[Step], free: &[Goal], goals: &mut [Goal]) {
         let turn = if turn.w < 0.0 { -turn } else { turn };
         (goals[frame].ankle - free[frame].ankle, rotation_vector(turn))
     };
-    let changes: Vec<_> =
-        steps.iter().map(|step| (step.frames.clone(), change(step.frames.start, goals), change(step.frames.end - 1, goals))).collect();
+    let changes: Vec<_> = steps
+        .iter()
+        .map(|step| (step.frames.clone(), change(step.frames.start, goals), change(step.frames.end - 1, goals)))
+        .collect();
     let (Some(first), Some(last)) = (changes.first(), changes.last()) else { return };
     let mut put = |frame: usize, (shift, turn): (Vec3, Vec3)| {
         goals[frame] = Goal { turn: turn_by(turn) * free[frame].turn, ankle: free[frame].ankle + shift };
@@ -287,4 +289,3 @@ fn bend(body: &Body, leg: &Leg, pose: &mut Pose, goal: &Goal, hinge: Option<Vec3
     pose.turns[leg.bones.bones[1]] = shin;
     pose.turns[leg.foot.bone] = goal.turn;
 }
-

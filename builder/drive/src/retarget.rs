@@ -60,6 +60,6 @@ pub fn retarget(
     let planted = plant(body, &postures, &contacts, fps);
     let surface = Surface::new(body, topology, order, poses);
     let driven = surface.deform(&planted)?;
-    let measures = measure(body, topology, &driven, &planted);
+    let measures = measure(body, topology, poses, &driven, &planted);
     Ok(Driven { poses: driven, nearest: surface.nearest(&planted), stands: ever_stands(&contacts), measures })
 }

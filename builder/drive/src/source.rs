@@ -66,8 +66,8 @@ impl<'a> Source<'a> {
         source.find_feet(length);
         let limbs = [Role::HipL, Role::KneeL, Role::AnkleL, Role::HipR, Role::KneeR, Role::AnkleR];
         let arms = Role::ARMS.concat();
-        source.hinges =
-            [&limbs[..3], &limbs[3..], &arms[..3], &arms[3..]].map(|roles| source.hinge([roles[0], roles[1], roles[2]]));
+        source.hinges = [&limbs[..3], &limbs[3..], &arms[..3], &arms[3..]]
+            .map(|roles| source.hinge([roles[0], roles[1], roles[2]]));
         let lows = (0..clip.len()).map(|frame| {
             let at = |side: usize| source.ball(frame, side).y;
             at(0).min(at(1))
@@ -121,10 +121,9 @@ impl<'a> Source<'a> {
     fn ball(&self, frame: usize, side: usize) -> Vec3 {
         let [_, _, ankle, ball] = Role::LEGS[side];
         let (at, ankle) = (self.clip.positions(frame), joint(self.mapping, ankle));
-        self.mapping.joint(ball).map_or_else(
-            || at[ankle] + self.clip.rotations(frame)[ankle] * self.balls[side],
-            |ball| at[ball],
-        )
+        self.mapping
+            .joint(ball)
+            .map_or_else(|| at[ankle] + self.clip.rotations(frame)[ankle] * self.balls[side], |ball| at[ball])
     }
 
     /// The rest pose, where the skeleton stands upright in it.

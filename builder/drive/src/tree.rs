@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::clip::Clip;
+use crate::hints;
 
 /// Frames that heights are taken from.
 const SAMPLES: usize = 200;
@@ -34,8 +35,14 @@ impl<'a> Tree<'a> {
         let length = |joint: usize| joints[joint].parent.map_or(0.0, |up| mean(&|at| at[joint].distance(at[up])));
         let lengths = (0..joints.len()).map(length).collect();
         let heights: Vec<f32> = (0..joints.len()).map(|joint| mean(&|at| at[joint].y)).collect();
-        let mut is_end = vec![true; joints.len()];
-        joints.iter().filter_map(|joint| joint.parent).for_each(|parent| is_end[parent] = false);
+        // Controls hang on joints and end nothing.
+        let is_body: Vec<bool> = joints.iter().map(|joint| !hints::is_helper(&joint.name)).collect();
+        let mut is_end = is_body.clone();
+        for joint in (0..joints.len()).rev() {
+            if let Some(parent) = joints[joint].parent.filter(|_| is_body[joint]) {
+                is_end[parent] = false;
+            }
+        }
         let ends = (0..joints.len()).filter(|&joint| is_end[joint]).collect();
         Self { clip, frames, lengths, heights, ends, size: clip.height().max(1e-6) }
     }

@@ -31,10 +31,9 @@ pub fn bundle_of(capture: &Capture, files: &Files, name: &str, poses: &[Vec<Vec3
     let positions = poses.iter().flatten().copied().collect();
     let poses = Poses::from_positions(capture.topology.vertex_count(), positions);
     let graph = EssentialGraph::new(DEFAULT_ALPHA, Vec::new(), &timeline).map_err(|error| wrong(&error))?;
-    let driven =
-        Capture::new(&*capture.name, capture.topology.clone(), capture.surface.clone(), timeline, poses)
-            .and_then(|driven| driven.with_file_vertices(capture.vertex_of_file_vertex.clone()))
-            .map_err(|error| wrong(&error))?;
+    let driven = Capture::new(&*capture.name, capture.topology.clone(), capture.surface.clone(), timeline, poses)
+        .and_then(|driven| driven.with_file_vertices(capture.vertex_of_file_vertex.clone()))
+        .map_err(|error| wrong(&error))?;
     let order = elimination_order(&driven.topology);
     let input = BundleInput {
         capture: &driven,

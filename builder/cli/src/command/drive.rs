@@ -221,12 +221,12 @@ fn capture(
 }
 
 fn summary(measures: &Measures, seconds: [f64; 2], output: &str) -> String {
-    let Measures { frames, sole_off_mm, slide_mm, below_mm, volume, .. } = measures;
+    let Measures { frames, sole_off_mm, slide_mm, below_mm, volume, recorded_volume, .. } = measures;
     format!(
         "{output}: {frames} frames in {:.2} s ({:.1} ms each)\n\
          soles that stand: {:.1} mm from the floor on average and {:.1} at most, slide {:.2} mm a frame on average and {:.2} at \
          most; nothing lies more than {below_mm:.1} mm below the floor\n\
-         volume beside the rest pose's: {:.3} on average, {:.3} at least",
+         volume beside that of the recorded frames: {:.3} on average, {:.3} at least (recorded: {:.3} to {:.3})",
         seconds[1],
         1000.0 * seconds[1] / (*frames).max(1) as f64,
         sole_off_mm[0],
@@ -234,6 +234,8 @@ fn summary(measures: &Measures, seconds: [f64; 2], output: &str) -> String {
         slide_mm[0],
         slide_mm[1],
         volume[1],
-        volume[0]
+        volume[0],
+        recorded_volume[0],
+        recorded_volume[1]
     )
 }

@@ -56,7 +56,14 @@ impl FrameTextures {
         let around =
             if around.dimensions() == (width, height) { around } else { RgbaImage::from_pixel(width, height, UNKNOWN) };
         let mask = Mask::clone(&appearance.mask);
-        Ok(Some(Self { material: appearance.material, mask, layers: appearance.layers.clone(), modes, around, worn: None }))
+        Ok(Some(Self {
+            material: appearance.material,
+            mask,
+            layers: appearance.layers.clone(),
+            modes,
+            around,
+            worn: None,
+        }))
     }
 
     /// Width and height in texels.

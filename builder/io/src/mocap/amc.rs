@@ -76,9 +76,10 @@ pub(super) fn read(path: &Path, bytes: &[u8], asf: &Asf, rate: f32) -> Result<Cl
 fn pose(asf: &Asf, joint: usize, numbers: &[f64], degrees: bool, frame: &mut Frame) {
     let angle = |number: f64| if degrees { number.to_radians() } else { number };
     if joint > 0 {
-        let turn = asf.dofs[joint].iter().zip(numbers).fold(DQuat::IDENTITY, |turn, (&axis, &number)| {
-            about(axis, angle(number)) * turn
-        });
+        let turn = asf.dofs[joint]
+            .iter()
+            .zip(numbers)
+            .fold(DQuat::IDENTITY, |turn, (&axis, &number)| about(axis, angle(number)) * turn);
         frame.turns[joint] = asf.axes[joint] * turn * asf.axes[joint].conjugate();
         return;
     }

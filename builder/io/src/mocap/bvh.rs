@@ -139,9 +139,8 @@ fn channels(path: &Path, words: &mut Words, found: &mut Hierarchy, joint: Option
 /// The numbers of all frames, once there are as many as announced.
 fn numbers(path: &Path, hierarchy: &Hierarchy, frames: f64, words: &Words) -> Result<Vec<f64>, MocapError> {
     let (width, rest) = (hierarchy.channels.len(), words.rest());
-    let too_many = |what, count: f64, most| {
-        clip_error(path)(ClipError::TooMany { what, count: count.min(1e15) as usize, most })
-    };
+    let too_many =
+        |what, count: f64, most| clip_error(path)(ClipError::TooMany { what, count: count.min(1e15) as usize, most });
     if frames > MOST_FRAMES as f64 {
         return Err(too_many("frames", frames, MOST_FRAMES));
     }

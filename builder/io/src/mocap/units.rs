@@ -31,13 +31,7 @@ const USUAL: f64 = 1.6;
 const PLAUSIBLE: std::ops::Range<f64> = 0.9..2.4;
 
 /// `clip` in metres, and a sentence where the unit was told from its height.
-pub(super) fn in_metres(
-    clip: Clip,
-    path: &Path,
-    said: Option<f32>,
-    hint: Hint,
-    warnings: &mut Vec<Warning>,
-) -> Clip {
+pub(super) fn in_metres(clip: Clip, path: &Path, said: Option<f32>, hint: Hint, warnings: &mut Vec<Warning>) -> Clip {
     if let Some(unit) = said {
         return clip.scaled(unit);
     }
@@ -51,8 +45,7 @@ pub(super) fn in_metres(
         return clip.scaled(unit as f32);
     }
     let off = |unit: f64| (unit * height.max(1e-9) / USUAL).ln().abs();
-    let (unit, name) =
-        UNITS.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).unwrap_or((1.0, "metres"));
+    let (unit, name) = UNITS.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).unwrap_or((1.0, "metres"));
     let message = format!(
         "{}: lengths are taken for {name}, for the skeleton is then {:.2} m tall (--clip-unit)",
         path.display(),

@@ -77,9 +77,8 @@ fn joints(document: &Document, nodes: &Nodes) -> Result<Vec<usize>, ImportError>
             is_joint[joint.value()] = true;
         }
     }
-    let chosen = |is_joint: &[bool]| -> Vec<usize> {
-        nodes.order().iter().copied().filter(|&node| is_joint[node]).collect()
-    };
+    let chosen =
+        |is_joint: &[bool]| -> Vec<usize> { nodes.order().iter().copied().filter(|&node| is_joint[node]).collect() };
     let found = chosen(&is_joint);
     let is_root = |&&joint: &&usize| !nodes.upwards(joint).skip(1).any(|above| is_joint[above]);
     if found.iter().filter(is_root).count() > 1 {
