@@ -16,13 +16,13 @@
 pub mod body;
 pub mod clip;
 pub mod contacts;
-pub mod examples;
 mod find;
 pub mod foot;
 pub mod frames;
 mod hints;
 pub mod mapping;
 pub mod measure;
+pub mod nearest;
 pub mod plant;
 pub mod pose;
 pub mod posture;

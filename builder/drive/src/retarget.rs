@@ -10,7 +10,8 @@ use crate::clip::{Clip, ClipError};
 use crate::contacts::Contacts;
 use crate::mapping::Mapping;
 use crate::measure::{Measures, measure};
-use crate::plant::{ever_stands, plant};
+use crate::nearest::nearest;
+use crate::plant::{bones, ever_stands, plant};
 use crate::posture::Posture;
 use crate::source::Source;
 use crate::surface::{Surface, SurfaceError};
@@ -58,8 +59,13 @@ pub fn retarget(
         Contacts::find(&way(|p, side| p.legs[side].ankle), &way(|p, side| p.legs[side].ball), fps)
     });
     let planted = plant(body, &postures, &contacts, fps);
-    let surface = Surface::new(body, topology, order, poses);
+    let surface = Surface::new(body, topology, order);
     let driven = surface.deform(&planted)?;
     let measures = measure(body, topology, poses, &driven, &planted);
-    Ok(Driven { poses: driven, nearest: surface.nearest(&planted), stands: ever_stands(&contacts), measures })
+    Ok(Driven {
+        poses: driven,
+        nearest: nearest(body.rig, poses, &bones(body, &planted)),
+        stands: ever_stands(&contacts),
+        measures,
+    })
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use actor::capture::Poses;
 use editing::{Deformer, Rigid, Skin};
 use glam::{Quat, Vec3};
 use kernels::cholesky::{CholeskyError, elimination_order};
@@ -12,9 +11,8 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::body::Body;
-use crate::examples::Examples;
 use crate::foot::Foot;
-use crate::plant::{Flat, Planted, PlantedFrame, Standing, bones};
+use crate::plant::{Flat, Planted, PlantedFrame, Standing};
 
 /// How firmly vertices are kept where skinning puts them, beside the weights of edges.
 const ANCHOR: f32 = 0.05;
@@ -33,7 +31,6 @@ pub struct Surface<'a> {
     body: &'a Body<'a>,
     topology: &'a Topology,
     order: Option<&'a [u32]>,
-    examples: Examples,
     /// Of each foot the share of its toes' bend that each of its vertices takes part in; vertices without any are left out.
     toes: [Vec<(u32, f32)>; 2],
     /// Vertices that belong to feet and shins: what is planted.
@@ -49,19 +46,12 @@ fn held(feet: &[Standing; 2]) -> Held {
 }
 
 impl<'a> Surface<'a> {
-    /// The surface `topology` over `body`, which was recorded in `poses`; `order` is its order of elimination, where known.
+    /// The surface `topology` over `body`; `order` is its order of elimination, where known.
     #[must_use]
-    pub fn new(body: &'a Body<'a>, topology: &'a Topology, order: Option<&'a [u32]>, poses: &'a Poses) -> Self {
+    pub fn new(body: &'a Body<'a>, topology: &'a Topology, order: Option<&'a [u32]>) -> Self {
         let toes = body.legs.each_ref().map(|leg| toes(body, &leg.foot));
-        let examples = Examples::new(body.rig, poses, &body.legs.each_ref().map(|leg| leg.foot.bone));
         let is_low = is_foot(body);
-        Self { body, topology, order, examples, toes, is_low }
-    }
-
-    /// The recorded frame whose bones are turned against each other most as those of all frames are, on average.
-    #[must_use]
-    pub fn nearest(&self, planted: &Planted) -> u32 {
-        self.examples.nearest(self.body.rig, &bones(self.body, planted))
+        Self { body, topology, order, toes, is_low }
     }
 
     /// Vertex positions of all frames in metres. The number of threads changes nothing.
@@ -91,9 +81,9 @@ impl<'a> Surface<'a> {
     fn frame(&self, frame: &PlantedFrame, solver: &mut Solver) -> Result<Vec<Vec3>, SurfaceError> {
         let motions = self.body.motions(&frame.pose);
         let vertices = self.skinned(frame, &motions);
-        let base = self.examples.rest(self.body.rig, &motions);
+        let base = self.body.rig.rest();
         let turns: Vec<Quat> = vertices.iter().map(|motion| motion.rotation).collect();
-        let told: Vec<Vec3> = vertices.iter().zip(&base).map(|(motion, &point)| motion.apply(point) - point).collect();
+        let told: Vec<Vec3> = vertices.iter().zip(base).map(|(motion, &point)| motion.apply(point) - point).collect();
         let standing = held(&frame.feet);
         let patches = self.patches(standing);
         let wanted: Vec<Vec3> =
@@ -101,9 +91,9 @@ impl<'a> Surface<'a> {
         let pins: Vec<u32> = patches.iter().map(|(_, v)| *v).collect();
         let factor = match solver.held.entry(standing) {
             Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(entry) => entry.insert(solver.deformer.hold(self.body.rig.rest(), &pins, ANCHOR)?),
+            Entry::Vacant(entry) => entry.insert(solver.deformer.hold(base, &pins, ANCHOR)?),
         };
-        let moved = solver.deformer.solve(factor, &base, &turns, &told, &wanted)?;
+        let moved = solver.deformer.solve(factor, base, &turns, &told, &wanted)?;
         let mut pose: Vec<Vec3> = base.iter().zip(moved).map(|(point, moved)| *point + moved).collect();
         self.lift(&mut pose);
         Ok(pose)

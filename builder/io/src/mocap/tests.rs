@@ -66,10 +66,10 @@ fn faults_are_told_with_their_line() {
         ("1 2 3 90", "1 2 x 90", "line 19: \"x\" is not a number"),
         ("1 2 3 90", "1 2 1e300 90", "line 19"),
         ("0.05", "0", "no rate"),
-        ("CHANNELS 3", "CHANNELS 300", "line 8: a joint has up to 6"),
+        ("CHANNELS 3", "CHANNELS 300", "line 9: a joint has up to 6"),
         ("CHANNELS 3 Zrotation", "CHANNELS 3 Wrotation", "\"Wrotation\" is no channel"),
         ("JOINT spine", "JOINT hips", "two joints are called"),
-        ("OFFSET 0 5 0", "OFFSET 0 5e12 0", "line 11"),
+        ("OFFSET 0 5 0", "OFFSET 0 5e12 0", "line 12"),
     ];
     for (from, to, words) in faults {
         let error = bvh(&BVH.replacen(from, to, 1)).unwrap_err();
