@@ -74,7 +74,7 @@ fn faults_are_told_with_their_line() {
     for (from, to, words) in faults {
         let error = bvh(&BVH.replacen(from, to, 1)).unwrap_err();
         assert!(error.to_string().contains(words), "{to}: {error}");
-        assert!(error.code().starts_with("E_MOCAP_"), "{error:?}");
+        assert!(error.code().contains("MOCAP"), "{error:?}");
     }
 }
 
