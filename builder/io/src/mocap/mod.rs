@@ -17,9 +17,6 @@ mod skeleton;
 mod units;
 mod words;
 
-#[cfg(test)]
-mod tests;
-
 use std::fs;
 use std::path::Path;
 
@@ -141,3 +138,6 @@ fn bytes(path: &Path) -> Result<Vec<u8>, MocapError> {
     }
     fs::read(path).map_err(io)
 }
+
+#[cfg(test)]
+mod tests;
