@@ -86,7 +86,7 @@ fn squat() -> String {
 fn the_performer_squats_and_its_soles_stay() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
-    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "2500", "--texture-size", "64", "-q"];
+    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "2500", "--texture-size", "128", "-q"];
     done(&builder(folder, &performer));
     fs::write(folder.join("squat.bvh"), squat()).unwrap();
 
