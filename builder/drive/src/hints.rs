@@ -10,7 +10,7 @@ pub fn side(name: &str) -> Option<usize> {
         return Some(usize::from(lower.contains("right")));
     }
     let words = lower.split(|c: char| !c.is_ascii_alphanumeric());
-    if let Some(word) = words.filter(|word| matches!(*word, "l" | "r")).last() {
+    if let Some(word) = words.rev().find(|word| matches!(*word, "l" | "r")) {
         return Some(usize::from(word == "r"));
     }
     // "lfemur", "RHipJoint", "L_Thigh".
