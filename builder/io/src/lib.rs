@@ -1,5 +1,6 @@
-//! Captures from files ([`import`]) and frames to files ([`export`]).
+//! Captures and motion capture from files ([`import`], [`mocap`]) and frames to files ([`export`]).
 
 pub mod export;
 pub mod import;
+pub mod mocap;
 mod png;

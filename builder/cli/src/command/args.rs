@@ -38,6 +38,8 @@ pub enum Command {
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
     Direct(DirectArguments),
+    /// Have an actor do what a clip of motion capture shows, and write its frames, or a capture with them beside the recorded ones.
+    Drive(DriveArguments),
     /// Estimate a rig from how a capture's surface moves: bones, joints and weights.
     Rig(RigArguments),
     /// Tell what a bundle or an input holds.
@@ -410,6 +412,72 @@ pub struct DirectArguments {
     #[arg(long, default_value_t = 512, value_name = "MB", value_parser = clap::value_parser!(u64).range(0..=65_536))]
     pub glb_textures: u64,
     /// Print an object with the walk and what it reaches on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `builder drive`.
+#[derive(Debug, Args)]
+pub struct DriveArguments {
+    /// The clip: a .bvh file, an .asf file with an .amc file (`02.asf+02_01.amc`), or a .glb or .gltf file with a skin.
+    #[arg(value_name = "CLIP")]
+    pub clip: String,
+    /// Who does it: a bundle, or a capture as `pack` takes it.
+    #[arg(long, value_name = "ACTOR")]
+    pub actor: String,
+    /// How an actor that is not a bundle is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Where frames go: `walk.glb`, a pattern such as `walk/%05d.obj` (or .ply, .png), or a new folder for a capture that has
+    /// them as one more sequence.
+    #[arg(long, short, value_name = "OUT")]
+    pub output: String,
+    /// Pack that capture, too, into this bundle.
+    #[arg(long, value_name = "FILE")]
+    pub into: Option<PathBuf>,
+    /// Where results of packing last.
+    #[command(flatten)]
+    pub work: WorkFolderArgument,
+    /// Name of the sequence; the clip's by default.
+    #[arg(long = "as", value_name = "NAME")]
+    pub sequence: Option<String>,
+    /// Behaviours that the sequence shows.
+    #[arg(long, value_delimiter = ',', value_name = "LABELS")]
+    pub labels: Vec<String>,
+    /// A TOML file that says which joint is which where that is not found: [joints] hip_l = "LeftUpLeg".
+    #[arg(long, value_name = "FILE")]
+    pub mapping: Option<PathBuf>,
+    /// A TOML file to write, with the joints that were found.
+    #[arg(long, value_name = "FILE")]
+    pub write_mapping: Option<PathBuf>,
+    /// A TOML or JSON file that corrects the actor's rig, as `builder rig --toml` writes it.
+    #[arg(long, value_name = "FILE")]
+    pub rig: Option<PathBuf>,
+    /// Frames a second of the clip, instead of what it says; AMC files say nothing and are taken for 120.
+    #[arg(long, value_name = "RATE")]
+    pub rate: Option<f32>,
+    /// Metres per unit of the clip; told from the skeleton's height where not given.
+    #[arg(long, value_name = "METRES")]
+    pub clip_unit: Option<f32>,
+    /// The axis that points up in the clip.
+    #[arg(long, value_enum, default_value = "y", value_name = "AXIS")]
+    pub clip_up: UpAxis,
+    /// Which clip of a glTF file; the first by default.
+    #[arg(long, value_name = "NAME")]
+    pub take: Option<String>,
+    /// Keep a first frame that is no motion but the pose in which the skeleton was bound.
+    #[arg(long)]
+    pub keep_first: bool,
+    /// Write only every so many frames; of a capture all are written.
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub every: u32,
+    /// Width and height of pictures in pixels.
+    #[arg(long, default_value = "720x720", value_name = "SIZE", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Seconds in which the camera of pictures turns once about the actor.
+    #[arg(long, default_value = "8s", value_name = "DURATION", value_parser = parse_seconds)]
+    pub turn: f64,
+    /// Print an object with what was measured on stdout.
     #[arg(long)]
     pub json: bool,
 }

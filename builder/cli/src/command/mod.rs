@@ -3,6 +3,9 @@
 mod args;
 mod asked;
 mod direct;
+mod drive;
+mod drive_actor;
+mod drive_capture;
 #[cfg(feature = "complete")]
 mod evaluate;
 mod failure;
@@ -69,6 +72,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Vary(arguments) => vary::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
+        Command::Drive(arguments) => drive::run(arguments, &terminal),
         Command::Rig(arguments) => rig::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments, &terminal),

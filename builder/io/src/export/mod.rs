@@ -102,6 +102,13 @@ impl Actor {
         })
     }
 
+    /// All frames wear what the recorded `frame` wears, whatever their numbers.
+    pub fn wear(&mut self, frame: u32) {
+        if let Some(textures) = &mut self.textures {
+            textures.worn = Some(frame);
+        }
+    }
+
     /// Positions of the drawn mesh's corners of a pose over welded vertices.
     #[must_use]
     pub fn corners(&self, pose: &[Vec3]) -> Vec<Vec3> {

@@ -26,6 +26,8 @@ pub(super) struct FrameTextures {
     modes: [Vec<Mode>; 2],
     /// What is around the texels that show the actor: of the static texture.
     around: RgbaImage,
+    /// The recorded frame whose texture all frames wear, whatever their numbers.
+    pub worn: Option<u32>,
 }
 
 impl FrameTextures {
@@ -54,7 +56,14 @@ impl FrameTextures {
         let around =
             if around.dimensions() == (width, height) { around } else { RgbaImage::from_pixel(width, height, UNKNOWN) };
         let mask = Mask::clone(&appearance.mask);
-        Ok(Some(Self { material: appearance.material, mask, layers: appearance.layers.clone(), modes, around }))
+        Ok(Some(Self {
+            material: appearance.material,
+            mask,
+            layers: appearance.layers.clone(),
+            modes,
+            around,
+            worn: None,
+        }))
     }
 
     /// Width and height in texels.
@@ -64,6 +73,9 @@ impl FrameTextures {
 
     /// The texture of a frame of a walk. Within a transition coefficients are interpolated as the shape is.
     pub fn of_frame(&self, kind: FrameKind) -> RgbaImage {
+        if let Some(frame) = self.worn {
+            return self.between(frame, frame, 0.0);
+        }
         match kind {
             FrameKind::Recorded { frame } => self.between(frame, frame, 0.0),
             FrameKind::Synthetic { lambda, source_frame, destination_frame, .. } => {

@@ -97,6 +97,8 @@ use actor::files::Files;
 use glam::DVec3;
 
 pub use self::error::ImportError;
+#[cfg(feature = "gltf")]
+pub(crate) use self::gltf::Skeleton;
 pub use self::manifest::UpAxis;
 pub use self::scans::{ScannedFrame, ScannedSequence, ScannedTexture, Scans, scans};
 pub use self::scratch::Scratch;

@@ -138,6 +138,11 @@ impl Nodes {
         self.down(false, |&mirrored, node| mirrored != transforms[node].mirrors())
     }
 
+    /// All nodes, every parent before its children.
+    pub fn order(&self) -> &[usize] {
+        &self.order
+    }
+
     /// The node and all above it, from below.
     pub fn upwards(&self, node: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(node), |&node| self.parent.get(node).copied().flatten())

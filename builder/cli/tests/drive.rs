@@ -1,0 +1,138 @@
+//! `builder drive`: the built-in performer does what a stick figure does.
+#![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn builder(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_builder")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn done(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// A joint: its name, offset in centimetres, and what hangs on it.
+struct Joint(&'static str, [f32; 3], Vec<Joint>);
+
+fn skeleton() -> Joint {
+    let leg = |side: f32, names: [&'static str; 4]| {
+        let toes = Joint(names[3], [0.0, -6.0, 13.0], vec![Joint("", [0.0, 0.0, 7.0], vec![])]);
+        let shin = Joint(names[1], [0.0, -42.0, 0.0], vec![Joint(names[2], [0.0, -41.0, 0.0], vec![toes])]);
+        Joint(names[0], [9.0 * side, -4.0, 0.0], vec![shin])
+    };
+    let arm = |side: f32, names: [&'static str; 3]| {
+        let hand = Joint(names[2], [25.0 * side, 0.0, 0.0], vec![Joint("", [18.0 * side, 0.0, 0.0], vec![])]);
+        Joint(names[0], [17.0 * side, 20.0, 0.0], vec![Joint(names[1], [29.0 * side, 0.0, 0.0], vec![hand])])
+    };
+    let head = Joint("g", [0.0, 28.0, 0.0], vec![Joint("", [0.0, 22.0, 0.0], vec![])]);
+    let chest = Joint("f", [0.0, 22.0, 0.0], vec![head, arm(1.0, ["h", "i", "j"]), arm(-1.0, ["k", "l", "m"])]);
+    Joint("a", [0.0; 3], vec![leg(-1.0, ["n", "o", "p", "q"]), leg(1.0, ["b", "c", "d", "e"]), chest])
+}
+
+fn hierarchy(joint: &Joint, depth: usize, text: &mut String, order: &mut Vec<&'static str>) {
+    let Joint(name, [x, y, z], children) = joint;
+    match (name.is_empty(), depth) {
+        (true, _) => writeln!(text, "End Site").unwrap(),
+        (false, 0) => writeln!(text, "ROOT {name}").unwrap(),
+        (false, _) => writeln!(text, "JOINT {name}").unwrap(),
+    }
+    writeln!(text, "{{\nOFFSET {x} {y} {z}").unwrap();
+    if !name.is_empty() {
+        order.push(name);
+        let places = if depth == 0 { "6 Xposition Yposition Zposition" } else { "3" };
+        writeln!(text, "CHANNELS {places} Zrotation Yrotation Xrotation").unwrap();
+    }
+    children.iter().for_each(|child| hierarchy(child, depth + 1, text, order));
+    writeln!(text, "}}").unwrap();
+}
+
+/// A stick figure, with joints without telling names, that squats and raises its left arm; the first frame is a T-pose.
+fn squat() -> String {
+    let (mut text, mut order) = (String::from("HIERARCHY\n"), Vec::new());
+    hierarchy(&skeleton(), 0, &mut text, &mut order);
+    let frames = 40;
+    writeln!(text, "MOTION\nFrames: {}\nFrame Time: 0.0333333", frames + 1).unwrap();
+    for frame in 0..=frames {
+        let u = if frame == 0 { 0.0 } else { 0.5 - 0.5 * (0.157 * (frame - 1) as f32).cos() };
+        let bend = (40.0 * u).to_radians();
+        let height = 4.0 + 6.0 + 83.0 * bend.cos();
+        write!(text, "0 {height} 0").unwrap();
+        for name in &order {
+            let [z, y, x] = match *name {
+                _ if frame == 0 => [0.0; 3],
+                "b" | "n" => [0.0, 0.0, -bend.to_degrees()],
+                "c" | "o" => [0.0, 0.0, 2.0 * bend.to_degrees()],
+                "d" | "p" => [0.0, 0.0, -bend.to_degrees()],
+                "h" => [-75.0 + 140.0 * u, 0.0, 0.0],
+                "k" => [75.0, 0.0, 0.0],
+                "i" => [0.0, -20.0, 0.0],
+                "l" => [0.0, 20.0, 0.0],
+                _ => [0.0; 3],
+            };
+            write!(text, " {z} {y} {x}").unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn the_performer_squats_and_its_soles_stay() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "2500", "--texture-size", "128", "-q"];
+    done(&builder(folder, &performer));
+    fs::write(folder.join("squat.bvh"), squat()).unwrap();
+
+    let drive = ["drive", "squat.bvh", "--actor", "p", "-o", "more", "--json", "--write-mapping", "m.toml"];
+    let report: Value = serde_json::from_str(&done(&builder(folder, &drive))).unwrap();
+    let mapping = &report["mapping"]["joints"];
+    let roles = [("hip_l", "b"), ("knee_r", "o"), ("ankle_l", "d"), ("ball_r", "q"), ("head", "g"), ("elbow_l", "i")];
+    roles.iter().for_each(|(role, joint)| assert_eq!(mapping[role], *joint, "{role}"));
+    let codes: Vec<&str> = report["warnings"].as_array().unwrap().iter().filter_map(|w| w["code"].as_str()).collect();
+    assert_eq!(codes, ["W_MOCAP_UNIT", "W_MOCAP_FIRST"]);
+    let number = |name: &str, at: usize| report["measures"][name][at].as_f64().unwrap();
+    assert!(report["measures"]["standing"].as_f64().unwrap() > 0.9, "{report}");
+    assert!(number("sole_off_mm", 1) < 10.0 && number("slide_mm", 1) < 1.0, "{report}");
+    assert!(number("volume", 0) > 0.8, "{report}");
+
+    // The capture has one sequence more, of the same mesh.
+    let inspected: Value = serde_json::from_str(&done(&builder(folder, &["inspect", "more", "--json"]))).unwrap();
+    let names = inspected["sequences"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned());
+    assert_eq!(names.last().unwrap(), "squat", "{inspected}");
+
+    // The number of threads changes nothing; the mapping that was written says the same.
+    let again = ["drive", "squat.bvh", "--actor", "p", "-o", "again", "--mapping", "m.toml", "--threads", "1", "-q"];
+    done(&builder(folder, &again));
+    for frame in ["00000", "00020"] {
+        let file = |folder_of: &str| fs::read(folder.join(format!("{folder_of}/frames/{frame}.ply"))).unwrap();
+        assert!(file("more") == file("again"), "{frame}");
+    }
+    done(&builder(folder, &["drive", "squat.bvh", "--actor", "p", "-o", "s.glb", "--every", "20", "-q"]));
+    assert!(fs::metadata(folder.join("s.glb")).unwrap().len() > 10_000);
+}
+
+#[test]
+fn what_cannot_be_driven_is_refused() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    fs::write(folder.join("a.bvh"), squat()).unwrap();
+    fs::write(folder.join("m.toml"), "[joints]\nhip_l = \"nobody\"\n").unwrap();
+    let refused = |arguments: &[&str], code: i32, words: &str| {
+        let output = builder(folder, arguments);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        assert!(told.contains(words), "{told}");
+    };
+    refused(&["drive", "a.bvh", "--actor", "p", "-o", "a.glb", "--mapping", "m.toml"], 1, "no joint \"nobody\"");
+    refused(&["drive", "a.amc", "--actor", "p", "-o", "a.glb"], 1, "its skeleton (.asf) is missing");
+    refused(&["drive", "a.bvh", "--actor", "p", "-o", "a.xyz"], 2, "-o names walk.glb");
+    refused(&["drive", "a.bvh", "--actor", "p", "-o", "a.glb", "--into", "b.reprise"], 2, "--into packs a capture");
+    refused(&["drive", "a.bvh", "--actor", "p", "-o", "a.glb"], 1, "p");
+}

@@ -1,0 +1,251 @@
+//! Which joints of a skeleton are which, from its shape and how it stands; names help where that leaves a choice.
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+
+use crate::clip::Clip;
+use crate::hints;
+use crate::role::Role;
+use crate::tree::Tree;
+
+/// Shares of the height of thigh, shin, upper arm and forearm.
+const THIGH: f32 = 0.246;
+const SHIN: f32 = 0.243;
+const UPPER_ARM: f32 = 0.172;
+const FOREARM: f32 = 0.15;
+/// What a fitting name is worth beside shares of the height.
+const HINT: f32 = 0.05;
+/// Ends that are looked at for feet, and for heads and hands.
+const MOST_ENDS: usize = 48;
+/// Ways with more joints are no limbs.
+const LONGEST_WAY: usize = 40;
+
+type Joints = BTreeMap<Role, usize>;
+
+/// The joints that are found in `clip`; none where it has no two legs.
+#[must_use]
+pub fn found(clip: &Clip) -> Joints {
+    let tree = Tree::new(clip);
+    let mut joints = Joints::new();
+    let Some((pelvis, feet)) = feet(&tree) else { return joints };
+    let legs = feet.map(|foot| leg(&tree, pelvis, foot));
+    let [Some(first), Some(second)] = legs else { return joints };
+    joints.insert(Role::Pelvis, pelvis);
+    let left_is_first = left_is_first(&tree, &first, &second);
+    let sided = if left_is_first { [&first, &second] } else { [&second, &first] };
+    for (leg, roles) in sided.iter().zip(Role::LEGS) {
+        joints.extend(roles.into_iter().zip(leg.iter().copied()));
+    }
+    let across = (sided[0][0], sided[1][0]);
+    upper_body(&mut joints, &tree, pelvis, feet, across);
+    joints
+}
+
+/// Chest, arms and head.
+fn upper_body(joints: &mut Joints, tree: &Tree, pelvis: usize, feet: [usize; 2], across: (usize, usize)) {
+    let Upper { head, arms } = upper(tree, pelvis, feet);
+    let mut top = pelvis;
+    if let Some((chest, hands)) = arms {
+        let height = height(tree, joints);
+        let arms = hands.map(|hand| arm(tree, chest, hand, height));
+        if let [Some(first), Some(second)] = arms {
+            joints.insert(Role::Chest, chest);
+            top = chest;
+            let sided = if is_left(tree, first[0], second[0], across) { [first, second] } else { [second, first] };
+            for (arm, roles) in sided.iter().zip(Role::ARMS) {
+                joints.extend(roles.into_iter().zip(arm.iter().copied()));
+            }
+        }
+    }
+    if let Some(head) = head {
+        let way = tree.way(top, head);
+        let named = way[1..].iter().copied().find(|&joint| hints::fit(tree.name(joint), Role::Head) > 0.0);
+        let last = way.iter().rev().nth(1).copied().filter(|&joint| joint != top);
+        if let Some(joint) = named.or(last).or(Some(head)).filter(|&joint| joint != top) {
+            joints.insert(Role::Head, joint);
+        }
+    }
+}
+
+/// The two feet's ends, and where the legs meet.
+fn feet(tree: &Tree) -> Option<(usize, [usize; 2])> {
+    let mut ends = tree.ends.clone();
+    ends.sort_by(|&a, &b| tree.heights[a].total_cmp(&tree.heights[b]).then(a.cmp(&b)));
+    ends.truncate(MOST_ENDS);
+    let lowest = ends.first().map(|&end| tree.heights[end])?;
+    let mut best: Option<(f32, usize, [usize; 2])> = None;
+    for (k, &a) in ends.iter().enumerate() {
+        for &b in &ends[..k] {
+            let way = tree.way(a, b);
+            let Some(&meet) = way.iter().min() else { continue };
+            let lengths = [a, b].map(|end| tree.length(&tree.way(meet, end)) / tree.size);
+            let is_other = |end: usize| tree.way(meet, end)[1..].iter().any(|&joint| !is_leg(tree.name(joint)));
+            if is_other(a) || is_other(b) {
+                continue;
+            }
+            if lengths.iter().any(|&length| length < 0.3) || [a, b].iter().any(|&e| tree.way(meet, e).len() < 4) {
+                continue;
+            }
+            let heights = (tree.heights[a] + tree.heights[b] - 2.0 * lowest) / tree.size;
+            let badness = heights + 2.0 * (lengths[0] - lengths[1]).abs() - 0.1 * (lengths[0] + lengths[1]);
+            if best.is_none_or(|(least, ..)| badness < least) {
+                best = Some((badness, meet, [b, a]));
+            }
+        }
+    }
+    best.map(|(_, meet, feet)| (meet, feet))
+}
+
+/// Whether a name may be of a leg.
+fn is_leg(name: &str) -> bool {
+    !hints::is_helper(name) && !hints::is_arm(name)
+}
+
+/// What is above the legs.
+struct Upper {
+    head: Option<usize>,
+    /// Where the arms meet, and their ends.
+    arms: Option<(usize, [usize; 2])>,
+}
+
+fn upper(tree: &Tree, pelvis: usize, feet: [usize; 2]) -> Upper {
+    let legs: Vec<usize> = feet.iter().filter_map(|&foot| tree.way(pelvis, foot).get(1).copied()).collect();
+    let is_free = |end: usize| {
+        let way = tree.way(pelvis, end);
+        let is_body = |joint: &usize| !legs.contains(joint) && !hints::is_helper(tree.name(*joint));
+        way.len() > 1 && way[1..].iter().all(is_body)
+    };
+    let mut ends: Vec<usize> = tree.ends.iter().copied().filter(|&end| is_free(end)).collect();
+    ends.sort_by(|&a, &b| tree.heights[b].total_cmp(&tree.heights[a]).then(a.cmp(&b)));
+    ends.truncate(MOST_ENDS);
+    let mut best: Option<(f32, usize, usize, [usize; 2])> = None;
+    for &head in ends.iter().take(6) {
+        for (k, &a) in ends.iter().enumerate() {
+            for &b in &ends[..k] {
+                if a == head || b == head {
+                    continue;
+                }
+                let chest = tree.fork(a, b, head);
+                let ways = [a, b].map(|end| tree.way(chest, end));
+                let lengths = ways.each_ref().map(|way| tree.length(way) / tree.size);
+                let own = tree.length(&tree.way(chest, head)) / tree.size;
+                let is_trunk = chest == a || chest == b || chest == head || ways.iter().any(|way| way.len() < 4);
+                let is_below = tree.heights[chest] < tree.heights[pelvis] - 0.02 * tree.size;
+                if is_trunk || is_below || lengths.iter().any(|&length| length < 0.2) {
+                    continue;
+                }
+                let heights = (tree.heights[a] - tree.heights[b]).abs() / tree.size;
+                let rise = (tree.heights[head] - tree.heights[chest]) / tree.size;
+                let badness =
+                    2.0 * (lengths[0] - lengths[1]).abs() + 0.5 * heights - 0.3 * (lengths[0] + lengths[1]) - rise
+                        + own
+                        - hints::fit(tree.name(head), Role::Head).max(0.0)
+                        + if hints::is_arm(tree.name(head)) { 1.0 } else { 0.0 }
+                        + if chest == pelvis { 0.2 } else { 0.0 };
+                if best.is_none_or(|(least, ..)| badness < least) {
+                    best = Some((badness, head, chest, [b, a]));
+                }
+            }
+        }
+    }
+    match best {
+        Some((_, head, chest, hands)) => Upper { head: Some(head), arms: Some((chest, hands)) },
+        None => Upper { head: ends.first().copied(), arms: None },
+    }
+}
+
+/// Hip, knee, ankle and ball on the way to a foot's end.
+fn leg(tree: &Tree, pelvis: usize, foot: usize) -> Option<Vec<usize>> {
+    let way = tree.way(pelvis, foot);
+    if way.len() > LONGEST_WAY {
+        return None;
+    }
+    let mut best: Option<(f32, Vec<usize>)> = None;
+    for hip in 1..way.len() {
+        for knee in hip + 1..way.len() {
+            for ankle in knee + 1..way.len() {
+                let whole = tree.length(&way[hip..]).max(1e-6);
+                let share = |from: usize, to: usize| tree.length(&way[from..=to]) / whole;
+                let hint = |at: usize, role| HINT * hints::fit(tree.name(way[at]), role);
+                let reach = THIGH + SHIN;
+                // Of the leg to the toes' tips, which is as long as thigh, shin and a fifth of the leg.
+                let off =
+                    (share(hip, knee) - 0.82 * THIGH / reach).abs() + (share(knee, ankle) - 0.82 * SHIN / reach).abs();
+                let first = tree.length(&way[..=hip]);
+                let apart = if first < 0.01 * tree.size { 0.3 } else { first / tree.size };
+                let hints = hint(hip, Role::HipL) + hint(knee, Role::KneeL) + hint(ankle, Role::AnkleL);
+                let badness = off + 0.5 * apart - hints;
+                if best.as_ref().is_none_or(|(least, _)| badness < *least) {
+                    let ball = way[ankle + 1..]
+                        .iter()
+                        .copied()
+                        .find(|&j| tree.length(&tree.way(way[ankle], j)) > 0.02 * tree.size);
+                    best = Some((badness, [way[hip], way[knee], way[ankle]].into_iter().chain(ball).collect()));
+                }
+            }
+        }
+    }
+    best.map(|(_, leg)| leg)
+}
+
+/// The height of whom these legs would belong to.
+fn height(tree: &Tree, joints: &BTreeMap<Role, usize>) -> f32 {
+    let leg = |roles: [Role; 4]| {
+        let [Some(&hip), Some(&ankle)] = [joints.get(&roles[0]), joints.get(&roles[2])] else { return tree.size };
+        tree.length(&tree.way(hip, ankle)) / (THIGH + SHIN)
+    };
+    0.5 * (leg(Role::LEGS[0]) + leg(Role::LEGS[1]))
+}
+
+/// Shoulder, elbow and wrist on the way to a hand's end.
+fn arm(tree: &Tree, chest: usize, hand: usize, height: f32) -> Option<Vec<usize>> {
+    let way = tree.way(chest, hand);
+    if way.len() > LONGEST_WAY {
+        return None;
+    }
+    let mut best: Option<(f32, [usize; 3])> = None;
+    for shoulder in 1..way.len() {
+        for elbow in shoulder + 1..way.len() {
+            for wrist in elbow + 1..way.len() {
+                let share = |from: usize, to: usize| tree.length(&way[from..=to]) / height.max(1e-6);
+                let hint = |at: usize, role| HINT * hints::fit(tree.name(way[at]), role);
+                let off = (share(shoulder, elbow) - UPPER_ARM).abs() + (share(elbow, wrist) - FOREARM).abs();
+                let hints = hint(shoulder, Role::ShoulderL) + hint(elbow, Role::ElbowL) + hint(wrist, Role::WristL);
+                if best.is_none_or(|(least, _)| off - hints < least) {
+                    best = Some((off - hints, [way[shoulder], way[elbow], way[wrist]]));
+                }
+            }
+        }
+    }
+    best.map(|(_, arm)| arm.to_vec())
+}
+
+/// Whether the first leg is the left one: of where the feet point. Names decide where feet say little.
+fn left_is_first(tree: &Tree, first: &[usize], second: &[usize]) -> bool {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for &frame in &tree.frames {
+        let at = tree.clip().positions(frame);
+        let toes = |leg: &[usize]| leg.get(3).map_or(Vec3::ZERO, |&ball| at[ball] - at[leg[2]]);
+        let ahead = toes(first) + toes(second);
+        let across = at[first[0]] - at[second[0]];
+        // Up times forward is left.
+        let left = Vec3::new(ahead.z, 0.0, -ahead.x);
+        sum += left.dot(across);
+        all += left.length() * across.length();
+    }
+    if sum.abs() > 0.3 * all && all > 0.0 {
+        return sum > 0.0;
+    }
+    let told = first.iter().find_map(|&joint| hints::side(tree.name(joint)));
+    told.map_or(sum >= 0.0, |side| side == 0)
+}
+
+/// Whether `first` is more to the left than `second`, from the right hip to the left one.
+fn is_left(tree: &Tree, first: usize, second: usize, (left, right): (usize, usize)) -> bool {
+    let dot = |&frame: &usize| {
+        let at = tree.clip().positions(frame);
+        (at[first] - at[second]).dot(at[left] - at[right])
+    };
+    tree.frames.iter().map(dot).sum::<f32>() >= 0.0
+}
