@@ -95,14 +95,14 @@ impl Varied {
 }
 
 /// Poses of a source with variety.
-pub struct VariedPoses<S> {
+pub struct VariedPoses<'a, S> {
     /// The recording.
-    pub recorded: S,
+    pub recorded: &'a mut S,
     /// What is shown of it.
     pub varied: Varied,
 }
 
-impl<S: PoseSource> PoseSource for VariedPoses<S> {
+impl<S: PoseSource> PoseSource for VariedPoses<'_, S> {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
         self.recorded.read(frame, pose)?;
         self.varied.add(frame, pose);

@@ -360,6 +360,10 @@ pub struct DirectArguments {
     /// What a frame's duration costs: 0.01 for smooth ways, 0.2 for quick ones; as the actor was packed, if not given.
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true)]
     pub quickness: Option<f64>,
+    /// How much what was recorded varies, where the actor has alternatives of it: from 0, as recorded, to 1. Not with --edits or
+    /// --sequence.
+    #[arg(long, default_value_t = 1.0, value_name = "AMOUNT")]
+    pub variety: f32,
     /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,
