@@ -4,7 +4,7 @@
  * Frames are counted over the whole capture, from 0; `info.sequences` tells where each sequence begins. Times are in
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
- * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `quickness`, `camera`,
+ * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `quickness`, `variety`, `camera`,
  * `originals`, `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
  * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
  * `--reprise-background`, `--reprise-font`.
@@ -32,6 +32,8 @@ export class ReprisePlayer extends HTMLElement {
   speed: number;
   /** What a frame costs when ways are planned, from 0.01 (smooth) to 0.2 (quick); null: as the actor was packed. */
   quickness: number | null;
+  /** How much recorded stretches vary where the actor has alternatives: 0 is as recorded, 1 (the default) as they were made. */
+  variety: number;
   /**
    * The first view, and the one that a double click goes back to: `45deg 10deg 1.5` is the angle about the actor, the
    * angle above the ground, and the distance, 1 being that from which all of the actor is seen.
@@ -323,6 +325,8 @@ export interface PlayerState {
   heading: number;
   /** Median time to make a synthetic frame, in milliseconds. */
   synthesis_ms: number;
+  /** Which alternative of the recorded stretch is shown, from 1; none where it is as recorded. */
+  alternative?: number;
 }
 
 /** What an `error` event, or an error that a method throws, is about. */

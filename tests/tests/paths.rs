@@ -19,8 +19,8 @@ use kernels::align::{Placement, centre_of_mass};
 use performer::{PerformerOptions, write_performer};
 use reprise::pack::{PackOptions, pack};
 use search::{
-    Answer, Curve, Direction, FrameRef, Goal, PathRequest, PlaceRequest, Progress, Request, Scene, SearchGraph, Shape, Start,
-    Target,
+    Answer, Curve, Direction, FrameRef, Goal, PathRequest, PlaceRequest, Progress, Request, Scene, SearchGraph, Shape,
+    Start, Target,
 };
 use synthesis::Synthesiser;
 
@@ -316,7 +316,13 @@ fn poses_are_taken_at_places() {
         let (x, z) = (random.range(-3.0, 3.0), random.range(-3.0, 3.0));
         let heading = random.range(-3.0, 3.0);
         let pose = main[random.below(main.len())];
-        let place = PlaceRequest { x, z, heading: Some(heading), pose: Some(FrameRef::Number(pose)), ..PlaceRequest::default() };
+        let place = PlaceRequest {
+            x,
+            z,
+            heading: Some(heading),
+            pose: Some(FrameRef::Number(pose)),
+            ..PlaceRequest::default()
+        };
         let answer = actor.ask(Some(start), Target::Place(place));
         assert_eq!(answer.end_frame, pose);
         let walked = actor.walk(&answer);

@@ -27,6 +27,15 @@ export class AttributeElement extends Base {
   set quickness(value) {
     reflect(this, 'quickness', value);
   }
+
+  get variety() {
+    const variety = Number(this.getAttribute('variety') ?? 1);
+    return Number.isFinite(variety) ? Math.min(1, Math.max(0, variety)) : 1;
+  }
+
+  set variety(value) {
+    reflect(this, 'variety', value);
+  }
 }
 
 const DEGREE = Math.PI / 180;

@@ -16,7 +16,7 @@ import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
 
 export class ReprisePlayer extends AttributeElement {
-  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool', 'quickness'];
+  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool', 'quickness', 'variety'];
 
   #core = null;
   #actions = null;
@@ -92,6 +92,7 @@ export class ReprisePlayer extends AttributeElement {
     else if (name === 'tool') this.#core.toolbox.choose(this.tool);
     else if (name === 'camera') this.#aim();
     else if (name === 'quickness') this.#core.toolbox.hurry();
+    else if (name === 'variety') this.#core.toolbox.vary();
     else this.#applyOptions();
   }
 

@@ -36,6 +36,7 @@ export class Facts {
     this.row('transitions', walk ? String(walk.transitions) : '–');
     this.group('Actor');
     this.row('frame', String(Math.round(state.frame)));
+    if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'Which variation of the recorded stretch is shown');
     this.row('surface', `${info.vertices.toLocaleString('en')} vertices, ${info.triangles.toLocaleString('en')} triangles`);
     this.row('capture', `${info.frames.toLocaleString('en')} frames at ${figure(info.fps).replace(/\.?0+$/, '')} a second`);
     this.row('essential graph', `${info.transitions.toLocaleString('en')} transitions`, 'Edges that lie on a shortest path, consecutive frames not counted');

@@ -1,11 +1,12 @@
 //! Motion that is learned from a capture: other ways through what was recorded.
 //!
 //! ```text
-//! body (its own frame) -> numbers (a row a frame) -> learn::gpdm, learn::stretch -> vary (rows back to poses) -> hold (feet)
+//! body (its own frame) -> numbers (a row a frame) -> learn::gpdm, learn::stretch -> vary (rows back to poses) -> hold (feet) -> alternatives
 //! ```
 //!
 //! Thesis chapter 6, with what it takes to work on real captures (docs/learning.md). Knows no file.
 
+pub mod alternatives;
 pub mod body;
 pub mod hold;
 pub mod numbers;

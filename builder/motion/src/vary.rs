@@ -33,7 +33,7 @@ const SHAKES: f64 = 1.04;
 /// Samples come in and go out over so many learned frames.
 const RAMP: f64 = 5.0;
 /// Ways in which a sequence is cut into stretches: frames that are held in one are free in the other.
-const CUTS: usize = 2;
+pub(crate) const CUTS: usize = 2;
 /// A place that is farther than this from all that was seen, in mean steps, is rejected.
 const FAR: f64 = 3.0;
 /// A sample's way may be so much shorter or longer than the recorded one.
@@ -235,6 +235,12 @@ fn softened(recorded: &Matrix, sample: &Matrix, deviation: f64) -> Vec<Vec<f64>>
 }
 
 impl Varied {
+    /// The frames of the sequence that is varied.
+    #[must_use]
+    pub fn frames(&self) -> Range<u32> {
+        self.frames.clone()
+    }
+
     /// The poses of variation `number`, one for each frame of the sequence.
     #[must_use]
     pub fn poses(&self, number: usize, poses: &Poses, feet: &Feet) -> Vec<Vec<Vec3>> {

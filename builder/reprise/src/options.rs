@@ -47,6 +47,8 @@ pub struct Variations {
     pub sequences: Vec<String>,
     /// How they are varied.
     pub options: VaryOptions,
+    /// Whether they become sequences of their own, with transitions, instead of alternatives of recorded stretches.
+    pub as_sequences: bool,
 }
 
 /// What becomes of textures that change from frame to frame.

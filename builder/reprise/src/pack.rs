@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
 use actor::graph::EssentialGraph;
@@ -9,7 +10,7 @@ use actor::timeline::Timeline;
 use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
-use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, default_max_error};
+use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, default_max_error};
 use capture_io::import::{self, Warning};
 use editing::StoredRig;
 use job::{Job, memory};
@@ -30,7 +31,7 @@ use crate::registered::RegisteredScan;
 pub use crate::rigged::RigSummary;
 use crate::rigged::stored_rig;
 #[cfg(feature = "variations")]
-use crate::vary::add_variations;
+use crate::vary::{AlternativesSummary, add_sequences, alternatives, learn};
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -50,6 +51,10 @@ pub struct PackReport {
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variations: Vec<crate::vary::VariedSequence>,
+    /// What came of storing them as alternatives of recorded stretches.
+    #[cfg(feature = "variations")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alternatives: Option<AlternativesSummary>,
     /// Wall-clock seconds of each stage.
     pub seconds: StageSeconds,
     /// The most memory that the process held, in bytes, where the system tells.
@@ -139,11 +144,19 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     };
     seconds.import = start.elapsed().as_secs_f64();
     #[cfg(feature = "variations")]
-    let (mut imported, mut variations) = (imported, Vec::new());
     #[cfg(feature = "variations")]
-    if let Some(wanted) = &options.variations {
-        variations = add_variations(&mut imported, wanted, job)?;
-    }
+    let mut imported = imported;
+    #[cfg(feature = "variations")]
+    let learned = match &options.variations {
+        Some(wanted) => {
+            let learned = learn(&imported.capture, wanted, &mut imported.warnings, job)?;
+            if wanted.as_sequences {
+                add_sequences(&mut imported, &learned, wanted.options.count)?;
+            }
+            Some((wanted, learned))
+        }
+        None => None,
+    };
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);
@@ -163,13 +176,29 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     let (models, summary) = built.map_or((Vec::new(), None), |(models, summary)| (models, Some(summary)));
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
     let looks = (models.as_slice(), quality);
-    let (bytes, mut pack_report) = pack_with_files(&imported.capture, &imported.files, looks, options, job)?;
+    #[cfg(feature = "variations")]
+    let (stored, summary_of_stored) = match &learned {
+        Some((wanted, learned)) if !wanted.as_sequences => {
+            let (stored, summary) = alternatives(&imported.capture, learned, wanted.options.count, job)?;
+            (Some(stored), Some(summary))
+        }
+        _ => (None, None),
+    };
+    #[cfg(not(feature = "variations"))]
+    let stored = None;
+    let besides = Besides { files: &imported.files, alternatives: stored.as_ref() };
+    let (bytes, mut pack_report) = pack_with_files(&imported.capture, besides, looks, options, job)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
     #[cfg(feature = "variations")]
     {
-        pack_report.variations = variations;
+        let bytes_of = |name: &str| {
+            pack_report.bundle.sections.iter().find(|section| section.name == name).map_or(0, |section| section.stored)
+        };
+        let bytes = bytes_of("alternatives") as usize;
+        pack_report.alternatives = summary_of_stored.map(|summary| AlternativesSummary { bytes, ..summary });
+        pack_report.variations = learned.map_or(Vec::new(), |(_, learned)| learned.told);
     }
     pack_report.offset = imported.offset.to_array();
     // What the graph says comes last.
@@ -234,13 +263,22 @@ pub fn pack_with_looks(
     options: &PackOptions,
     job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
-    pack_with_files(capture, &Files::default(), (models, quality), options, job)
+    let files = Files::default();
+    pack_with_files(capture, Besides { files: &files, alternatives: None }, (models, quality), options, job)
 }
 
-/// As [`pack_with_looks`], with what exports need to know of the capture's files.
+/// What goes into a bundle besides a capture.
+#[derive(Clone, Copy)]
+struct Besides<'a> {
+    /// What exports need to know of the capture's files.
+    files: &'a Files,
+    alternatives: Option<&'a Alternatives>,
+}
+
+/// As [`pack_with_looks`], with what goes into the bundle besides.
 fn pack_with_files(
     capture: &Capture,
-    files: &Files,
+    besides: Besides,
     looks: (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
     job: &Job,
@@ -259,7 +297,7 @@ fn pack_with_files(
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
     let (bytes, bundle) =
-        timed(&mut seconds.bundle, || encode(capture, (files, rig.as_ref()), &graphed.graph, looks, options))?;
+        timed(&mut seconds.bundle, || encode(capture, (besides, rig.as_ref()), &graphed.graph, looks, options))?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     warnings.extend(unreachable);
@@ -271,6 +309,8 @@ fn pack_with_files(
         rig: rig_summary,
         #[cfg(feature = "variations")]
         variations: Vec::new(),
+        #[cfg(feature = "variations")]
+        alternatives: None,
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
@@ -308,7 +348,7 @@ fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
 
 fn encode(
     capture: &Capture,
-    (files, rig): (&Files, Option<&StoredRig>),
+    (besides, rig): (Besides, Option<&StoredRig>),
     graph: &EssentialGraph,
     (models, quality): (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
@@ -325,7 +365,9 @@ fn encode(
     // The model is of the atlas of the first material that has a texture, as `Charts` are.
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
-    Ok(bundle::encode_with_rig(&input, &looks, files, rig)?)
+    let mut extras = Extras::default();
+    (extras.rig, extras.alternatives) = (rig, besides.alternatives);
+    Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

@@ -1,8 +1,12 @@
-//! `builder vary`: the whole pipeline, on a capture with variations of its sequences beside them.
+//! `builder vary`: the whole pipeline, on a capture with variations of its sequences: as alternatives of what was recorded, or as
+//! sequences beside it.
 
 use std::collections::HashSet;
 
+use actor::alternatives::Alternatives;
 use actor::capture::{Capture, Poses};
+use actor::feet::Feet;
+use actor::motion::Motion;
 use actor::timeline::{Sequence, Timeline};
 use capture_io::import::{Imported, Warning};
 use glam::Vec3;
@@ -37,46 +41,105 @@ pub struct VariedSequence {
     pub edges: f64,
 }
 
-/// Adds variations to the sequences of a capture. They have the looks of the frames that they vary.
-pub(crate) fn add_variations(
-    imported: &mut Imported,
+/// What came of storing variations as alternatives.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AlternativesSummary {
+    /// Stretches that have alternatives.
+    pub stretches: usize,
+    /// Alternatives of all stretches.
+    pub alternatives: usize,
+    /// Modes over the surface.
+    pub modes: usize,
+    /// Mean distance of a vertex from where the variation has it, in metres.
+    pub error: f64,
+    /// The largest one.
+    pub most: f64,
+    /// Bytes of the section.
+    pub bytes: usize,
+}
+
+/// The variations of a capture's sequences, as they were learned.
+pub(crate) struct Learned {
+    chosen: Vec<usize>,
+    varied: Vec<Varied>,
+    feet: Feet,
+    pub told: Vec<VariedSequence>,
+}
+
+/// Learns how sequences of a capture move, and draws variations.
+pub(crate) fn learn(
+    capture: &Capture,
     wanted: &Variations,
+    warnings: &mut Vec<Warning>,
     job: &Job,
-) -> Result<Vec<VariedSequence>, PackError> {
-    let chosen = chosen(&imported.capture.timeline, &wanted.sequences)?;
-    let capture = &imported.capture;
-    let (timeline, weights) = (&capture.timeline, capture.topology.weights());
+) -> Result<Learned, PackError> {
+    let timeline = &capture.timeline;
+    let chosen = chosen(timeline, &wanted.sequences)?;
     let feet = pipeline::feet::feet(&capture.topology, timeline, &capture.poses);
+    let (mut varied, mut told) = (Vec::new(), Vec::new());
+    for &index in &chosen {
+        let original = &timeline.sequences()[index];
+        let frames = (original.first_frame..original.end_frame(), timeline.fps());
+        let one = motion::vary::vary(&capture.poses, capture.topology.weights(), frames, &wanted.options, job)?;
+        let mut measures = Measures::default();
+        for number in 0..wanted.options.count {
+            measures.add(capture, original.first_frame, &one.poses(number, &capture.poses, &feet));
+        }
+        told.push(summary(original.name.clone(), &one, &measures, &wanted.options));
+        if one.rejected > 0 {
+            warnings.push(rejected(told.last()));
+        }
+        varied.push(one);
+    }
+    Ok(Learned { chosen, varied, feet, told })
+}
+
+/// The variations as alternatives of recorded stretches.
+pub(crate) fn alternatives(
+    capture: &Capture,
+    learned: &Learned,
+    count: usize,
+    job: &Job,
+) -> Result<(Alternatives, AlternativesSummary), PackError> {
+    let mut source = capture.poses.clone();
+    let motion = Motion::measure(&capture.timeline, capture.topology.weights(), &mut source)
+        .map_err(|error| PackError::Option(error.to_string()))?;
+    let (all, stored) =
+        motion::alternatives::alternatives(capture, &learned.feet, &motion.facings, &learned.varied, count, job)?;
+    let summary = AlternativesSummary {
+        stretches: all.stretches().len(),
+        alternatives: all.stretches().iter().map(|stretch| stretch.coefficients.len()).sum(),
+        modes: all.modes().len(),
+        error: stored.error,
+        most: stored.most,
+        bytes: 0,
+    };
+    Ok((all, summary))
+}
+
+/// Adds variations to a capture as sequences. They have the looks of the frames that they vary.
+pub(crate) fn add_sequences(imported: &mut Imported, learned: &Learned, count: usize) -> Result<(), PackError> {
+    let capture = &imported.capture;
+    let timeline = &capture.timeline;
     let mut sequences = timeline.sequences().to_vec();
     let mut positions: Vec<Vec3> = capture.poses.iter().flatten().copied().collect();
     let mut source_of_frame: Vec<u32> = (0..timeline.frame_count()).collect();
     let mut names: HashSet<String> = sequences.iter().map(|sequence| sequence.name.clone()).collect();
-    let mut told = Vec::new();
-    for index in chosen {
-        let original = timeline.sequences()[index].clone();
-        let frames = original.first_frame..original.end_frame();
-        let varied =
-            motion::vary::vary(&capture.poses, weights, (frames.clone(), timeline.fps()), &wanted.options, job)?;
+    for (&index, varied) in learned.chosen.iter().zip(&learned.varied) {
+        let original = &timeline.sequences()[index];
         // What shows the behaviour "walk" is the recorded walk and its variations.
         if original.labels.is_empty() {
             sequences[index].labels.push(original.name.clone());
         }
-        let mut measures = Measures::default();
-        for number in 0..wanted.options.count {
-            let poses = varied.poses(number, &capture.poses, &feet);
-            measures.add(capture, frames.start, &poses);
+        for number in 0..count {
             let mut name = format!("{}~{}", original.name, number + 1);
             while !names.insert(name.clone()) {
                 name.push('~');
             }
             let first_frame = source_of_frame.len() as u32;
             sequences.push(Sequence { name, first_frame, ..sequences[index].clone() });
-            source_of_frame.extend(frames.clone());
-            poses.into_iter().for_each(|pose| positions.extend(pose));
-        }
-        told.push(summary(original.name, &varied, &measures, &wanted.options));
-        if varied.rejected > 0 {
-            imported.warnings.push(rejected(told.last()));
+            source_of_frame.extend(varied.frames());
+            varied.poses(number, &capture.poses, &learned.feet).into_iter().for_each(|pose| positions.extend(pose));
         }
     }
     let poses = Poses::from_positions(capture.topology.vertex_count(), positions);
@@ -90,7 +153,7 @@ pub(crate) fn add_variations(
     }
     imported.capture.timeline = timeline;
     imported.capture.poses = poses;
-    Ok(told)
+    Ok(())
 }
 
 /// The sequences of these names or labels.

@@ -13,6 +13,7 @@
 //! Conventions: right-handed coordinates, +Y up, metres, seconds, radians; the ground is the XZ plane; vectors are
 //! columns. Frames are counted over the whole capture (all sequences of one subject, one after another), from 0.
 
+pub mod alternatives;
 pub mod blend;
 pub mod capture;
 pub mod components;

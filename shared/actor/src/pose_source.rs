@@ -24,4 +24,11 @@ pub trait PoseSource {
     /// # Errors
     /// A frame that does not exist, has not arrived, or is damaged.
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError>;
+
+    /// Hears that `frame` is shown next; a source that varies the recording chooses here how it goes on. Whether it gives other poses
+    /// from now on.
+    fn enters(&mut self, frame: u32) -> bool {
+        let _ = frame;
+        false
+    }
 }

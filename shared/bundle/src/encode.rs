@@ -14,7 +14,8 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{contacts, feet, files, graph, integers, motion, rig, surface, ties};
+use super::{alternatives, contacts, feet, files, graph, integers, motion, rig, surface, ties};
+use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
 use actor::graph::EssentialGraph;
@@ -125,7 +126,7 @@ pub fn encode_with_files(
     looks: &[AppearanceInput],
     files: &Files,
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
-    encode_with_rig(input, looks, files, None)
+    encode_with_extras(input, looks, files, &Extras::default())
 }
 
 /// As [`encode_with_files`], with the rig by which edits move the body.
@@ -137,6 +138,29 @@ pub fn encode_with_rig(
     looks: &[AppearanceInput],
     files: &Files,
     rig: Option<&StoredRig>,
+) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
+    encode_with_extras(input, looks, files, &Extras { rig, alternatives: None })
+}
+
+/// What a bundle may have besides.
+#[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
+pub struct Extras<'a> {
+    /// The rig by which edits move the body.
+    pub rig: Option<&'a StoredRig>,
+    /// Motion that differs from recorded stretches.
+    pub alternatives: Option<&'a Alternatives>,
+}
+
+/// As [`encode_with_files`], with what a bundle may have besides.
+///
+/// # Errors
+/// As [`encode_with_files`]; what is not the capture's.
+pub fn encode_with_extras(
+    input: &BundleInput,
+    looks: &[AppearanceInput],
+    files: &Files,
+    extras: &Extras,
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
     let capture = input.capture;
     check(input)?;
@@ -164,7 +188,8 @@ pub fn encode_with_rig(
     };
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
     let mut drafts = drafts(input, &meta, geometry)?;
-    drafts.extend(rig.map(|rig| rig_draft(rig, capture)).transpose()?);
+    drafts.extend(extras.rig.map(|rig| rig_draft(rig, capture)).transpose()?);
+    drafts.extend(extras.alternatives.map(|all| alternatives_draft(all, capture)).transpose()?.flatten());
     add_files(&mut drafts, files, capture)?;
     let mut appearance = None;
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
@@ -194,6 +219,18 @@ fn rig_draft(stored: &StoredRig, capture: &Capture) -> Result<Draft, EncodeError
     // What a reader would refuse is not written.
     rig::decode(&raw, vertex_count, capture.timeline.frame_count()).map_err(wrong)?;
     Ok(Draft { kind: SectionKind::Rig, ordinal: 0, raw })
+}
+
+/// The section of alternatives of this capture; `None` where there are none.
+fn alternatives_draft(all: &Alternatives, capture: &Capture) -> Result<Option<Draft>, EncodeError> {
+    if all.is_empty() {
+        return Ok(None);
+    }
+    let (modes, stretches) = (all.modes().to_vec(), all.stretches().to_vec());
+    if Alternatives::new(modes, stretches, capture.topology.vertex_count(), &capture.timeline).is_none() {
+        return Err(EncodeError::Inconsistent("the alternatives are those of another capture".into()));
+    }
+    Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all) }))
 }
 
 /// What the page does not need comes behind what it does.

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 7;
+pub const VERSION_MINOR: u16 = 8;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,6 +52,8 @@ pub enum SectionKind {
     Ties,
     /// Bones, joints and weights, by which edits move the body. Since 1.7.
     Rig,
+    /// Motion that differs from recorded stretches. Since 1.8.
+    Alternatives,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -60,7 +62,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -82,6 +84,7 @@ impl SectionKind {
         Self::Feet,
         Self::Ties,
         Self::Rig,
+        Self::Alternatives,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -112,6 +115,7 @@ impl SectionKind {
             Self::Feet => 66,
             Self::Ties => 67,
             Self::Rig => 68,
+            Self::Alternatives => 69,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -148,6 +152,7 @@ impl SectionKind {
             Self::Feet => "feet",
             Self::Ties => "ties",
             Self::Rig => "rig",
+            Self::Alternatives => "alternatives",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -164,6 +169,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Alternatives => 8,
             Self::Rig => 7,
             Self::Ties => 6,
             Self::Feet => 5,

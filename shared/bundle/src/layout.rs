@@ -65,6 +65,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Order
         | SectionKind::Ties
         | SectionKind::Rig
+        | SectionKind::Alternatives
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

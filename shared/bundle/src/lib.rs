@@ -7,6 +7,7 @@
 pub mod entropy;
 pub mod geometry;
 
+mod alternatives;
 mod appearance;
 mod checksum;
 mod contacts;
@@ -29,13 +30,14 @@ mod ties;
 mod triangles;
 mod validate;
 
+pub use alternatives::AlternativesDecoder;
 pub use appearance::{
     Appearance, AppearanceInput, AppearanceQuality, AppearanceReport, ModeDecoder, StoredAppearance, Textures,
     store_appearance,
 };
 pub use encode::{
-    BundleInput, EncodeReport, SectionSize, default_max_error, encode, encode_with_appearance, encode_with_files,
-    encode_with_looks, encode_with_rig,
+    BundleInput, EncodeReport, Extras, SectionSize, default_max_error, encode, encode_with_appearance,
+    encode_with_extras, encode_with_files, encode_with_looks, encode_with_rig,
 };
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, SectionEntry};

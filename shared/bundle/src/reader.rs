@@ -12,8 +12,10 @@ use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
-    Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, rig, surface, ties,
+    AlternativesDecoder, Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, rig,
+    surface, ties,
 };
+use actor::alternatives::Alternatives;
 use actor::contacts::Contacts;
 use actor::feet::Feet;
 use actor::files::{FileFaces, FilePlace};
@@ -58,6 +60,8 @@ pub struct BundleReader {
     file_place: FilePlace,
     /// The section as it is: the page hands it on.
     rig: Option<Vec<u8>>,
+    /// The section as it is: it is read in pieces.
+    alternatives: Option<Vec<u8>>,
     motion: Option<Motion>,
     contacts: Contacts,
     feet: Feet,
@@ -247,6 +251,31 @@ impl BundleReader {
         };
         let stored = rig::decode(bytes, topology.vertex_count(), timeline.frame_count());
         stored.map(Some).map_err(|reason| BundleError::section(SectionKind::Rig, reason))
+    }
+
+    /// A reader of the alternatives of recorded stretches; `None` also where the bundle has none, or they were taken before.
+    ///
+    /// # Errors
+    /// A section that does not hold any.
+    pub fn take_alternatives(&mut self) -> Result<Option<AlternativesDecoder>, BundleError> {
+        let (Some(topology), Some(timeline)) = (&self.topology, &self.timeline) else { return Ok(None) };
+        let Some(bytes) = self.alternatives.take() else { return Ok(None) };
+        let decoder = AlternativesDecoder::new(bytes, topology.vertex_count(), timeline);
+        decoder.map(Some).map_err(|reason| BundleError::section(SectionKind::Alternatives, reason))
+    }
+
+    /// All of them at once; `None` also where there are none.
+    ///
+    /// # Errors
+    /// A section that is damaged.
+    pub fn read_alternatives(&mut self) -> Result<Option<Alternatives>, BundleError> {
+        let Some(mut decoder) = self.take_alternatives()? else { return Ok(None) };
+        loop {
+            let read = decoder.advance().map_err(|reason| BundleError::section(SectionKind::Alternatives, reason))?;
+            if read.is_some() {
+                return Ok(read);
+            }
+        }
     }
 
     /// Where the actor is and which way it faces in every frame; `None` also where the bundle does not say. Then
@@ -450,6 +479,7 @@ impl BundleReader {
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::Rig => self.rig = Some(raw),
+            SectionKind::Alternatives => self.alternatives = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
             | SectionKind::Appearance

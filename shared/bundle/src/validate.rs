@@ -63,6 +63,8 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
+    let alternatives = reader.read_alternatives().err();
+    findings.extend(alternatives.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
     findings
 }
 

@@ -15,8 +15,8 @@ use actor::motion::Motion;
 use actor::pose_source::PoseSource;
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use bundle::{
-    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, ModeDecoder, encode_with_files, encode_with_rig,
-    validate,
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, Extras, ModeDecoder, encode_with_extras,
+    encode_with_files, encode_with_rig, validate,
 };
 use captures::{contacts, feet, graph, rig, ties, timeline};
 use glam::{DVec3, Vec3};
@@ -32,6 +32,7 @@ const GOLDEN_WITH_APPEARANCE: &[u8] = include_bytes!("golden/v1.3-appearance.rep
 const GOLDEN_WITH_FILES: &[u8] = include_bytes!("golden/v1.4-files.reprise");
 const GOLDEN_WITH_TIES: &[u8] = include_bytes!("golden/v1.6-ties.reprise");
 const GOLDEN_WITH_RIG: &[u8] = include_bytes!("golden/v1.7-rig.reprise");
+const GOLDEN_WITH_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.8-alternatives.reprise");
 const GOLDEN_WITH_FEET: &[u8] = include_bytes!("golden/v1.5-feet.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
@@ -252,6 +253,38 @@ fn version_1_7_can_be_written_and_read() {
     assert_eq!(validate(&bytes), []);
     let reader = BundleReader::from_bytes(&bytes).unwrap();
     assert_eq!((reader.header().unwrap().minor, reader.rig()), (7, Ok(Some(rig))));
+}
+
+#[test]
+fn version_1_8_can_be_written_and_read() {
+    let capture = pyramid();
+    let graph = graph_without_transcendentals(&capture);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 10,
+        max_error: 0.001,
+        poisson_order: Some(&[4, 2, 0, 1, 3]),
+        generator: "reprise 0.1.0".into(),
+    };
+    let modes = vec![(0..5).map(|k| [127 - 3 * k, k, -20 * k]).collect(), vec![[0, 5, -5]; 5]];
+    let rows = |turn: i16| (0..6).map(|at| turn * (at - 3) * 50).collect::<Vec<i16>>();
+    let stretch = Stretch { first: 2, last: 6, headings: vec![30, -40, 900], coefficients: vec![rows(1), rows(-1)] };
+    let all = Alternatives::new(modes, vec![stretch], 5, &capture.timeline).unwrap();
+    let mut extras = Extras::default();
+    extras.alternatives = Some(&all);
+    let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
+    if bytes != GOLDEN_WITH_ALTERNATIVES {
+        let path = format!("{}/written-alternatives.reprise", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, &bytes).unwrap();
+        panic!(
+            "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside it"
+        );
+    }
+    assert_eq!(validate(&bytes), []);
+    let mut reader = BundleReader::from_bytes(&bytes).unwrap();
+    assert_eq!((reader.header().unwrap().minor, reader.read_alternatives()), (8, Ok(Some(all))));
+    assert_eq!(reader.read_alternatives(), Ok(None), "they are taken");
 }
 
 #[test]

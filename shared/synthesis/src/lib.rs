@@ -19,8 +19,10 @@ mod feet;
 mod frames;
 pub mod steps;
 mod ties;
+mod varied;
 mod walker;
 
+pub use varied::{Varied, VariedPoses};
 pub use walker::{Step, Walker};
 
 use glam::Vec3;
@@ -417,12 +419,16 @@ impl Synthesiser {
         let Some(standing) = self.standing else { return Ok(None) };
         if self.is_due {
             let (frame, placement) = standing.recorded();
+            self.enter(source, frame);
             self.maker.recorded(source, frame, placement, out)?;
             self.is_due = false;
             self.bending.apply(graph.feet(), out);
             return Ok(Some(self.info(standing, Effort::default())));
         }
         let Some(step) = self.walker.next(timeline) else { return Ok(None) };
+        if let Step::Forward(frame) | Step::Back(frame) = step {
+            self.enter(source, frame);
+        }
         let (standing, effort) = self.maker.make(&mut Recording { graph, timeline, source }, standing, step, out)?;
         self.walker.take(graph, timeline);
         self.standing = Some(standing);
@@ -433,6 +439,12 @@ impl Synthesiser {
             self.coming = None;
         }
         Ok(Some(self.info(standing, effort)))
+    }
+
+    fn enter(&mut self, source: &mut dyn PoseSource, frame: u32) {
+        if source.enters(frame) {
+            self.forget_poses();
+        }
     }
 
     /// The same with bounded work: the beginning of a transition takes its factorisations, beside which all else is quick, from

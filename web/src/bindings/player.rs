@@ -121,6 +121,11 @@ impl Player {
         Ok(self.inner.set_quickness(alpha)?)
     }
 
+    /// How much recorded stretches vary where the actor has alternatives: 0 is as recorded, 1 as they were made.
+    pub fn set_variety(&mut self, amount: f64) {
+        self.inner.set_variety(amount);
+    }
+
     /// Plays `speed` times as fast.
     pub fn set_speed(&mut self, speed: f64) {
         self.inner.set_speed(speed);

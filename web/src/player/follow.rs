@@ -78,6 +78,7 @@ impl Player {
         if !(placement.translation.is_finite() && placement.heading.is_finite()) {
             return Err(PlayerError::NoFrame(frame));
         }
+        self.leave_variety();
         let frame = self.recorded(frame, placement)?;
         self.goal = None;
         self.playing = false;

@@ -7,9 +7,10 @@ use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
 use actor::surface::{Image, Surface};
 use actor::timeline::Timeline;
-use bundle::{BundleError, BundleReader};
+use bundle::{AlternativesDecoder, BundleError, BundleReader, SectionKind};
 use glam::Vec3;
 use kernels::topology::Topology;
+use synthesis::Varied;
 
 /// What stays the same for all frames.
 #[derive(Clone, Debug)]
@@ -32,6 +33,8 @@ pub struct Source {
     pub recorded: Recorded,
     /// Frames that the page has edited.
     pub edited: Vec<(u32, Vec<Vec3>)>,
+    /// Alternatives of recorded stretches, once they are there.
+    pub varied: Option<Varied>,
 }
 
 /// Where recorded poses come from.
@@ -44,7 +47,7 @@ pub enum Recorded {
 
 impl Source {
     fn of(recorded: Recorded) -> Self {
-        Self { recorded, edited: Vec::new() }
+        Self { recorded, edited: Vec::new(), varied: None }
     }
 }
 
@@ -52,9 +55,23 @@ impl PoseSource for Source {
     fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
         match self.edited.iter().find(|(edited, _)| *edited == frame) {
             Some((_, edited)) => pose.copy_from_slice(edited),
-            None => self.recorded.read(frame, pose)?,
+            None => {
+                self.recorded.read(frame, pose)?;
+                if let Some(varied) = &self.varied {
+                    varied.add(frame, pose);
+                }
+            }
         }
         Ok(())
+    }
+
+    fn enters(&mut self, frame: u32) -> bool {
+        // Edits are of the recording: where there are any, it is shown as it is.
+        match &mut self.varied {
+            Some(varied) if self.edited.is_empty() => varied.enters(frame),
+            Some(varied) => varied.leave(),
+            None => false,
+        }
     }
 }
 
@@ -181,6 +198,25 @@ impl Loading {
         match &self.source.recorded {
             Recorded::Memory(_) => self.actor.as_ref()?.surface.images.get(index),
             Recorded::Bundle(reader) => reader.image(index),
+        }
+    }
+
+    /// Whether there are alternatives of recorded stretches, arrived or not.
+    #[must_use]
+    pub fn varies(&self) -> bool {
+        let Recorded::Bundle(reader) = &self.source.recorded else { return false };
+        let is = |section: &bundle::SectionEntry| section.kind == Some(SectionKind::Alternatives);
+        reader.header().is_some_and(|header| header.sections.iter().any(is))
+    }
+
+    /// A reader of the alternatives of recorded stretches, once they have arrived; they are taken.
+    ///
+    /// # Errors
+    /// They are damaged.
+    pub fn take_alternatives(&mut self) -> Result<Option<AlternativesDecoder>, BundleError> {
+        match &mut self.source.recorded {
+            Recorded::Memory(_) => Ok(None),
+            Recorded::Bundle(reader) => reader.take_alternatives(),
         }
     }
 

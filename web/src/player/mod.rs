@@ -18,6 +18,7 @@ pub mod produce;
 pub mod report;
 pub mod state;
 pub mod texture_modes;
+mod variety;
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -39,6 +40,7 @@ use events::Events;
 use loading::{Actor, Loading, Phase};
 use plans::Plans;
 use produce::{Producer, ShownFrame, placed_like};
+use variety::Variety;
 
 /// Most frames made in one tick: a slow device plays slower rather than not at all.
 const MOST_FRAMES_A_TICK: u32 = 8;
@@ -123,6 +125,7 @@ pub struct Player {
     /// For every frame, whether it is in the largest strongly connected component; once the graph is there.
     main: Option<Vec<bool>>,
     directing: Directing,
+    variety: Variety,
     /// Whether the picture changed other than by time since the last tick.
     changed: bool,
 }
@@ -151,6 +154,7 @@ impl Player {
             reference: Vec::new(),
             main: None,
             directing: Directing::default(),
+            variety: Variety::default(),
             changed: false,
         };
         player.stand_up();
@@ -208,6 +212,7 @@ impl Player {
         if !self.playing {
             return changed;
         }
+        self.read_alternatives();
         let mut frames = self.clock.frames_in(seconds);
         for _ in 0..MOST_FRAMES_A_TICK {
             if frames <= 0.0 || !self.make_next() {
@@ -287,6 +292,7 @@ impl Player {
         let actor = self.loading.actor.clone().ok_or(PlayerError::NotLoaded)?;
         let last_frame = actor.timeline.frame_count() - 1;
         let frame = if frame.is_finite() { frame.clamp(0.0, f64::from(last_frame)) } else { 0.0 };
+        self.leave_variety();
         let (first, weight) = (frame.floor() as u32, frame.fract());
         let recorded = self.recorded_pose(first)?;
         let placement = match self.nearer() {
@@ -399,11 +405,18 @@ impl Player {
             .begin_walk(&graph, &actor.timeline, (from, Placement::IDENTITY), &walk)
             .map_err(|_| PlayerError::Unreachable { from, to })?;
         let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
+        // Without variety, of which what is shown must not hear.
+        let varied = self.loading.source.varied.take();
         let mut all = Vec::new();
-        while synthesiser.next_frame(&graph, &actor.timeline, &mut self.loading.source, &mut pose)?.is_some() {
-            all.extend_from_slice(&pose);
-        }
-        Ok(all)
+        let made = loop {
+            match synthesiser.next_frame(&graph, &actor.timeline, &mut self.loading.source, &mut pose) {
+                Ok(Some(_)) => all.extend_from_slice(&pose),
+                Ok(None) => break Ok(all),
+                Err(error) => break Err(error.into()),
+            }
+        };
+        self.loading.source.varied = varied;
+        made
     }
 }
 

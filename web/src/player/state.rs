@@ -87,6 +87,9 @@ pub struct State {
     pub heading: f32,
     /// Median time of the last synthetic frames.
     pub synthesis_ms: f64,
+    /// Which alternative of the recorded stretch is shown, from 1; none where it is as recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alternative: Option<usize>,
 }
 
 /// A sequence as the page reads it.
@@ -127,6 +130,8 @@ pub struct Info<'a> {
     appearance: Option<[usize; 2]>,
     /// Modes of textures that were not aligned, to compare with.
     naive: Option<usize>,
+    /// Whether the actor has alternatives of what was recorded.
+    varies: bool,
     main: usize,
 }
 
@@ -199,6 +204,7 @@ impl Player {
             z: ground.y,
             heading: nearer.placement.heading,
             synthesis_ms: self.producer.synthesis_ms(),
+            alternative: self.alternative().map(|(_, alternative)| alternative + 1),
         })
     }
 
@@ -236,6 +242,7 @@ impl Player {
             images: images.collect(),
             naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
             appearance: self.appearance(Textures::Aligned).map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
+            varies: self.loading.varies(),
             main: main.iter().filter(|&&inside| inside).count(),
         })
     }

@@ -1,14 +1,19 @@
 //! The player on a small capture in memory.
 
+use actor::alternatives::{Alternatives, Stretch};
 use actor::blend::transition_placement;
 use actor::capture::{Capture, Poses};
 use actor::contacts::Contacts;
+use actor::files::Files;
 use actor::graph::{EssentialGraph, Transition};
 use actor::ground::{PoseMemory, PosesOnGround};
 use actor::surface::{Corner, Material, Part, Surface};
 use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
-use bundle::{AppearanceInput, AppearanceQuality, BundleInput, Textures, encode, encode_with_appearance};
+use bundle::{
+    AppearanceInput, AppearanceQuality, BundleInput, Extras, Textures, encode, encode_with_appearance,
+    encode_with_extras,
+};
 use glam::{Quat, Vec3};
 use kernels::align::Placement;
 use kernels::topology::Topology;
@@ -243,6 +248,90 @@ fn quickness_weighs_time_and_is_taken_back() {
     assert_eq!((player.plan(75).unwrap(), player.plans()), (quick, planned));
     player.set_quickness(0.0).unwrap();
     assert_eq!(player.plan(75).unwrap(), smooth);
+}
+
+/// A player of a bundle with one stretch of five frames, of which three alternatives move one corner up by 5, 10 and 15 mm.
+fn varied_player() -> Player {
+    let (capture, graph) = capture(&[(20, true), (20, false)], &[(15, 30), (35, 10)]);
+    let modes = vec![vec![[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 127, 0]]];
+    let rows = |most: i16| vec![most / 2, most, most, most / 2];
+    let stretch =
+        Stretch { first: 4, last: 9, headings: vec![0; 4], coefficients: vec![rows(50), rows(100), rows(150)] };
+    let all = Alternatives::new(modes, vec![stretch], 4, &capture.timeline).unwrap();
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 0,
+        max_error: 1e-4,
+        poisson_order: None,
+        generator: "test".into(),
+    };
+    let mut extras = Extras::default();
+    extras.alternatives = Some(&all);
+    let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
+    let mut player = Player::new(Loading::default(), || 0.0);
+    player.push(&bytes).unwrap();
+    player.finish().unwrap();
+    player
+}
+
+/// How far up the last corner is from where it was recorded, and which alternative is said to be shown, for so many frames.
+fn shown_heights(player: &mut Player, frames: u32) -> Vec<(u32, i32, Option<usize>)> {
+    let mut shown = Vec::new();
+    for _ in 0..frames {
+        player.tick(0.04);
+        let picture = player.picture().unwrap();
+        let frame = picture.before.kind.frame();
+        let height = picture.before.pose[3].y;
+        let number = player.state().unwrap().alternative;
+        let recorded = player.recorded_pose(frame).unwrap()[3].y;
+        shown.push((frame, ((height - recorded) * 1e3).round() as i32, number));
+    }
+    shown
+}
+
+#[test]
+fn recorded_stretches_vary() {
+    let mut player = varied_player();
+    player.set_loop(true);
+    player.play();
+    let shown = shown_heights(&mut player, 200);
+    let peaks: Vec<i32> = shown.iter().filter(|(frame, ..)| *frame == 7).map(|(_, height, _)| *height).collect();
+    assert!(peaks.len() > 6 && peaks.iter().all(|height| [0, 5, 10, 15].contains(height)), "{peaks:?}");
+    assert!(peaks.windows(2).all(|pair| pair[0] != pair[1]), "never the same twice in a row: {peaks:?}");
+    assert!([5, 10, 15].iter().all(|height| peaks.contains(height)), "{peaks:?}");
+    assert!(
+        shown.iter().all(|(frame, height, _)| (5..9).contains(frame) || *height == 0),
+        "outside it is the recording"
+    );
+    // Another player shows the same of the same walk.
+    let mut again = varied_player();
+    again.set_loop(true);
+    again.play();
+    assert_eq!(shown_heights(&mut again, 200), shown);
+}
+
+#[test]
+fn variety_is_taken_back_by_its_amount_by_seeking_and_by_edits() {
+    let mut player = varied_player();
+    player.set_loop(true);
+    player.set_variety(0.0);
+    player.play();
+    assert!(shown_heights(&mut player, 60).iter().all(|(_, height, number)| *height == 0 && number.is_none()));
+    player.set_variety(1.0);
+    while !(player.alternative().is_some() && player.picture().unwrap().before.kind.frame() == 6) {
+        player.tick(0.04);
+    }
+    player.seek(7.0).unwrap();
+    assert_eq!(player.alternative(), None);
+    let recorded = player.recorded_pose(7).unwrap();
+    assert_eq!(player.picture().unwrap().before.pose[3].y, recorded[3].y);
+    player.set_edited(15, Some(recorded)).unwrap();
+    player.play();
+    let shown = shown_heights(&mut player, 100);
+    assert!(shown.iter().all(|(frame, height, _)| *frame == 15 || *height == 0), "edits are of the recording");
+    // What makes no number is none.
+    player.set_variety(f64::NAN);
 }
 
 #[test]

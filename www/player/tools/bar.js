@@ -9,7 +9,7 @@ const [SMOOTH, QUICK] = [0.01, 0.2];
 export class ToolBar {
   /**
    * @param {(typeof import('./tool.js').Tool)[]} tools
-   * @param {{choose: (id: string) => void, step: (by: number) => void, hurry: (quickness: number) => void}} act
+   * @param {{choose: (id: string) => void, step: (by: number) => void, hurry: (quickness: number) => void, vary: (variety: number) => void}} act
    */
   constructor(tools, act) {
     this.tools = new Choice('Tools', act.choose, { class: 'tools', part: 'tools' });
@@ -19,7 +19,10 @@ export class ToolBar {
     this.quick = h('input', { type: 'range', min: 0, max: 1, step: 0.02, 'aria-label': 'Quickness' });
     this.quick.addEventListener('input', () => act.hurry(SMOOTH * (QUICK / SMOOTH) ** Number(this.quick.value)));
     const quick = h('label', { class: 'exact', title: 'How the actor gets there: by the smoothest way, or by the quickest' }, h('span', {}, 'quick'), this.quick);
-    this.root = h('div', { class: 'toolbar' }, this.tools.root, quick, this.undo, this.redo);
+    this.varied = h('input', { type: 'range', min: 0, max: 1, step: 0.05, 'aria-label': 'Variety' });
+    this.varied.addEventListener('input', () => act.vary(Number(this.varied.value)));
+    this.variety = h('label', { class: 'exact', title: 'How much what was recorded varies whenever it is shown', hidden: true }, h('span', {}, 'varied'), this.varied);
+    this.root = h('div', { class: 'toolbar' }, this.tools.root, quick, this.variety, this.undo, this.redo);
   }
 
   /** @param {number} quickness the weight of a frame's duration */
@@ -27,6 +30,14 @@ export class ToolBar {
     const place = Math.log(quickness / SMOOTH) / Math.log(QUICK / SMOOTH);
     this.quick.value = String(Math.min(1, Math.max(0, place)));
     this.quick.setAttribute('aria-valuetext', `${quickness.toFixed(3)} a frame`);
+  }
+
+  /** @param {number | null} variety null where the actor has no alternatives */
+  setVariety(variety) {
+    this.variety.hidden = variety === null;
+    if (variety === null) return;
+    this.varied.value = String(variety);
+    this.varied.setAttribute('aria-valuetext', `${Math.round(100 * variety)} %`);
   }
 
   setSteps(undo, redo) {

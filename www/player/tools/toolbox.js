@@ -88,6 +88,7 @@ export class Toolbox {
     this.director = director;
     for (const tool of Object.values(this.tools)) tool.opened?.(director);
     if (this.core.host.quickness !== null) director.tell('set_quickness', this.core.host.quickness);
+    director.tell('set_variety', this.core.host.variety);
     this.showTool();
     if (this.waiting) this.takeWaiting();
     else this.ask();
@@ -234,6 +235,12 @@ export class Toolbox {
     return request && quickness !== null ? { ...request, quickness } : request;
   }
 
+  /** Another variety was chosen: it is seen from the next recorded stretch on. */
+  vary() {
+    this.director?.tell('set_variety', this.core.host.variety);
+    this.kit?.bar.setVariety(this.core.host.variety);
+  }
+
   /** Another quickness was chosen: plans are made anew. */
   hurry() {
     const { director, core } = this;
@@ -323,6 +330,7 @@ export class Toolbox {
     if (this.kit) this.kit.edits.take(edits);
     else if (edits.length > 0) this.fetch();
     this.kit?.bar.setQuickness(this.core.host.quickness ?? this.director?.info.alpha);
+    this.kit?.bar.setVariety(this.director?.info.varies ? this.core.host.variety : null);
     this.kit?.bar.setSteps(this.history.canUndo, this.history.canRedo);
     this.tool.refresh?.();
     this.redraw();

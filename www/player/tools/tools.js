@@ -27,7 +27,7 @@ export class Tools {
     this.edits = new EditDriver(box);
     this.byName = Object.fromEntries(ALL.map((Tool) => [Tool.id, new Tool(box)]));
     this.marks = new Marks();
-    this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by), hurry: (quickness) => (host.quickness = Number(quickness.toFixed(4))) });
+    this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by), hurry: (quickness) => (host.quickness = Number(quickness.toFixed(4))), vary: (variety) => (host.variety = variety) });
     this.bar.root.append(new Share(box).root);
     this.keys = new KeysDialog();
     view.bar.append(this.bar.root);

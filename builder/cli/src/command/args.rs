@@ -209,7 +209,8 @@ pub struct VaryArguments {
     /// A capture, as `pack` takes it.
     #[arg(required = true, value_name = "CAPTURE")]
     pub inputs: Vec<String>,
-    /// The bundle to write: the capture with the variations NAME~1, NAME~2, and so on of each sequence NAME.
+    /// The bundle to write: the capture with alternatives of what was recorded, of which the player shows another one whenever it
+    /// comes by.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Where results of stages last.
@@ -221,8 +222,11 @@ pub struct VaryArguments {
     /// Names or labels of the sequences to vary; all by default.
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     pub sequences: Vec<String>,
+    /// Make sequences NAME~1, NAME~2, and so on of the variations of each sequence NAME, with transitions of their own.
+    #[arg(long)]
+    pub as_sequences: bool,
     /// Variations of each sequence.
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
+    #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
     pub count: u16,
     /// How much they vary: 0.06 is hardly seen, 0.25 is much.
     #[arg(long, default_value_t = 0.12, value_name = "AMOUNT")]
@@ -358,6 +362,10 @@ pub struct DirectArguments {
     /// What a frame's duration costs: 0.01 for smooth ways, 0.2 for quick ones; as the actor was packed, if not given.
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true)]
     pub quickness: Option<f64>,
+    /// How much what was recorded varies, where the actor has alternatives of it: from 0, as recorded, to 1. Not with --edits or
+    /// --sequence.
+    #[arg(long, default_value_t = 1.0, value_name = "AMOUNT")]
+    pub variety: f32,
     /// A TOML file with key poses: `[[poses]]` with pose = 12 and time = 1.5.
     #[arg(long, value_name = "FILE")]
     pub keys: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `builder direct`: a walk is planned, made, and written.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use actor::graph::EssentialGraph;
@@ -19,6 +20,7 @@ use search::{
     Answer, Direction, Goal, Progress, Request, RequestError, Scene, SearchGraph, SearchGraphBuilder, Start, Target,
 };
 use serde::Serialize;
+use synthesis::{Varied, VariedPoses};
 
 use super::args::DirectArguments;
 use super::asked::{Asked, asked};
@@ -28,6 +30,8 @@ use super::rigged;
 use super::terminal::Terminal;
 use super::walked::{Walked, walked, write_times};
 
+/// By this alternatives are drawn, as in the player.
+const VARIETY_SEED: u64 = 1;
 /// States expanded between two looks at the progress bar.
 const SLICE: u32 = 500;
 
@@ -146,7 +150,19 @@ fn write(
     let report = |step: Step| terminal.progress(step);
     let job = Job::new(&report);
     let Some(file) = &arguments.edits else {
-        let mut played = play(reader, graph, timeline, begin, walk).map_err(failure)?;
+        // A sequence is asked for as it was recorded.
+        let varied = if arguments.sequence.is_none() { variety(reader, arguments.variety)? } else { None };
+        let topology = reader.topology().cloned();
+        let order = reader.order().map(<[u32]>::to_vec);
+        let (Some(topology), Some(varied)) = (topology, varied) else {
+            let mut played = play(reader, graph, timeline, begin, walk).map_err(failure)?;
+            let written = export(&actor, &mut played, output, &options, &job).map_err(failure)?;
+            written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
+            return Ok((written, played.centres));
+        };
+        let mut poses = VariedPoses { recorded: reader, varied };
+        let mut played =
+            play_from(&mut poses, (&topology, order.as_deref()), graph, timeline, begin, walk).map_err(failure)?;
         let written = export(&actor, &mut played, output, &options, &job).map_err(failure)?;
         written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
         return Ok((written, played.centres));
@@ -167,6 +183,15 @@ fn write(
     let written = export(&actor, &mut played, output, &options, &job).map_err(failure)?;
     written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     Ok((written, played.centres))
+}
+
+/// The alternatives of recorded stretches, drawn as the player draws them; `None` where there are none or none are wanted.
+fn variety(reader: &mut BundleReader, amount: f32) -> Result<Option<Varied>, Failure> {
+    if amount <= 0.0 {
+        return Ok(None);
+    }
+    let all = reader.read_alternatives().map_err(|error| Failure::Input(error.into()))?;
+    Ok(all.map(|all| Varied::new(Arc::new(all), VARIETY_SEED, amount)))
 }
 
 fn read_edits(file: &Path) -> Result<EditDocument, Failure> {

@@ -1,0 +1,177 @@
+//! Alternatives of recorded stretches: motion that differs from the recording, but begins and ends in it, so that it needs no
+//! transition and the graph stays as it is.
+//!
+//! Thesis section 6.6: variations with pinned ends. Here they are stored as differences from the recording, in a few modes over the
+//! surface: the pose of frame n in alternative a is
+//!
+//! ```text
+//! recorded(n) + turned by heading(n) of (sum over k of coefficient(a, n, k) * mode(k))
+//! ```
+
+use glam::Vec3;
+
+use crate::timeline::Timeline;
+use kernels::scalar::sin_cos;
+
+/// Modes at most.
+pub const MOST_MODES: usize = 96;
+/// Alternatives of a stretch at most.
+pub const MOST_ALTERNATIVES: usize = 256;
+/// Metres that a coefficient of one moves a vertex whose part of a mode is [`MODE_STEPS`].
+pub const COEFFICIENT_STEP: f32 = 1e-4;
+/// The largest part of a mode.
+pub const MODE_STEPS: f32 = 127.0;
+/// Radians that a heading of one is.
+pub const HEADING_STEP: f32 = std::f32::consts::PI / 32_768.0;
+
+/// A stretch of a sequence and its alternatives.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stretch {
+    /// Its first frame, which is as recorded.
+    pub first: u32,
+    /// Its last frame, which is as recorded.
+    pub last: u32,
+    /// For each frame between: which way the body faces, in [`HEADING_STEP`].
+    pub headings: Vec<i16>,
+    /// For each alternative, frame after frame, a coefficient a mode.
+    pub coefficients: Vec<Vec<i16>>,
+}
+
+impl Stretch {
+    /// Frames between its ends.
+    #[must_use]
+    pub fn between(&self) -> usize {
+        (self.last - self.first).saturating_sub(1) as usize
+    }
+}
+
+/// All alternatives of a capture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Alternatives {
+    /// Mode after mode, a vector a vertex, in `COEFFICIENT_STEP / MODE_STEPS`.
+    modes: Vec<Vec<[i8; 3]>>,
+    /// By first frame.
+    stretches: Vec<Stretch>,
+}
+
+impl Alternatives {
+    /// Alternatives over a mesh of so many vertices. `None` where their numbers do not fit, stretches are not in the order of their
+    /// first frames, or one leaves its sequence.
+    #[must_use]
+    pub fn new(
+        modes: Vec<Vec<[i8; 3]>>,
+        stretches: Vec<Stretch>,
+        vertex_count: usize,
+        timeline: &Timeline,
+    ) -> Option<Self> {
+        let holds = |stretch: &Stretch| {
+            let within = timeline
+                .sequence_of(stretch.first)
+                .is_some_and(|sequence| stretch.last > stretch.first && stretch.last < sequence.end_frame());
+            within
+                && stretch.headings.len() == stretch.between()
+                && (1..=MOST_ALTERNATIVES).contains(&stretch.coefficients.len())
+                && stretch.coefficients.iter().all(|one| one.len() == stretch.between() * modes.len())
+        };
+        let fits = modes.len() <= MOST_MODES && modes.iter().all(|mode| mode.len() == vertex_count);
+        let ordered = stretches.is_sorted_by_key(|stretch| stretch.first);
+        (fits && ordered && stretches.iter().all(holds)).then_some(Self { modes, stretches })
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.stretches.is_empty()
+    }
+
+    /// The modes: a vector a vertex, in `COEFFICIENT_STEP / MODE_STEPS` metres.
+    #[must_use]
+    pub fn modes(&self) -> &[Vec<[i8; 3]>] {
+        &self.modes
+    }
+
+    /// The stretches, by first frame.
+    #[must_use]
+    pub fn stretches(&self) -> &[Stretch] {
+        &self.stretches
+    }
+
+    /// The numbers of the stretches that begin in `frame`.
+    #[must_use]
+    pub fn beginning(&self, frame: u32) -> std::ops::Range<usize> {
+        let before = self.stretches.partition_point(|stretch| stretch.first < frame);
+        before..before + self.stretches[before..].partition_point(|stretch| stretch.first == frame)
+    }
+
+    /// Adds to the recorded `pose` of `frame` what it is more in an alternative of a stretch, times `amount`. Outside of the stretch, and
+    /// for numbers that do not exist, nothing is added.
+    pub fn add(&self, (stretch, alternative): (usize, usize), frame: u32, amount: f32, pose: &mut [Vec3]) {
+        let Some(stretch) = self.stretches.get(stretch) else { return };
+        let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { return };
+        let (Some(&heading), Some(rows)) = (stretch.headings.get(between), stretch.coefficients.get(alternative))
+        else {
+            return;
+        };
+        let row = &rows[between * self.modes.len()..][..self.modes.len()];
+        let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
+        let step = amount * COEFFICIENT_STEP / MODE_STEPS;
+        let own: Vec<(f32, &[[i8; 3]])> = row
+            .iter()
+            .zip(&self.modes)
+            .filter(|(coefficient, _)| **coefficient != 0)
+            .map(|(coefficient, mode)| (f32::from(*coefficient) * step, mode.as_slice()))
+            .collect();
+        for (vertex, place) in pose.iter_mut().enumerate() {
+            let mut moved = Vec3::ZERO;
+            for &(coefficient, mode) in &own {
+                // A bundle's mesh and modes have as many vertices; any other pose is left as far as it goes.
+                let Some(part) = mode.get(vertex) else { return };
+                moved += coefficient * Vec3::from(part.map(f32::from));
+            }
+            *place += Vec3::new(cos * moved.x + sin * moved.z, moved.y, cos * moved.z - sin * moved.x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timeline::Sequence;
+
+    fn alternatives() -> Option<Alternatives> {
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 10, cyclic: false };
+        let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
+        let stretch = Stretch { first: 2, last: 5, headings: vec![0, 16_384], coefficients: vec![vec![10, 0, 0, -20]] };
+        let modes = vec![vec![[127, 0, 0], [0, 0, 0]], vec![[0, 0, 0], [0, 0, 127]]];
+        Alternatives::new(modes, vec![stretch], 2, &timeline)
+    }
+
+    #[test]
+    fn differences_are_added_between_the_ends() {
+        let alternatives = alternatives().unwrap();
+        let added = |frame, amount| {
+            let mut pose = [Vec3::ZERO; 2];
+            alternatives.add((0, 0), frame, amount, &mut pose);
+            pose
+        };
+        assert_eq!([0, 2, 5, 9].map(|frame| added(frame, 1.0)), [[Vec3::ZERO; 2]; 4]);
+        assert!(added(3, 1.0)[0].distance(Vec3::X * 1e-3) < 1e-8);
+        // Turned by a quarter, what leads along Z leads along X.
+        assert!(added(4, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(4, 0.5));
+        assert_eq!((alternatives.beginning(2), alternatives.beginning(3)), (0..1, 1..1));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let good = alternatives().unwrap();
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 4, cyclic: false };
+        let short = Timeline::new(25.0, vec![sequence]).unwrap();
+        assert_eq!(Alternatives::new(good.modes.clone(), good.stretches.clone(), 2, &short), None);
+        let mut stretches = good.stretches.clone();
+        stretches[0].coefficients[0].pop();
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 10, cyclic: false };
+        let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
+        assert_eq!(Alternatives::new(good.modes.clone(), stretches, 2, &timeline), None);
+        assert_eq!(Alternatives::new(good.modes.clone(), good.stretches.clone(), 3, &timeline), None);
+    }
+}
