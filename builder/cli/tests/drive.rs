@@ -104,8 +104,8 @@ fn the_performer_squats_and_its_soles_stay() {
 
     // The capture has one sequence more, of the same mesh.
     let inspected: Value = serde_json::from_str(&done(&builder(folder, &["inspect", "more", "--json"]))).unwrap();
-    let names = inspected["sequences"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned());
-    assert_eq!(names.last().unwrap(), "squat", "{inspected}");
+    let mut names = inspected["sequences"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned());
+    assert_eq!(names.next_back().unwrap(), "squat", "{inspected}");
 
     // The number of threads changes nothing; the mapping that was written says the same.
     let again = ["drive", "squat.bvh", "--actor", "p", "-o", "again", "--mapping", "m.toml", "--threads", "1", "-q"];

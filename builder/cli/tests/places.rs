@@ -44,6 +44,7 @@ impl Actor {
             x: here.x + metres * direction.sin(),
             z: here.z + metres * direction.cos(),
             heading: Some(heading),
+            pose: None,
             realism: DEFAULT_REALISM,
             // What searches find is measured here.
             exactness: 0.0,

@@ -7,6 +7,7 @@
 
 mod captures;
 
+use actor::alternatives::{Alternatives, Stretch};
 use actor::capture::{Capture, Poses};
 use actor::contacts::Contacts;
 use actor::feet::Feet;

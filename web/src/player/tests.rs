@@ -271,7 +271,6 @@ fn varied_player() -> Player {
     let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
     let mut player = Player::new(Loading::default(), || 0.0);
     player.push(&bytes).unwrap();
-    player.finish().unwrap();
     player
 }
 
