@@ -518,9 +518,12 @@ export class EditTool extends Tool {
     this.end(true);
   }
 
-  key({ key, shiftKey, repeat }, inField) {
+  key(event, inField) {
+    const { key, shiftKey, repeat } = event;
     if (inField || !this.box.director) return false;
     if (this.cross) return this.crossKey(key, shiftKey, repeat);
+    // A button is pressed by it.
+    if (key === 'Enter' && event.composedPath()[0]?.tagName === 'BUTTON') return false;
     const by = { ArrowLeft: -1, ArrowRight: 1 }[key];
     if (by) this.seek(this.timeline.step(this.box.director.state.frame, by * (shiftKey ? 10 : 1)));
     else if (key === 'Enter' && !repeat) this.play();

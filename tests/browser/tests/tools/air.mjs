@@ -23,6 +23,15 @@ export const tests = {
     assert.ok(Math.abs((await points())[2][1] - flat[0][1] - 0.6) < 2e-3);
     assert.match(await player.part('.handle').nth(2).getAttribute('aria-label'), / high$/);
 
+    // Handles are put in their places with the next picture, and an answer that arrives may change the stage's size.
+    const inPlace = (point) =>
+      player.until('the handle within 3 pixels of where its point is', (element, [x, y, z]) => {
+        const seen = element.testing.stage.project(x, y, z);
+        const stage = element.shadowRoot.querySelector('.view').getBoundingClientRect();
+        const box = element.shadowRoot.querySelectorAll('.handle')[1].getBoundingClientRect();
+        return Math.hypot(stage.x + seen[0] - box.x - box.width / 2, stage.y + seen[1] - box.y - box.height / 2) < 3;
+      }, point);
+
     // With alt up and down, without it along the ground: the height stays.
     const drags = async (dx, dy) => {
       const box = await player.part('.handle').nth(1).boundingBox();
@@ -38,15 +47,10 @@ export const tests = {
     const lifted = await drags(0, -30);
     await player.keyboard.up('Alt');
     assert.ok(lifted[1] > before[1] + 0.05 && lifted[0] === before[0] && lifted[2] === before[2], JSON.stringify([before, lifted]));
+    await inPlace(lifted);
     const moved = await drags(25, 0);
     assert.ok(moved[1] === lifted[1] && Math.hypot(moved[0] - lifted[0], moved[2] - lifted[2]) > 0.05, JSON.stringify([lifted, moved]));
-    // Handles are put in their places with the next picture, and an answer that arrives may change the stage's size.
-    await player.until('the handle within 3 pixels of where its point is', (element, point) => {
-      const [x, y] = element.testing.stage.project(...point);
-      const stage = element.shadowRoot.querySelector('.view').getBoundingClientRect();
-      const box = element.shadowRoot.querySelectorAll('.handle')[1].getBoundingClientRect();
-      return Math.hypot(stage.x + x - box.x - box.width / 2, stage.y + y - box.y - box.height / 2) < 3;
-    }, moved);
+    await inPlace(moved);
 
     const { path } = await found(player);
     assert.ok(path.samples.some(([, , y]) => y > 0.4), 'the answer has no heights');

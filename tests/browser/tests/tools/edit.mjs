@@ -180,6 +180,7 @@ export const tests = {
     await settled(player);
     assert.equal((await edits(player)).length, 1);
     assert.equal((await moved(player, key)).most, 0);
+    await player.run((element) => element.testing.core.view.stage.root.focus());
     await player.keyboard.press('Enter');
     assert.equal(await player.run((element) => element.playing), true);
     await player.close();
@@ -189,18 +190,24 @@ export const tests = {
     const player = await editing(browser);
     await player.part('.edit-dock .chip').filter({ hasText: /^grab$/ }).focus();
     await player.keyboard.press('Enter');
-    const { x, y } = await player.run((element) => {
-      const { width, height } = element.testing.core.view.stage.size;
-      const { left, top } = element.testing.core.view.stage.root.getBoundingClientRect();
-      return { x: left + width / 2, y: top + height / 2 };
-    });
-    const goal = await hand(player);
-    const step = async (key, pixels) => {
-      for (let at = 0; at < Math.round(Math.abs(pixels) / 6); at += 1) await player.keyboard.press(key);
+    // The cross goes by six pixels: to the place nearest to the hand that is on the body, with more of the body around it.
+    const { x, y } = await hand(player);
+    const [right, down] = await player.run((element, goal) => {
+      const { stage } = element.testing.core.view;
+      const { left, top } = stage.root.getBoundingClientRect();
+      const place = (at, by) => at / 2 + 6 * by;
+      const body = (i, j) => stage.stage.vertex_at(element.testing.player, place(stage.size.width, i), place(stage.size.height, j)) >= 0;
+      const far = (i, j) => Math.hypot(left + place(stage.size.width, i) - goal.x, top + place(stage.size.height, j) - goal.y);
+      const reach = Array.from({ length: 121 }, (_, index) => index - 60);
+      const near = reach.flatMap((i) => reach.filter((j) => far(i, j) < 40).map((j) => [i, j]));
+      return near.filter(([i, j]) => body(i, j)).sort((a, b) => far(...a) - far(...b))[0] ?? [0, 0];
+    }, { x, y });
+    const step = async (key, count) => {
+      for (let at = 0; at < Math.abs(count); at += 1) await player.keyboard.press(key);
     };
     await player.run((element) => element.testing.core.view.stage.root.focus());
-    await step(goal.x > x ? 'ArrowRight' : 'ArrowLeft', goal.x - 6 - x);
-    await step(goal.y > y ? 'ArrowDown' : 'ArrowUp', goal.y - y);
+    await step(right > 0 ? 'ArrowRight' : 'ArrowLeft', right);
+    await step(down > 0 ? 'ArrowDown' : 'ArrowUp', down);
     await player.keyboard.press('Enter');
     await settled(player);
     assert.equal((await edits(player)).length, 1, 'the cross has grabbed nothing');

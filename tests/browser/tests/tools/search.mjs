@@ -41,7 +41,9 @@ async function countSlices(element, direction) {
 export const tests = {
   'quickness changes plans at once, and goes with requests': async (browser) => {
     const player = await using(browser, 'pose');
-    const seen = await player.run((element) => {
+    const seen = await player.run(async (element) => {
+      // Until the search is there, what is asked waits for it.
+      await element.testing.searching();
       const targets = Array.from({ length: 24 }, (_, index) => Math.floor(((index + 0.5) / 24) * element.info.frames));
       const seconds = () => targets.map((to) => { try { return element.plan(to).seconds; } catch { return 0; } }).reduce((a, b) => a + b);
       const slider = element.shadowRoot.querySelector('.toolbar .exact input');
