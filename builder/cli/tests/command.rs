@@ -317,7 +317,10 @@ fn variations_are_packed_beside_what_they_vary() {
     let varied = vary("one.reprise", &["--threads", "1"]);
     assert_eq!(code(&varied), 0, "{}", stderr(&varied));
     let report: Value = serde_json::from_slice(&varied.stdout).unwrap();
-    assert_eq!((report["capture"]["frames"].as_u64(), report["capture"]["sequences"].as_u64()), (Some(180), Some(3)));
+    assert_eq!((report["capture"]["frames"].as_u64(), report["capture"]["sequences"].as_u64()), (Some(60), Some(1)));
+    let stored = &report["alternatives"];
+    assert!(stored["stretches"].as_u64() > Some(0) && stored["alternatives"].as_u64() > Some(1), "{stored}");
+    assert!(stored["error"].as_f64().unwrap() < 1e-3 && stored["bytes"].as_u64() > Some(0), "{stored}");
     let told = &report["variations"][0];
     assert_eq!((told["name"].as_str(), told["variations"].as_u64()), (Some("turn"), Some(2)));
     assert!(told["distance"].as_f64().unwrap() > 1e-4 && told["acceleration"].as_f64().unwrap() < 1.2, "{told}");
@@ -325,6 +328,21 @@ fn variations_are_packed_beside_what_they_vary() {
     assert_eq!(fs::read(path("one.reprise")).unwrap(), fs::read(path("two.reprise")).unwrap());
     assert_eq!(code(&vary("other.reprise", &["--seed", "2"])), 0);
     assert_ne!(fs::read(path("one.reprise")).unwrap(), fs::read(path("other.reprise")).unwrap());
+
+    let apart = vary("apart.reprise", &["--as-sequences"]);
+    let report: Value = serde_json::from_slice(&apart.stdout).unwrap();
+    assert_eq!((report["capture"]["frames"].as_u64(), report["capture"]["sequences"].as_u64()), (Some(180), Some(3)));
+    assert!(report["alternatives"].is_null() && report["variations"][0]["variations"].as_u64() == Some(2));
+
+    // Films show them, too.
+    let film = |variety: &str| {
+        let output = path(&format!("film{variety}.glb"));
+        let one = path("one.reprise");
+        let done = builder(&["direct", &one, "--to", "50", "--variety", variety, "-o", &output]);
+        assert_eq!(code(&done), 0, "{}", stderr(&done));
+        fs::read(output).unwrap()
+    };
+    assert_ne!(film("0"), film("1"));
 
     let unknown = vary("none.reprise", &["--sequences", "walk"]);
     assert_eq!(code(&unknown), 1);

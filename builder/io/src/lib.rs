@@ -2,5 +2,6 @@
 
 pub mod export;
 pub mod import;
+#[cfg(feature = "mocap")]
 pub mod mocap;
 mod png;

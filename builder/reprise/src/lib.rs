@@ -54,6 +54,7 @@
 //! over the whole capture, from 0. The same input gives the same bytes, whatever the number of threads. Long work takes a
 //! [`Job`]: it says how far it is, stops when it is told to, and keeps results of stages in a [`WorkFolder`].
 
+#[cfg(feature = "mocap")]
 pub mod drive;
 pub mod example;
 #[cfg(feature = "scans")]

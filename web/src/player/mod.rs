@@ -30,7 +30,7 @@ use actor::walk::Walk;
 use bundle::BundleError;
 use kernels::align::Placement;
 use search::{UnknownBehaviour, cheapest_walk, main_component};
-use synthesis::Synthesiser;
+use synthesis::{Synthesiser, Varied};
 use thiserror::Error;
 
 use crate::trail::TrailPoint;
@@ -212,7 +212,7 @@ impl Player {
         if !self.playing {
             return changed;
         }
-        self.read_alternatives();
+        self.variety.read(&mut self.loading);
         let mut frames = self.clock.frames_in(seconds);
         for _ in 0..MOST_FRAMES_A_TICK {
             if frames <= 0.0 || !self.make_next() {
@@ -245,6 +245,25 @@ impl Player {
     #[must_use]
     pub fn playing(&self) -> bool {
         self.playing
+    }
+
+    /// How much recorded stretches vary: the share of their alternatives' differences, from 0, as recorded, to 1. From the next
+    /// stretch on.
+    pub fn set_variety(&mut self, amount: f64) {
+        self.variety.set(&mut self.loading, amount);
+    }
+
+    /// The number of the stretch that is shown in another way than it was recorded, and which one that is.
+    #[must_use]
+    pub fn alternative(&self) -> Option<(usize, usize)> {
+        self.loading.source.varied.as_ref()?.present()
+    }
+
+    /// The recording again, at once.
+    fn leave_variety(&mut self) {
+        if self.loading.source.varied.as_mut().is_some_and(Varied::leave) {
+            self.producer.forget_poses();
+        }
     }
 
     /// Plays `speed` times as fast.

@@ -37,8 +37,9 @@ pub enum Command {
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
-    Direct(DirectArguments),
+    Direct(Box<DirectArguments>),
     /// Have an actor do what a clip of motion capture shows, and write its frames, or a capture with them beside the recorded ones.
+    #[cfg(feature = "complete")]
     Drive(DriveArguments),
     /// Estimate a rig from how a capture's surface moves: bones, joints and weights.
     Rig(RigArguments),
@@ -425,6 +426,7 @@ pub struct DirectArguments {
 }
 
 /// Arguments of `builder drive`.
+#[cfg(feature = "complete")]
 #[derive(Debug, Args)]
 pub struct DriveArguments {
     /// The clip: a .bvh file, an .asf file with an .amc file (`02.asf+02_01.amc`), or a .glb or .gltf file with a skin.

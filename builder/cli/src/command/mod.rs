@@ -3,8 +3,11 @@
 mod args;
 mod asked;
 mod direct;
+#[cfg(feature = "complete")]
 mod drive;
+#[cfg(feature = "complete")]
 mod drive_actor;
+#[cfg(feature = "complete")]
 mod drive_capture;
 #[cfg(feature = "complete")]
 mod evaluate;
@@ -72,6 +75,7 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Vary(arguments) => vary::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
         Command::Drive(arguments) => drive::run(arguments, &terminal),
         Command::Rig(arguments) => rig::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),

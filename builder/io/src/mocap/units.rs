@@ -12,6 +12,7 @@ pub(super) enum Hint {
     /// Nothing.
     None,
     /// Metres.
+    #[cfg(feature = "gltf")]
     Metres,
     /// An ASF file's `length`, of which an inch over it is a unit.
     Asf(f64),
@@ -38,6 +39,7 @@ pub(super) fn in_metres(clip: Clip, path: &Path, said: Option<f32>, hint: Hint, 
     let height = f64::from(clip.height());
     let hinted = match hint {
         Hint::None => None,
+        #[cfg(feature = "gltf")]
         Hint::Metres => Some(1.0),
         Hint::Asf(length) => Some(0.0254 / length),
     };

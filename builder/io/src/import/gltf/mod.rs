@@ -33,6 +33,7 @@ mod orientation;
 mod primitive;
 mod scenes;
 mod shape;
+#[cfg(feature = "mocap")]
 mod skeleton;
 mod texture;
 mod uv;
@@ -50,6 +51,7 @@ use self::inflate::inflate_all;
 use self::instance::{Instances, Turn, assemble, assemble_scenes};
 use self::nodes::Nodes;
 use self::shape::Joints;
+#[cfg(feature = "mocap")]
 pub use self::skeleton::Skeleton;
 use super::error::ImportError;
 use super::mesh::FileMesh;

@@ -91,6 +91,7 @@ pub(super) struct Nodes {
     /// Parent of each node.
     pub parent: Vec<Option<usize>>,
     /// All nodes, every parent before its children.
+    #[cfg(feature = "mocap")]
     order: Vec<usize>,
     names: Vec<String>,
 }
