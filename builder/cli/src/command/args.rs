@@ -454,7 +454,7 @@ pub struct DriveArguments {
     /// Behaviours that the sequence shows.
     #[arg(long, value_delimiter = ',', value_name = "LABELS")]
     pub labels: Vec<String>,
-    /// A TOML file that says which joint is which where that is not found: [joints] hip_l = "LeftUpLeg".
+    /// A TOML file that says which joint is which where that is not found, as hip_l = "LeftUpLeg" in its table "joints".
     #[arg(long, value_name = "FILE")]
     pub mapping: Option<PathBuf>,
     /// A TOML file to write, with the joints that were found.
