@@ -287,6 +287,8 @@ export interface ActorInfo {
   appearance: [number, number] | null;
   /** Modes of textures that were not aligned, to compare with; `null` where the file holds none or they are still to come. */
   naive: number | null;
+  /** Whether the actor has alternatives of what was recorded (`variety`). */
+  varies: boolean;
   /** Frames in the largest strongly connected component: all of them reach each other. */
   main: number;
 }

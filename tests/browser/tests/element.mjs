@@ -344,6 +344,25 @@ export const tests = {
     await player.close();
   },
 
+  'variety is a share from 0 to 1, and has no slider where an actor has no alternatives': async (browser) => {
+    const player = await loaded(browser);
+    const seen = await player.run(async (element) => {
+      element.controls = true;
+      await element.testing.searching();
+      const told = ['0.25', '7', 'much', null].map((value) => {
+        if (value === null) element.removeAttribute('variety');
+        else element.setAttribute('variety', value);
+        return element.variety;
+      });
+      element.variety = 0.5;
+      return { told, attribute: element.getAttribute('variety'), varies: element.info.varies };
+    });
+    assert.deepEqual(seen, { told: [0.25, 1, 1, 1], attribute: '0.5', varies: false });
+    await player.until('the tools', (element) => element.shadowRoot.querySelector('.toolbar'));
+    assert.equal(await player.part('.toolbar [aria-label="Variety"]').isVisible(), false);
+    await player.close();
+  },
+
   'controls are off unless asked for': async (browser) => {
     const player = await loaded(browser);
     for (const [on, shown] of [[false, false], [true, true]]) {

@@ -238,7 +238,11 @@ export class Toolbox {
   /** Another variety was chosen: it is seen from the next recorded stretch on. */
   vary() {
     this.director?.tell('set_variety', this.core.host.variety);
-    this.kit?.bar.setVariety(this.core.host.variety);
+    this.showVariety();
+  }
+
+  showVariety() {
+    this.kit?.bar.setVariety(this.director?.info.varies ? this.core.host.variety : null);
   }
 
   /** Another quickness was chosen: plans are made anew. */
@@ -330,7 +334,7 @@ export class Toolbox {
     if (this.kit) this.kit.edits.take(edits);
     else if (edits.length > 0) this.fetch();
     this.kit?.bar.setQuickness(this.core.host.quickness ?? this.director?.info.alpha);
-    this.kit?.bar.setVariety(this.director?.info.varies ? this.core.host.variety : null);
+    this.showVariety();
     this.kit?.bar.setSteps(this.history.canUndo, this.history.canRedo);
     this.tool.refresh?.();
     this.redraw();
