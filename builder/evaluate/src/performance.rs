@@ -55,10 +55,9 @@ impl<'a> Recordings<'a> {
     /// # Errors
     /// A transition of another capture.
     pub fn blends(&self, transition: &Transition) -> Result<Vec<Blend>, PoseError> {
-        let (ends, warp) = ((transition.from, transition.to), &transition.warp);
-        let mut blend = Blend::begin(self.timeline, &mut { *self }, ends, warp, Placement::IDENTITY)?;
+        let mut blend = Blend::of(self.timeline, &mut { *self }, transition, Placement::IDENTITY, self.contacts)?;
         let mut blends = vec![blend];
-        while let Some(next) = blend.next(self.timeline, &mut { *self }, warp, self.contacts)? {
+        while let Some(next) = blend.next(self.timeline, &mut { *self }, &transition.warp, self.contacts)? {
             blend = next;
             blends.push(blend);
         }

@@ -1,6 +1,8 @@
 //! What an animator would see: slide, feet in the ground, leaps and stutter in the transitions of walks, against what was
 //! recorded.
 
+use std::collections::BTreeMap;
+
 use actor::capture::Capture;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
@@ -18,9 +20,12 @@ use crate::subject::progress_of;
 const WALKS: u64 = 60;
 /// Frames of a walk that are made at most.
 const MOST_FRAMES: usize = 600;
-/// A foot that slides so many times as far as the recorded ones is seen, and what is longer in metres a frame, too.
+/// A foot that slides so many times as far as in all recorded frames, and as in those that are blended, is seen; what is
+/// shorter, in metres a frame, never is.
 const SLIDES: f64 = 1.5;
 const LEAST_SLIDE: f64 = 1e-3;
+/// A body that is so much further above the ground than both sides of a blend, as a part of its height, hops: 1.8 cm of 1.8 m.
+const HOPS: f64 = 0.01;
 /// What lies deeper in the ground than recorded frames, as a part of the body's height, is seen.
 const SINKS: f64 = 0.004;
 /// A step or a change of step that is so many times the recorded 99th percentile is seen.
@@ -51,7 +56,8 @@ pub(crate) fn section(
     let mut section = SectionReport::new(0, "What an animator would see");
     let walks = walks(capture, graph);
     let shown = show(capture, order, graph, &walks, MOST_FRAMES, &progress_of(job, "walks"))?;
-    let faults = faults(capture);
+    let own = Own::of(capture);
+    let faults = faults(&own);
     let mut table = Table::new(
         "seen",
         format!(
@@ -62,11 +68,17 @@ pub(crate) fn section(
         &["what", "transitions", "of", "worst", "limit", "recorded", "unit", "from", "to"],
     );
     let place = |frame: u32| place(&capture.timeline, frame);
+    let sides = slides_of_sides(&capture.timeline, &own, graph, &shown);
     let mut seen = Vec::new();
     for (kind, fault) in faults.iter().enumerate() {
-        let values = worst_of_transitions(&shown, kind);
-        let over = values.iter().filter(|(_, value)| *value > fault.limit).count();
-        let worst = values.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let values = worst_of_transitions(&capture.timeline, &own, graph, &shown, kind);
+        // What both sides do by themselves is no fault of the transition.
+        let excess = |&(index, value): &(u32, f64)| match kind {
+            SLIDE => value - fault.limit.max(SLIDES * sides[&index]),
+            _ => value - fault.limit,
+        };
+        let over = values.iter().filter(|value| excess(value) > 0.0).count();
+        let worst = values.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
         let (scale, unit) = fault.unit;
         let number = |value: f64| Cell::Number(scale * value, 1);
         let [from, to] = worst.map_or_else(Default::default, |&(index, _)| {
@@ -118,8 +130,7 @@ fn walks(capture: &Capture, graph: &EssentialGraph) -> Vec<Begun> {
 }
 
 /// What is looked for, in the order of [`values_of`].
-fn faults(capture: &Capture) -> [Fault; 4] {
-    let own = Own::of(capture);
+fn faults(own: &Own) -> [Fault; 5] {
     let slide = own.slide();
     let [step, change] = own.limits();
     let millimetres = (1e3, "mm a frame");
@@ -141,6 +152,14 @@ fn faults(capture: &Capture) -> [Fault; 4] {
             remedy: "See whether the takes have one ground (W_FLOOR).",
         },
         Fault {
+            name: "height above the ground, beyond both sides",
+            does: "The body hops",
+            limit: HOPS * own.height(),
+            recorded: 0.0,
+            unit: (1e3, "mm"),
+            remedy: "Takes in which the feet stand where others stand help.",
+        },
+        Fault {
             name: "step from frame to frame",
             does: "The body leaps",
             limit: LEAPS * step,
@@ -159,8 +178,39 @@ fn faults(capture: &Capture) -> [Fault; 4] {
     ]
 }
 
+/// The place of slides and of hops among [`faults`].
+const SLIDE: usize = 0;
+const HOP: usize = 2;
+
+/// For each transition of the walks, how far what touches the ground slides in the recorded frames that it blends: the side
+/// that slides more, in metres a frame.
+fn slides_of_sides(timeline: &Timeline, own: &Own, graph: &EssentialGraph, shown: &[Shown]) -> BTreeMap<u32, f64> {
+    let of = |index: u32| {
+        let nodes = nodes_of(timeline, graph, index);
+        [0, 1].map(|side| own.slide_of(nodes.iter().map(|node| node[side]))).into_iter().fold(0.0, f64::max)
+    };
+    shown.iter().flat_map(|walk| walk.transitions.iter().flatten()).map(|&index| (index, of(index))).collect()
+}
+
+/// The recorded frames that each node of a transition blends.
+fn nodes_of(timeline: &Timeline, graph: &EssentialGraph, index: u32) -> Vec<[u32; 2]> {
+    let transition = &graph.transitions()[index as usize];
+    let length = transition.warp.lengths().1 as i64;
+    let frames = transition.warp.nodes().filter_map(|(n, m)| {
+        let source = timeline.offset(transition.from, n as i64)?;
+        Some([source, timeline.offset(transition.to, 1 - length + m as i64)?])
+    });
+    frames.collect()
+}
+
 /// How much of each fault a transition shows: means of slide, else the most of its frames, in metres.
-fn worst_of_transitions(shown: &[Shown], kind: usize) -> Vec<(u32, f64)> {
+fn worst_of_transitions(
+    timeline: &Timeline,
+    own: &Own,
+    graph: &EssentialGraph,
+    shown: &[Shown],
+    kind: usize,
+) -> Vec<(u32, f64)> {
     let mut found = Vec::new();
     for walk in shown {
         let mut at = 0;
@@ -170,11 +220,25 @@ fn worst_of_transitions(shown: &[Shown], kind: usize) -> Vec<(u32, f64)> {
                 at += 1;
             }
             if let Some(index) = walk.transitions[first] {
-                found.extend(value_of(walk, first..at, kind).map(|value| (index, value)));
+                let value = match kind {
+                    HOP => hop(walk, first, &nodes_of(timeline, graph, index), &own.lowest),
+                    _ => value_of(walk, first..at, kind),
+                };
+                found.extend(value.map(|value| (index, value)));
             }
         }
     }
     found
+}
+
+/// How far the body is above where it is lowest on the higher of both sides, at most, in metres; `first` is the frame that the
+/// transition leaves.
+fn hop(walk: &Shown, first: usize, nodes: &[[u32; 2]], lowest: &[f64]) -> Option<f64> {
+    let above = nodes.iter().enumerate().filter_map(|(node, [source, destination])| {
+        let sides = lowest.get(*source as usize)?.max(*lowest.get(*destination as usize)?);
+        Some(walk.series.lowest.get(first + node)? - sides.max(0.0))
+    });
+    above.reduce(f64::max)
 }
 
 fn value_of(walk: &Shown, steps: std::ops::Range<usize>, kind: usize) -> Option<f64> {

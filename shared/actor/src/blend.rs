@@ -6,6 +6,7 @@ use glam::Vec2;
 use super::ground::{Ground, Next, recorded_step};
 use crate::contacts::{Contact, Contacts};
 use crate::graph::{EssentialGraph, Transition};
+use crate::hold::carried;
 use crate::pose_source::PoseError;
 pub use crate::temporal_warp::ease;
 use crate::temporal_warp::{PLACES_A_FRAME, Pace, TemporalWarp};
@@ -18,8 +19,9 @@ use kernels::scalar::half_turn;
 ///
 /// The actor's centre of mass follows the blended displacements of both sides. Source and destination are re-aligned
 /// about the vertical axis at each node; the rotations act on all that remains of their segments, so headings
-/// accumulate. Heights are not touched: interpolation blends them. What stands on the ground on both sides stays where it
-/// is, and the centre of mass moves over it ([`Contacts`]; not in the papers). Both sides are gone through at a smooth
+/// accumulate. Heights are not touched: interpolation blends them. Where it is known what stands on the ground, the
+/// transition leads to where the foot stays that cannot step, and the centre of mass goes from where the source alone would
+/// have it to where the destination will ([`Contacts::steers`]; not in the papers). Both sides are gone through at a smooth
 /// [`Pace`], so that they stand between frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
@@ -45,6 +47,8 @@ pub struct Blend {
     /// Frames of each segment that lie behind.
     places: [u32; 2],
     paces: [Pace; 2],
+    /// Where the destination's first frame stands once the last one stands where the transition leads, if that is known.
+    towards: Option<Placement>,
 }
 
 impl Blend {
@@ -78,7 +82,33 @@ impl Blend {
             recorded,
             places: [0; 2],
             paces: [0, 1].map(|side| Pace::of(warp, side, timeline.fps())),
+            towards: None,
         })
+    }
+
+    /// The first node of a transition of a graph with `contacts`, as [`Self::begin`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn of(
+        timeline: &Timeline,
+        ground: &mut impl Ground,
+        transition: &Transition,
+        placement: Placement,
+        contacts: &Contacts,
+    ) -> Result<Self, PoseError> {
+        let (ends, warp) = ((transition.from, transition.to), &transition.warp);
+        let mut blend = Self::begin(timeline, ground, ends, warp, placement)?;
+        if contacts.steers() {
+            let mut alone = Placement::IDENTITY;
+            let mut frame = blend.frames[1];
+            while frame != transition.to {
+                let (next, step) = recorded_step(timeline, ground, frame)?.ok_or(PoseError::OutOfRange(frame))?;
+                (frame, alone) = (next, alone.after(&step));
+            }
+            blend.towards = Some(placement.after(&transition.placement).after(&alone.inverse()));
+        }
+        Ok(blend)
     }
 
     /// The node after this one; `None` at the end of the warp.
@@ -109,11 +139,20 @@ impl Blend {
         for (placement, heading) in next.placements.iter_mut().zip(headings) {
             placement.heading = heading;
         }
-        next.centre += self.held(&next, contacts, free);
+        next.centre = match self.towards {
+            Some(towards) => next.between(towards),
+            None => self.centre + self.held(&next, contacts, free),
+        };
         for side in 0..2 {
             next.placements[side] = Placement::turning(headings[side], next.recorded[side], next.centre);
         }
         Ok(Some(next))
+    }
+
+    /// The centre of mass on its way from where the source has it, played on alone, to where the destination will have it.
+    fn between(&self, towards: Placement) -> Vec2 {
+        let [source, destination] = [self.alone[0], towards.after(&self.alone[1])];
+        ground_point(source, self.recorded[0]).lerp(ground_point(destination, self.recorded[1]), self.lambda)
     }
 
     /// The recorded frame that a side is nearest to.
@@ -196,7 +235,7 @@ impl Blend {
     }
 
     /// A part of one side, between frames.
-    fn contact(&self, side: usize, part: usize, contacts: &Contacts) -> Contact {
+    pub(crate) fn contact(&self, side: usize, part: usize, contacts: &Contacts) -> Contact {
         let of = |frame: u32| contacts.of(frame).get(part).copied().unwrap_or_default();
         let (here, next) = (of(self.frames[side]), self.next[side]);
         if next.share <= 0.0 {
@@ -232,12 +271,17 @@ pub fn transition_placement(
     warp: &TemporalWarp,
     contacts: &Contacts,
 ) -> Result<Placement, PoseError> {
-    let mut blend = Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)?;
-    while let Some(next) = blend.next(timeline, ground, warp, contacts)? {
-        blend = next;
+    let mut nodes = vec![Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)?];
+    let nothing = Contacts::default();
+    let held = if contacts.steers() { &nothing } else { contacts };
+    while let Some(next) = nodes[nodes.len() - 1].next(timeline, ground, warp, held)? {
+        nodes.push(next);
     }
-    let heading = half_turn(blend.placements[1].heading);
-    Ok(Placement { heading, ..blend.placements[1] })
+    let mut placement = nodes[nodes.len() - 1].placements[1];
+    if contacts.steers() {
+        placement.translation += carried(&nodes, timeline.fps(), contacts);
+    }
+    Ok(Placement { heading: half_turn(placement.heading), ..placement })
 }
 
 /// Placement of the last frame of `legs`, the actor standing at `start` on their first one. Reads no pose but at the wraps of

@@ -33,10 +33,22 @@ impl Contact {
     }
 }
 
+/// Which contacts a blend keeps still.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Held {
+    /// All that stand on both sides, from node to node: the rule of actors packed before format 1.9, whose transitions were
+    /// placed by it.
+    Alike,
+    /// The one that has least time to step; the others land where they have to.
+    #[default]
+    WhatCannotStep,
+}
+
 /// The contacts of all frames of a capture, of the same parts of the surface in the same order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contacts {
     parts: usize,
+    held: Held,
     /// Frame after frame.
     contacts: Vec<Contact>,
 }
@@ -48,7 +60,19 @@ impl Contacts {
     pub fn new(parts: usize, contacts: Vec<Contact>, timeline: &Timeline) -> Option<Self> {
         let holds = |contact: &Contact| contact.point.is_finite() && (0.0..=1.0).contains(&contact.weight);
         let fits = parts <= MOST_PARTS && contacts.len() == parts.checked_mul(timeline.frame_count() as usize)?;
-        (fits && contacts.iter().all(holds)).then_some(Self { parts, contacts })
+        (fits && contacts.iter().all(holds)).then_some(Self { parts, held: Held::default(), contacts })
+    }
+
+    /// The same, by another rule.
+    #[must_use]
+    pub fn held(self, held: Held) -> Self {
+        Self { held, ..self }
+    }
+
+    /// Whether they say where a transition leads, and not only how it goes on from node to node.
+    #[must_use]
+    pub fn steers(&self) -> bool {
+        self.parts > 0 && self.held == Held::WhatCannotStep
     }
 
     /// Number of parts.

@@ -22,6 +22,7 @@ pub mod feet;
 pub mod files;
 pub mod graph;
 pub mod ground;
+mod hold;
 pub mod json;
 pub mod motion;
 pub mod pose_source;

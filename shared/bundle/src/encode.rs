@@ -303,7 +303,8 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     if input.graph.contacts().parts() > 0 {
         let contacts = contacts::encode(input.graph.contacts(), capture.timeline.frame_count());
         let contacts = contacts.ok_or_else(|| EncodeError::Inconsistent("a contact is too far out".into()))?;
-        drafts.push(one(SectionKind::Contacts, contacts));
+        let steers = input.graph.contacts().steers();
+        drafts.push(one(if steers { SectionKind::Contacts } else { SectionKind::EarlierContacts }, contacts));
     }
     if input.graph.feet().count() > 0 {
         drafts.push(one(SectionKind::Feet, feet::encode(input.graph.feet(), capture.timeline.frame_count())));

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 8;
+pub const VERSION_MINOR: u16 = 9;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,7 +44,9 @@ pub enum SectionKind {
     NaiveMode,
     /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
-    /// What stands on the ground in every frame. Since 1.2.
+    /// As `Contacts`, of an actor whose transitions hold all that stands alike. Since 1.2.
+    EarlierContacts,
+    /// What stands on the ground in every frame. Since 1.9.
     Contacts,
     /// Which vertices follow each foot, and when it stands. Since 1.5.
     Feet,
@@ -62,7 +64,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -80,6 +82,7 @@ impl SectionKind {
         Self::Naive,
         Self::NaiveMode,
         Self::Motion,
+        Self::EarlierContacts,
         Self::Contacts,
         Self::Feet,
         Self::Ties,
@@ -111,11 +114,12 @@ impl SectionKind {
             Self::Naive => 38,
             Self::NaiveMode => 39,
             Self::Motion => 64,
-            Self::Contacts => 65,
+            Self::EarlierContacts => 65,
             Self::Feet => 66,
             Self::Ties => 67,
             Self::Rig => 68,
             Self::Alternatives => 69,
+            Self::Contacts => 70,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -148,6 +152,7 @@ impl SectionKind {
             Self::Naive => "naive",
             Self::NaiveMode => "naive-mode",
             Self::Motion => "motion",
+            Self::EarlierContacts => "earlier-contacts",
             Self::Contacts => "contacts",
             Self::Feet => "feet",
             Self::Ties => "ties",
@@ -169,13 +174,14 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Contacts => 9,
             Self::Alternatives => 8,
             Self::Rig => 7,
             Self::Ties => 6,
             Self::Feet => 5,
             Self::FileFaces | Self::FilePlace => 4,
             Self::Appearance | Self::AppearanceMode | Self::Naive | Self::NaiveMode => 3,
-            Self::Contacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,
+            Self::EarlierContacts | Self::EarlierNaive | Self::EarlierNaiveMode => 2,
             Self::EarlierAppearance | Self::EarlierMode | Self::Motion => 1,
             _ => 0,
         }

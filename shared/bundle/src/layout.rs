@@ -58,6 +58,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Graph
         | SectionKind::Motion
         | SectionKind::Contacts
+        | SectionKind::EarlierContacts
         | SectionKind::Feet
         | SectionKind::FilePlace => &[SectionKind::Meta],
         SectionKind::Model

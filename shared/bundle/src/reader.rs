@@ -16,7 +16,7 @@ use super::{
     surface, ties,
 };
 use actor::alternatives::Alternatives;
-use actor::contacts::Contacts;
+use actor::contacts::{Contacts, Held};
 use actor::feet::Feet;
 use actor::files::{FileFaces, FilePlace};
 use actor::graph::EssentialGraph;
@@ -417,8 +417,9 @@ impl BundleReader {
             self.graph = Some(graph.with_contacts(contacts).with_feet(feet).with_ties(ties));
             return Ok(());
         }
-        if kind == SectionKind::Contacts {
-            let contacts = contacts::decode(&raw, timeline).map_err(wrong)?;
+        if matches!(kind, SectionKind::Contacts | SectionKind::EarlierContacts) {
+            let held = if kind == SectionKind::Contacts { Held::WhatCannotStep } else { Held::Alike };
+            let contacts = contacts::decode(&raw, timeline).map_err(wrong)?.held(held);
             match self.graph.take() {
                 Some(graph) => self.graph = Some(graph.with_contacts(contacts)),
                 None => self.contacts = contacts,
@@ -506,6 +507,7 @@ impl BundleReader {
             | SectionKind::Graph
             | SectionKind::Motion
             | SectionKind::Contacts
+            | SectionKind::EarlierContacts
             | SectionKind::Feet
             | SectionKind::FilePlace => {}
         }

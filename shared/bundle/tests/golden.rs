@@ -9,12 +9,13 @@ mod captures;
 
 use actor::alternatives::{Alternatives, Stretch};
 use actor::capture::{Capture, Poses};
-use actor::contacts::Contacts;
+use actor::contacts::{Contacts, Held};
 use actor::feet::Feet;
 use actor::files::{FaceRun, FileFaces, FilePlace, Files};
 use actor::motion::Motion;
 use actor::pose_source::PoseSource;
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
+use actor::timeline::Timeline;
 use bundle::{
     AppearanceInput, AppearanceQuality, BundleInput, BundleReader, Extras, ModeDecoder, encode_with_extras,
     encode_with_files, encode_with_rig, validate,
@@ -34,6 +35,7 @@ const GOLDEN_WITH_FILES: &[u8] = include_bytes!("golden/v1.4-files.reprise");
 const GOLDEN_WITH_TIES: &[u8] = include_bytes!("golden/v1.6-ties.reprise");
 const GOLDEN_WITH_RIG: &[u8] = include_bytes!("golden/v1.7-rig.reprise");
 const GOLDEN_WITH_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.8-alternatives.reprise");
+const GOLDEN_WITH_STEERING_CONTACTS: &[u8] = include_bytes!("golden/v1.9-contacts.reprise");
 const GOLDEN_WITH_FEET: &[u8] = include_bytes!("golden/v1.5-feet.reprise");
 
 /// A pyramid that slides, leans and swings, made of whole numbers so that it is the same on every machine.
@@ -99,6 +101,11 @@ fn files() -> Files {
     Files { faces: Some(faces), place }
 }
 
+/// As they were until 1.8.
+fn earlier_contacts(timeline: &Timeline) -> Contacts {
+    contacts(timeline).held(Held::Alike)
+}
+
 fn check_writer(appearance: Option<&AppearanceInput>, contacts: Contacts, golden: &[u8]) {
     check_writer_of(appearance, contacts, &Files::default(), golden);
 }
@@ -130,12 +137,19 @@ fn the_writer_has_not_changed() {
 
 #[test]
 fn the_writer_of_contacts_has_not_changed() {
-    check_writer(None, contacts(&pyramid().timeline), GOLDEN_WITH_CONTACTS);
+    check_writer(None, earlier_contacts(&pyramid().timeline), GOLDEN_WITH_CONTACTS);
 }
 
 #[test]
 fn version_1_2_can_be_read() {
-    check_golden(GOLDEN_WITH_CONTACTS, contacts(&pyramid().timeline));
+    check_golden(GOLDEN_WITH_CONTACTS, earlier_contacts(&pyramid().timeline));
+}
+
+#[test]
+fn version_1_9_can_be_written_and_read() {
+    let steering = contacts(&pyramid().timeline);
+    check_writer(None, steering.clone(), GOLDEN_WITH_STEERING_CONTACTS);
+    check_golden(GOLDEN_WITH_STEERING_CONTACTS, steering);
 }
 
 #[test]
@@ -161,7 +175,8 @@ fn version_1_4_can_be_read() {
 fn version_1_5_can_be_written_and_read() {
     let capture = pyramid();
     let feet = feet(5, &capture.timeline);
-    let graph = graph_without_transcendentals(&capture).with_contacts(contacts(&capture.timeline)).with_feet(feet);
+    let graph =
+        graph_without_transcendentals(&capture).with_contacts(earlier_contacts(&capture.timeline)).with_feet(feet);
     let (order, generator) = ([4, 2, 0, 1, 3], "reprise 0.1.0".into());
     let poisson_order = Some(&order[..]);
     let input =

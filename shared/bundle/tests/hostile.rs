@@ -151,6 +151,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::FileVertices,
             SectionKind::Motion,
             SectionKind::Contacts,
+            SectionKind::EarlierContacts,
             SectionKind::Feet,
             SectionKind::Ties,
             SectionKind::Rig,

@@ -94,7 +94,9 @@ impl Moved {
 fn lift(step: FootStep, node: usize, way: f32, size: f32) -> f32 {
     let progress = step.progress(node);
     let arc = 4.0 * progress * (1.0 - progress);
-    arc * arc.sqrt() * step.lifted() * LIFT * size * way / (way + HALF * size).max(f32::MIN_POSITIVE)
+    // A foot that hardly goes anywhere is hardly lifted.
+    let [way, half] = [way, HALF * size].map(|way| way * way.sqrt());
+    arc * arc.sqrt() * step.lifted() * LIFT * size * way / (way + half).max(f32::MIN_POSITIVE)
 }
 
 /// The mean of a foot's vertices.

@@ -236,7 +236,7 @@ impl FrameMaker {
     fn first_blend(&mut self, over: &mut Recording, index: u32, placement: Placement) -> Result<Blend, PoseError> {
         let to = transition(over.graph, index)?;
         let mut ground = self.ground(over.source);
-        let first = Blend::begin(over.timeline, &mut ground, (to.from, to.to), &to.warp, placement)?;
+        let first = Blend::of(over.timeline, &mut ground, to, placement, over.graph.contacts())?;
         let second = first.next(over.timeline, &mut ground, &to.warp, over.graph.contacts())?;
         Ok(second.unwrap_or(first))
     }

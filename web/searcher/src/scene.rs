@@ -1,6 +1,6 @@
 //! What a search needs of the actor, handed from the player's memory to the searcher's.
 
-use actor::contacts::{Contact, Contacts};
+use actor::contacts::{Contact, Contacts, Held};
 use actor::graph::{EssentialGraph, Transition};
 use actor::motion::Motion;
 use actor::temporal_warp::{Move, TemporalWarp};
@@ -39,7 +39,7 @@ pub fn words(timeline: &Timeline, graph: &EssentialGraph, motion: &Motion, verte
     writer.double(graph.alpha());
     writer.list(graph.transitions(), write_transition);
     let contacts = graph.contacts();
-    writer.number(contacts.parts() as u32);
+    writer.0.extend([contacts.parts() as u32, u32::from(contacts.steers())]);
     let frames: Vec<u32> = (0..timeline.frame_count()).collect();
     writer.list(&frames, |writer, &frame| {
         for contact in contacts.of(frame) {
@@ -94,6 +94,7 @@ impl Known {
         let alpha = reader.double()?;
         let graph = EssentialGraph::new(alpha, reader.list(read_transition)?, &timeline).ok()?;
         let parts = reader.number()? as usize;
+        let held = if reader.number()? == 1 { Held::WhatCannotStep } else { Held::Alike };
         let contacts = reader.list(|reader| {
             let of_part = |_| {
                 let point = Vec2::new(reader.float()?, reader.float()?);
@@ -101,7 +102,7 @@ impl Known {
             };
             (0..parts).map(of_part).collect::<Option<Vec<_>>>()
         })?;
-        let graph = graph.with_contacts(Contacts::new(parts, contacts.concat(), &timeline)?);
+        let graph = graph.with_contacts(Contacts::new(parts, contacts.concat(), &timeline)?.held(held));
         let (centres, facings) = (reader.list(Reader::point)?, reader.list(Reader::float)?);
         let motion = Motion { centres, facings, wraps: reader.list(Reader::placement)? };
         (motion.fits(&timeline) && reader.0.is_empty()).then_some(Self { timeline, graph, motion, vertex_count })

@@ -108,6 +108,8 @@ pub(super) struct Own {
     ways: Vec<f64>,
     changes: Vec<f64>,
     slides: Vec<f64>,
+    /// For each frame the slide in the step from it to the next one, where anything touches the ground in both.
+    slide_from: Vec<Option<f64>>,
     stutters: [usize; 2],
     /// Median and 99th percentile of the ways and of their changes, in metres.
     way: [f64; 2],
@@ -141,12 +143,18 @@ impl Own {
             (0..2).for_each(|kind| stutters[kind] += found[kind].len());
         }
         let lowest = all(&|series| series.lowest.clone());
-        Self { ways, changes, slides, stutters, way, change, lowest, height: f64::from(look.height) }
+        let slide_from = sequences.iter().flat_map(|series| series.slide.iter().copied().chain([None])).collect();
+        Self { ways, changes, slides, slide_from, stutters, way, change, lowest, height: f64::from(look.height) }
     }
 
     /// Mean slide of what touches the ground, in metres a frame.
     pub(super) fn slide(&self) -> f64 {
         Moments::of(self.slides.iter().copied()).mean
+    }
+
+    /// The same in the steps from these frames on.
+    pub(super) fn slide_of(&self, frames: impl Iterator<Item = u32>) -> f64 {
+        Moments::of(frames.filter_map(|frame| *self.slide_from.get(frame as usize)?)).mean
     }
 
     /// The 99th percentiles of steps and of changes of step, in metres a frame.

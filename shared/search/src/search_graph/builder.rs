@@ -140,11 +140,11 @@ impl SearchGraphBuilder {
         index: usize,
     ) -> Result<Vec<Sample>, PoseError> {
         let transition = &graph.transitions()[index];
-        let (ends, warp) = ((transition.from, transition.to), &transition.warp);
         let points = &self.search_graph.points;
-        let mut blend = Blend::begin(timeline, &mut motion, ends, warp, kernels::align::Placement::IDENTITY)?;
+        let start = kernels::align::Placement::IDENTITY;
+        let mut blend = Blend::of(timeline, &mut motion, transition, start, graph.contacts())?;
         let mut track = vec![(points[transition.from as usize], transition.from)];
-        while let Some(next) = blend.next(timeline, &mut motion, warp, graph.contacts())? {
+        while let Some(next) = blend.next(timeline, &mut motion, &transition.warp, graph.contacts())? {
             blend = next;
             let side = |side: usize| {
                 let (next, point) = (&blend.next[side], points[blend.frames[side] as usize]);

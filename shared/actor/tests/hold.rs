@@ -1,0 +1,141 @@
+//! The foot that has no time to step stays, and the body is carried to where it needs to be; others go where they have to.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+
+use actor::blend::{Blend, transition_placement};
+use actor::contacts::{Contact, Contacts, Held};
+use actor::graph::Transition;
+use actor::motion::Motion;
+use actor::temporal_warp::{Move, TemporalWarp};
+use actor::timeline::{Sequence, Timeline};
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use kernels::align::Placement;
+use proptest::prelude::*;
+
+const FRAMES: u32 = 16;
+const STEPS: u32 = 14;
+/// Half of the frames are those of a step: 0.2 s.
+const FPS: f32 = 35.0;
+
+fn timeline() -> Timeline {
+    let sequence = |name: &str, first_frame| Sequence {
+        name: name.into(),
+        labels: vec![],
+        first_frame,
+        frame_count: FRAMES,
+        cyclic: false,
+    };
+    Timeline::new(FPS, vec![sequence("a", 0), sequence("b", FRAMES)]).unwrap()
+}
+
+/// A foot: where it is in each sequence, and in which frames of them it stands.
+type Foot<'a> = ([Vec2; 2], &'a dyn Fn(u32) -> bool);
+
+/// Bodies that sway and turn over feet.
+fn scene(sway: [f32; 2], feet: &[Foot]) -> (Motion, Contacts) {
+    let mut motion = Motion { centres: vec![], facings: vec![], wraps: vec![Placement::IDENTITY; 2] };
+    let mut contacts = Vec::new();
+    for sequence in 0..2 {
+        for frame in 0..FRAMES {
+            let t = frame as f32 / 4.0;
+            let lean = sway[sequence] * Vec2::new(t.sin(), (1.3 * t).cos());
+            motion.centres.push(Vec3::new(lean.x, 1.0, lean.y));
+            motion.facings.push(0.3 * sway[sequence] * t);
+            let foot = |(places, stands): &Foot| Contact::rounded(places[sequence], f32::from(u8::from(stands(frame))));
+            contacts.extend(feet.iter().map(foot));
+        }
+    }
+    (motion, Contacts::new(feet.len(), contacts, &timeline()).unwrap())
+}
+
+/// From the first frame of the one sequence to the last but one of the other.
+fn transition(motion: &Motion, contacts: &Contacts) -> Transition {
+    let (ends, warp) = ((0, FRAMES + STEPS), TemporalWarp::new(vec![Move::Both; STEPS as usize]));
+    let mut ground = motion;
+    let placement = transition_placement(&timeline(), &mut ground, ends, &warp, contacts).unwrap();
+    Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement }
+}
+
+/// How far the transition takes a foot: from where its source has it to where its destination will.
+fn moved(transition: &Transition, feet: &Foot) -> f32 {
+    let [source, destination] = feet.0;
+    let arrives = transition.placement.apply(Vec3::new(destination.x, 0.0, destination.y)).xz();
+    arrives.distance(Contact::rounded(source, 1.0).point)
+}
+
+fn always(_: u32) -> bool {
+    true
+}
+
+/// In the air for eight frames in a row: a step.
+fn steps(frame: u32) -> bool {
+    !(4..12).contains(&frame)
+}
+
+proptest! {
+    #[test]
+    fn what_cannot_step_stays_and_what_can_goes(
+        sway in prop::array::uniform2(-0.1_f32..0.1),
+        at in prop::array::uniform4(-0.1_f32..0.1),
+    ) {
+        let place = |shift: Vec2| [Vec2::new(at[0], at[1]) + shift, Vec2::new(at[2], at[3]) - shift];
+        let feet: [Foot; 2] = [(place(Vec2::ZERO), &always), (place(0.1 * Vec2::X), &steps)];
+        let (motion, contacts) = scene(sway, &feet);
+        let transition = transition(&motion, &contacts);
+        prop_assert!(moved(&transition, &feet[0]) < 1e-3, "{}", moved(&transition, &feet[0]));
+    }
+
+    #[test]
+    fn a_blend_goes_smoothly_from_where_the_source_would_be_to_where_it_arrives(sway in prop::array::uniform2(-0.2_f32..0.2)) {
+        let feet: [Foot; 1] = [([Vec2::ZERO, Vec2::new(0.3, -0.1)], &always)];
+        let (motion, contacts) = scene(sway, &feet);
+        let transition = transition(&motion, &contacts);
+        let start = Placement { heading: 0.7, translation: Vec2::new(3.0, -2.0) };
+        let (timeline, mut ground) = (timeline(), &motion);
+        let mut blend = Blend::of(&timeline, &mut ground, &transition, start, &contacts).unwrap();
+        let mut centres = vec![blend.centre];
+        while let Some(next) = blend.next(&timeline, &mut ground, &transition.warp, &contacts).unwrap() {
+            blend = next;
+            centres.push(blend.centre);
+        }
+        let arrives = start.after(&transition.placement);
+        prop_assert!(blend.placements[1].translation.distance(arrives.translation) < 1e-4);
+        // Beside what both sides do themselves, at most 1.5 of the way in a step: the steepest that an ease is.
+        let sway = sway[0].abs().max(sway[1].abs());
+        for pair in centres.windows(2) {
+            prop_assert!(pair[0].distance(pair[1]) < 1.6 * (0.4 + 2.0 * sway) / STEPS as f32 + sway / 2.0);
+        }
+    }
+}
+
+#[test]
+fn feet_that_are_in_the_air_on_both_sides_carry_nothing() {
+    let place = [Vec2::ZERO, Vec2::new(0.2, 0.1)];
+    let free = scene([0.1, -0.2], &[(place, &|_| false)]);
+    let stepping = scene([0.1, -0.2], &[(place, &steps)]);
+    let of = |(motion, contacts): &(Motion, Contacts)| transition(motion, contacts).placement;
+    assert_eq!(of(&free), of(&stepping));
+    let standing = scene([0.1, -0.2], &[(place, &always)]);
+    assert!(of(&standing).translation.distance(of(&free).translation) > 0.05);
+}
+
+#[test]
+fn of_two_feet_that_stand_one_stays_and_the_other_steps() {
+    let feet: [Foot; 2] =
+        [([Vec2::ZERO, Vec2::new(0.1, 0.0)], &always), ([Vec2::X, Vec2::new(1.2, 0.0)], &|frame| frame > 2)];
+    let (motion, contacts) = scene([0.1, -0.1], &feet);
+    let transition = transition(&motion, &contacts);
+    assert!(moved(&transition, &feet[0]) < 1e-3 && moved(&transition, &feet[1]) > 0.05);
+}
+
+#[test]
+fn actors_packed_before_hold_all_alike() {
+    let feet: [Foot; 2] = [([Vec2::ZERO, Vec2::new(0.1, 0.0)], &always), ([Vec2::X, Vec2::new(1.2, 0.0)], &always)];
+    let (motion, contacts) = scene([0.0, 0.0], &feet);
+    assert!(contacts.steers());
+    let earlier = contacts.held(Held::Alike);
+    assert!(!earlier.steers());
+    let transition = transition(&motion, &earlier);
+    let ways = [0, 1].map(|foot| moved(&transition, &feet[foot]));
+    assert!((ways[0] - ways[1]).abs() < 1e-3 && ways[0] > 0.02, "{ways:?}");
+}
