@@ -19,7 +19,7 @@ impl Player {
         let (Some(actor), Some(graph)) = (&loading.actor, &loading.graph) else {
             return Err(PlayerError::NotLoaded.into());
         };
-        let words = words(&actor.timeline, &actor.topology, graph.feet(), loading.order());
+        let words = words(&actor.recorded, &actor.topology, graph.feet(), loading.order());
         Ok(Uint32Array::from(words.as_slice()))
     }
 

@@ -7,6 +7,7 @@ pub mod bench;
 pub mod clock;
 mod direct;
 mod directing;
+pub mod driven;
 mod edited;
 pub mod events;
 mod follow;
@@ -25,7 +26,7 @@ use std::rc::Rc;
 
 use actor::capture::Capture;
 use actor::graph::EssentialGraph;
-use actor::pose_source::{PoseError, PoseSource};
+use actor::pose_source::PoseError;
 use actor::walk::Walk;
 use bundle::BundleError;
 use kernels::align::Placement;
@@ -407,7 +408,7 @@ impl Player {
     pub fn recorded_pose(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
         let actor = self.loading.actor.as_ref().ok_or(PlayerError::NotLoaded)?;
         let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
-        self.loading.source.recorded.read(frame, &mut pose)?;
+        self.loading.source.unedited(frame, &mut pose)?;
         Ok(pose)
     }
 

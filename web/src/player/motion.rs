@@ -115,8 +115,14 @@ impl Player {
 
     /// Plays on from frame `from`; whether anything goes on there.
     fn set_out(&mut self, actor: &Actor, graph: &EssentialGraph, from: u32) -> bool {
-        let way = Walk { legs: self.way_on(&actor.timeline, graph, from), ..Walk::default() };
-        let goes_on = !way.legs.is_empty() && self.producer.retarget(actor, graph, &way).is_ok();
+        let legs = match self.loading.source.driven.has(from) {
+            true => self.home(actor).unwrap_or_default().0,
+            false => self.way_on(&actor.timeline, graph, from),
+        };
+        // Making the way back adds to the graph.
+        let Some(graph) = self.graph(actor) else { return false };
+        let way = Walk { legs, ..Walk::default() };
+        let goes_on = !way.legs.is_empty() && self.producer.retarget(actor, &graph, &way).is_ok();
         if goes_on {
             self.goal = Some(Goal::PlayOn);
         }

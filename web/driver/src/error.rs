@@ -1,0 +1,54 @@
+//! Why an actor cannot be driven, in sentences for the stage.
+
+use driving::{BodyError, ClipError, MappingError, SurfaceError};
+use mocap::MocapError;
+use thiserror::Error;
+
+/// Why an actor cannot be driven.
+#[derive(Clone, Debug, Error)]
+pub enum DriverError {
+    /// The actor has no rig.
+    #[error("this actor has no bones to be driven by: pack it again with a rig (builder pack --rig)")]
+    NoRig,
+    /// Its rig cannot be used.
+    #[error("the actor's rig cannot be used: {0}")]
+    Rig(String),
+    /// Its rig is no human's.
+    #[error("this actor cannot be driven by a human's motion: {0}")]
+    Body(#[from] BodyError),
+    /// The files are no clip.
+    #[error(transparent)]
+    Files(#[from] MocapError),
+    /// The skeleton is no human's.
+    #[error("{file}: no human's motion: {cause}")]
+    Mapping {
+        /// The file.
+        file: String,
+        /// What is missing.
+        cause: MappingError,
+    },
+    /// The clip has more than a page can keep.
+    #[error("{file}: the clip lasts {seconds:.0} s, but a page has room for {most:.0} s of this actor; cut it first")]
+    Long {
+        /// The file.
+        file: String,
+        /// How long it is.
+        seconds: f32,
+        /// How long it may be.
+        most: f32,
+    },
+    /// The clip cannot be had at the actor's rate.
+    #[error("{file}: {cause}")]
+    Clip {
+        /// The file.
+        file: String,
+        /// Why.
+        cause: ClipError,
+    },
+    /// The surface cannot be solved for.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// What was handed over does not fit together.
+    #[error("what is known of the actor does not fit together; load the page again")]
+    Misfit,
+}
