@@ -52,13 +52,6 @@ impl Feet {
         (fits && feet.iter().all(holds)).then_some(Self { feet, stands })
     }
 
-    /// The same feet, of which `stands` says the same for the frames that follow.
-    #[must_use]
-    pub fn followed_by(mut self, stands: &[bool]) -> Self {
-        self.stands.extend(stands);
-        self
-    }
-
     /// Number of feet.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -75,8 +75,6 @@ pub struct EssentialGraph {
     alpha: f64,
     transitions: Vec<Transition>,
     first_transition: Vec<u32>,
-    /// Frames before any extension: those that [`Self::extended`] adds have their transitions after the ordered ones.
-    ordered_frames: u32,
     contacts: Contacts,
     feet: Feet,
     ties: Ties,
@@ -107,28 +105,7 @@ impl EssentialGraph {
             first_transition[frame + 1] += first_transition[frame];
         }
         let (contacts, feet, ties) = (Contacts::default(), Feet::default(), Ties::default());
-        let (alpha, ordered_frames) = (rounded_alpha(alpha), timeline.frame_count());
-        Ok(Self { alpha, transitions, first_transition, ordered_frames, contacts, feet, ties })
-    }
-
-    /// The same graph over `timeline`, which goes on where this one's ends, with `more` transitions after its own, in any order.
-    /// `feet` are those of all frames. Searches leave the frames that are new by those of `more`, and come to none of these.
-    ///
-    /// # Errors
-    /// As [`Self::new`], but for the order; a timeline of fewer frames.
-    pub fn extended(&self, timeline: &Timeline, feet: Feet, more: Vec<Transition>) -> Result<Self, GraphError> {
-        let own = self.transitions.len();
-        if timeline.frame_count() < self.frame_count() {
-            return Err(GraphError::Frame(own));
-        }
-        for (index, transition) in more.iter().enumerate() {
-            check(own + index, transition, timeline)?;
-        }
-        let mut extended = Self { feet, ..self.clone() };
-        extended.transitions.extend(more);
-        // Frames that are new have none of the transitions that are ordered.
-        extended.first_transition.resize(timeline.frame_count() as usize + 1, own as u32);
-        Ok(extended)
+        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet, ties })
     }
 
     /// From now on `alpha` is the weight of a frame's duration; rounded. Transitions, and so walks through them, stay what they
@@ -187,7 +164,7 @@ impl EssentialGraph {
         self.alpha
     }
 
-    /// All transitions, ordered by (from, to) but for those of an extension.
+    /// All transitions, ordered by (from, to).
     #[must_use]
     pub fn transitions(&self) -> &[Transition] {
         &self.transitions
@@ -197,16 +174,9 @@ impl EssentialGraph {
     #[must_use]
     pub fn transitions_from(&self, frame: u32) -> std::ops::Range<usize> {
         match self.first_transition.get(frame as usize..).and_then(|rest| rest.get(..2)) {
-            Some(&[own, _]) if frame >= self.ordered_frames => self.added(frame, own),
             Some(&[start, end]) => start as usize..end as usize,
             _ => 0..0,
         }
-    }
-
-    /// The first of the transitions after the first `own` that leaves from `frame`; none where none does.
-    fn added(&self, frame: u32, own: u32) -> std::ops::Range<usize> {
-        let found = (own as usize..self.transitions.len()).find(|&index| self.transitions[index].from == frame);
-        found.map_or(0..0, |index| index..index + 1)
     }
 
     /// Number of frames.
@@ -242,38 +212,4 @@ fn check(index: usize, transition: &Transition, timeline: &Timeline) -> Result<(
     let source_holds = source.offset(transition.from, li as i64 - 1).is_some();
     let destination_holds = destination.offset(transition.to, 1 - lj as i64).is_some();
     if source_holds && destination_holds { Ok(()) } else { Err(GraphError::Segment(index)) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::temporal_warp::Move;
-    use crate::timeline::Sequence;
-
-    fn sequence(first_frame: u32, frame_count: u32) -> Sequence {
-        Sequence { name: format!("s{first_frame}"), labels: vec![], first_frame, frame_count, cyclic: false }
-    }
-
-    fn transition(from: u32, to: u32) -> Transition {
-        let warp = TemporalWarp::new(vec![Move::Both; 2]);
-        Transition { from, to, deformation: 0.5, warp, placement: Placement::IDENTITY }
-    }
-
-    #[test]
-    fn an_extension_leaves_what_was_there_where_it_is() {
-        let recorded = Timeline::new(25.0, vec![sequence(0, 10)]).unwrap();
-        let longer = Timeline::new(25.0, vec![sequence(0, 10), sequence(10, 6)]).unwrap();
-        let graph = EssentialGraph::new(0.01, vec![transition(1, 5), transition(7, 4)], &recorded).unwrap();
-        let more = vec![transition(3, 12), transition(13, 6)];
-        let extended = graph.extended(&longer, Feet::default(), more).unwrap();
-        assert_eq!((extended.frame_count(), extended.transitions().len()), (16, 4));
-        assert_eq!(extended.transitions()[..2], graph.transitions()[..]);
-        for frame in 0..10 {
-            assert_eq!(extended.transitions_from(frame), graph.transitions_from(frame), "{frame}");
-        }
-        assert_eq!((extended.transitions_from(13), extended.transitions_from(12)), (3..4, 0..0));
-        let beyond = graph.extended(&longer, Feet::default(), vec![transition(14, 6)]);
-        assert_eq!(beyond, Err(GraphError::Segment(2)));
-        assert!(extended.extended(&recorded, Feet::default(), vec![]).is_err());
-    }
 }

@@ -5,7 +5,7 @@
 
 use editing::Rigid;
 use editing::rotation::turn_by;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use kernels::scalar::{atan2, half_turn};
 
 use crate::body::Body;
@@ -22,7 +22,6 @@ const AHEAD: f32 = 0.15;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     joints: Vec<Vec3>,
-    turns: Vec<Quat>,
     /// Where the middle of the hips is over the ground, and the way that they face about +Y, in radians.
     place: Vec3,
     heading: f32,
@@ -33,8 +32,6 @@ pub struct Look {
 pub struct Apart {
     /// Root of the mean square over the joints, in metres.
     pub metres: f32,
-    /// Mean angle of the bones, by how many vertices each moves, in radians: about the pose distance, without its stretch.
-    pub radians: f32,
 }
 
 impl Apart {
@@ -55,7 +52,6 @@ impl Look {
         let place = motions[0].apply(body.middle).with_y(0.0);
         Self {
             joints: body.rig.joints(motions).into_iter().map(|joint| back * (joint - place)).collect(),
-            turns: motions.iter().map(|motion| back * motion.rotation).collect(),
             place,
             heading,
         }
@@ -69,18 +65,9 @@ impl Look {
     }
 }
 
-/// How the vertices of a body are shared out between its bones, in shares of all.
-#[must_use]
-pub fn shares(body: &Body) -> Vec<f32> {
-    let mut shares = vec![0.0; body.rig.bones().len()];
-    let count = body.rig.rest().len() as u32;
-    (0..count).for_each(|vertex| shares[body.rig.bone_of(vertex)] += 1.0 / count.max(1) as f32);
-    shares
-}
-
 /// How far two postures are from each other, each given as it is and as it was `seconds` before.
 #[must_use]
-pub fn apart(shares: &[f32], [a, b]: [[&Look; 2]; 2], seconds: f32) -> Apart {
+pub fn apart([a, b]: [[&Look; 2]; 2], seconds: f32) -> Apart {
     let ahead = AHEAD / seconds.max(1e-3);
     let (before, now) = (a[0].step(a[1]), b[0].step(b[1]));
     let place = (before.1 - now.1).length_squared();
@@ -91,10 +78,5 @@ pub fn apart(shares: &[f32], [a, b]: [[&Look; 2]; 2], seconds: f32) -> Apart {
         let speed = before.0[joint].distance_squared(now.0[joint]);
         sum += (off + ahead * ahead * speed) / a[1].joints.len() as f32;
     }
-    let angle = |bone: usize| {
-        let turn = a[1].turns[bone].conjugate() * b[1].turns[bone];
-        2.0 * atan2(turn.xyz().length(), turn.w.abs())
-    };
-    let radians = shares.iter().enumerate().map(|(bone, share)| share * angle(bone)).sum();
-    Apart { metres: sum.sqrt(), radians }
+    Apart { metres: sum.sqrt() }
 }

@@ -1,7 +1,6 @@
 //! The actor as it is driven: its body once enough recorded frames were seen, and those frames.
 
 use bundle::decode_rig;
-use driving::join::shares;
 use driving::{Body, Look, Looker, Seen, Solver, Surface};
 use editing::{Rig, StoredRig};
 use editor::scene::Known;
@@ -31,8 +30,6 @@ pub struct DrivenActor {
     pub solver: Solver,
     /// Recorded frames in ascending order: the bones, and the body as seen from itself.
     pub recorded: Vec<(u32, Seen, Look)>,
-    /// How its vertices are shared out between its bones.
-    pub shares: Vec<f32>,
     /// The bone that each of its feet moves with: the left leg's foot is 0, the right one's 1, others are none.
     pub sides: Vec<Option<usize>>,
 }
@@ -94,7 +91,7 @@ impl Coming {
         };
         let recorded = seen.into_iter().map(look).collect();
         let sides = (0..known.feet.count()).map(|foot| side(&body, &known, foot)).collect();
-        Ok(DrivenActor { surface: Surface::new(&body), solver, recorded, shares: shares(&body), sides, body, known })
+        Ok(DrivenActor { surface: Surface::new(&body), solver, recorded, sides, body, known })
     }
 }
 

@@ -9,22 +9,20 @@ use mocap::Options;
 use crate::actor::DrivenActor;
 use crate::error::DriverError;
 
-/// Bytes of positions that a clip may have.
-const MOST_BYTES: usize = 256 << 20;
-/// Recorded frames to which the actor may go on after the clip that are offered, the best first.
-const EXITS: usize = 48;
+/// Seconds that a clip may last.
+const MOST_SECONDS: u32 = 600;
+/// What is recorded after the frame at which the actor comes back has to last so long, in seconds: it goes on there.
+const GOES_ON: f32 = 1.0;
 /// Time over which speeds are told at a clip's ends, in seconds.
 const STEP: f32 = 0.1;
 
-/// Where the actor may go on after a clip.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where the actor goes on after a clip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exit {
     /// The recorded frame at which the blend arrives.
     pub to: u32,
     /// Nodes of the blend.
     pub nodes: usize,
-    /// About how far both sides are apart in the middle of it, in radians.
-    pub radians: f32,
 }
 
 /// A clip that is being made.
@@ -47,16 +45,15 @@ impl DrivenClip {
         let (clip, notes) = mocap::read(files, &Options::default())?;
         let mut notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
         let mapping = Mapping::of(&clip, &MappingFile::default());
-        let mapping = mapping.map_err(|cause| DriverError::Mapping { file: file(), cause })?;
+        let mapping = mapping.map_err(|_| DriverError::NoLegs(file()))?;
         let missing: Vec<&str> = mapping.missing().into_iter().map(Role::name).collect();
         if !missing.is_empty() {
             notes.push(format!("the skeleton has no {}: these parts stay as they are", missing.join(", ")));
         }
         let fps = actor.known.timeline.fps();
-        let most = (MOST_BYTES / (12 * actor.known.topology.vertex_count().max(1))) as f32 / fps;
-        let seconds = clip.len() as f32 / clip.rate();
-        if seconds > most {
-            return Err(DriverError::Long { file: file(), seconds, most });
+        let seconds = (clip.len() as f32 / clip.rate()) as u32;
+        if seconds > MOST_SECONDS {
+            return Err(DriverError::Long { file: file(), seconds, most: MOST_SECONDS });
         }
         let plan = Plan::new((&clip, &mapping), &actor.body, fps);
         let Plan { planted, stands } = plan.map_err(|cause| DriverError::Clip { file: file(), cause })?;
@@ -102,35 +99,40 @@ impl DrivenClip {
         (looks, step as f32 / fps)
     }
 
-    /// How far the recorded `pose` is from the clip's beginning, and how many nodes a blend from there to here has.
+    /// How many nodes a blend from the recorded `pose` to the clip's beginning has.
     #[must_use]
-    pub fn entry(&self, actor: &DrivenActor, pose: &[Vec3]) -> (usize, f32) {
+    pub fn entry(&self, actor: &DrivenActor, pose: &[Vec3]) -> usize {
         let fps = actor.known.timeline.fps();
         let from = Look::new(&actor.body, &actor.body.rig.fit(pose));
         let to = Look::new(&actor.body, &self.motions[0]);
-        let apart = driving::join::apart(&actor.shares, [[&from; 2], [&to; 2]], 1.0);
-        (apart.blend(fps).min(self.count()).max(2), apart.radians)
+        let apart = driving::join::apart([[&from; 2], [&to; 2]], 1.0);
+        apart.blend(fps).min(self.count()).max(2)
     }
 
-    /// Where the actor may go on after the clip: where it would then look as the clip's end does, the best first.
+    /// Where the actor goes on after the clip: where what was recorded looks most as the clip's end does. `None` where nothing
+    /// recorded is long enough.
     #[must_use]
-    pub fn exits(&self, actor: &DrivenActor) -> Vec<Exit> {
+    pub fn exit(&self, actor: &DrivenActor) -> Option<Exit> {
         let fps = actor.known.timeline.fps();
-        let mut exits: Vec<(f32, Exit)> = Vec::new();
-        let shortest = Apart { metres: 0.0, radians: 0.0 }.blend(fps);
+        let mut best: Option<(f32, Exit)> = None;
+        let shortest = Apart { metres: 0.0 }.blend(fps);
         let (looks, seconds) = self.moment(actor, (self.count() - 1).saturating_sub(shortest / 2));
         for (at, (frame, _, look)) in actor.recorded.iter().enumerate() {
             let Some(before) = self.recorded_before(actor, at, seconds) else { continue };
             let lag = (frame - actor.recorded[before].0) as f32 / fps;
             let recorded = [&actor.recorded[before].2, look];
             // Speeds are held against each other over times that are nearly alike.
-            let apart = driving::join::apart(&actor.shares, [[&looks[0], &looks[1]], recorded], lag.max(seconds));
+            let apart = driving::join::apart([[&looks[0], &looks[1]], recorded], lag.max(seconds));
             let nodes = apart.blend(fps).min(self.count()).max(2);
-            let Some(to) = actor.known.timeline.offset(*frame, nodes as i64 / 2) else { continue };
-            exits.push((apart.metres, Exit { to, nodes, radians: apart.radians }));
+            let timeline = &actor.known.timeline;
+            let Some(to) = timeline.offset(*frame, nodes as i64 / 2) else { continue };
+            let fits = timeline.offset(to, 1 - nodes as i64).is_some();
+            let goes_on = timeline.offset(to, (GOES_ON * fps) as i64).is_some();
+            if fits && goes_on && best.is_none_or(|(metres, _)| apart.metres < metres) {
+                best = Some((apart.metres, Exit { to, nodes }));
+            }
         }
-        exits.sort_by(|a, b| a.0.total_cmp(&b.0));
-        exits.into_iter().take(EXITS).map(|(_, exit)| exit).collect()
+        best.map(|(_, exit)| exit)
     }
 
     /// The recorded frame about `seconds` before that of index `at`, in its sequence.

@@ -1,6 +1,6 @@
 //! Why an actor cannot be driven, in sentences for the stage.
 
-use driving::{BodyError, ClipError, MappingError, SurfaceError};
+use driving::{BodyError, ClipError, SurfaceError};
 use mocap::MocapError;
 use thiserror::Error;
 
@@ -20,23 +20,21 @@ pub enum DriverError {
     #[error(transparent)]
     Files(#[from] MocapError),
     /// The skeleton is no human's.
-    #[error("{file}: no human's motion: {cause}")]
-    Mapping {
-        /// The file.
-        file: String,
-        /// What is missing.
-        cause: MappingError,
-    },
-    /// The clip has more than a page can keep.
-    #[error("{file}: the clip lasts {seconds:.0} s, but a page has room for {most:.0} s of this actor; cut it first")]
+    #[error("{0}: this is no human's motion: the skeleton has no two legs that can be told")]
+    NoLegs(String),
+    /// The clip is longer than anybody wants to watch in a page.
+    #[error("{file}: the clip lasts {seconds} s, but a page performs up to {most} s; cut it first")]
     Long {
         /// The file.
         file: String,
-        /// How long it is.
-        seconds: f32,
+        /// How long it is, in seconds.
+        seconds: u32,
         /// How long it may be.
-        most: f32,
+        most: u32,
     },
+    /// Nothing recorded is long enough to go on in after the clip.
+    #[error("nothing was recorded that is long enough for the actor to go on in after the clip")]
+    NoWayBack,
     /// The clip cannot be had at the actor's rate.
     #[error("{file}: {cause}")]
     Clip {

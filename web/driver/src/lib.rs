@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! player: timeline, mesh, feet (words), rig (bytes), recorded poses --\
-//!                                            files of a clip (bytes) --+--> Session -> frames, where they join -> player
+//!                                            files of a clip (bytes) --+--> Session -> frames in the world -> player
 //! ```
 //!
 //! It has a memory of its own and knows no bundle. How a body is driven is `driving`'s business, the same as in the builder.
@@ -12,4 +12,5 @@ pub mod actor;
 pub mod bindings;
 pub mod clip;
 pub mod error;
+pub mod perform;
 pub mod session;

@@ -2,10 +2,12 @@
 
 use editor::scene::Known;
 use glam::Vec3;
+use kernels::align::Placement;
 
 use crate::actor::{Coming, DrivenActor};
 use crate::clip::{DrivenClip, Exit};
 use crate::error::DriverError;
+use crate::perform::{Performance, Performed, Window, windows};
 
 /// How far the actor is known.
 enum Stage {
@@ -21,6 +23,9 @@ enum Stage {
 pub struct Session {
     stage: Stage,
     clip: Option<DrivenClip>,
+    /// How the clip is to be performed: windows, nodes of the way in, and where the actor goes on.
+    wanted: Option<([Window; 2], usize, Exit)>,
+    performance: Option<Performance>,
 }
 
 /// What is known of a clip before its first frame.
@@ -28,12 +33,6 @@ pub struct Session {
 pub struct Began {
     /// Frames.
     pub count: usize,
-    /// The recorded frame whose looks it has.
-    pub like: u32,
-    /// Frame after frame, for each foot of the actor whether it stands.
-    pub stands: Vec<bool>,
-    /// Where the actor may go on afterwards, the best first.
-    pub exits: Vec<Exit>,
     /// Sentences for whoever dropped it.
     pub notes: Vec<String>,
 }
@@ -44,7 +43,8 @@ impl Session {
     /// # Errors
     /// The actor has no rig, or one that cannot be used.
     pub fn new(known: Known, rig: &[u8]) -> Result<Self, DriverError> {
-        Ok(Self { stage: Stage::Coming(Box::new(Coming::new(known, rig)?)), clip: None })
+        let stage = Stage::Coming(Box::new(Coming::new(known, rig)?));
+        Ok(Self { stage, clip: None, wanted: None, performance: None })
     }
 
     /// Frames whose recorded poses have to be given next, in this order; none once the actor can be driven, or never can.
@@ -93,14 +93,9 @@ impl Session {
     pub fn begin(&mut self, files: &[(&str, &[u8])]) -> Result<Began, DriverError> {
         let (actor, clip) = self.ready()?;
         let new = DrivenClip::new(actor, files)?;
-        let began = Began {
-            count: new.count(),
-            like: new.like,
-            stands: new.stands(actor),
-            exits: new.exits(actor),
-            notes: new.notes.clone(),
-        };
+        let began = Began { count: new.count(), notes: new.notes.clone() };
         *clip = Some(new);
+        self.performance = None;
         Ok(began)
     }
 
@@ -114,14 +109,50 @@ impl Session {
         clip.make(actor, frame)?.ok_or(DriverError::Misfit)
     }
 
-    /// How many nodes a blend from the recorded `pose` to the clip's beginning has, and about how far both are apart in radians.
+    /// Prepares to perform the clip from `frame`, of which `pose` is what was recorded: the recorded frames whose poses are needed.
     ///
     /// # Errors
-    /// There is no clip, or the pose is none of this mesh.
-    pub fn entry(&mut self, pose: &[Vec3]) -> Result<(usize, f32), DriverError> {
+    /// There is no clip, the pose is none of this mesh, or nothing recorded is long enough to go on in.
+    pub fn prepare(&mut self, frame: u32, pose: &[Vec3]) -> Result<[Window; 2], DriverError> {
         let (actor, clip) = self.ready()?;
         let fits = pose.len() == actor.known.topology.vertex_count();
         let clip = clip.as_ref().filter(|_| fits).ok_or(DriverError::Misfit)?;
-        Ok(clip.entry(actor, pose))
+        let exit = clip.exit(actor).ok_or(DriverError::NoWayBack)?;
+        let nodes = clip.entry(actor, pose);
+        let windows = windows(actor, clip.count(), frame, nodes, exit);
+        self.wanted = Some((windows, nodes, exit));
+        Ok(windows)
+    }
+
+    /// Begins to perform the clip where the actor stands, in the frame that it was prepared for, at `placement`; `recorded` are the
+    /// poses of both windows. The frame that it ends with, where that stands, and how many frames lead there.
+    ///
+    /// # Errors
+    /// It was not prepared, or the poses do not fit.
+    pub fn perform(
+        &mut self,
+        recorded: [Vec<Vec3>; 2],
+        placement: Placement,
+    ) -> Result<(u32, Placement, u32), DriverError> {
+        let (windows, nodes, exit) = self.wanted.take().ok_or(DriverError::Misfit)?;
+        let (actor, clip) = self.ready()?;
+        let clip = clip.as_ref().ok_or(DriverError::Misfit)?;
+        let performance = Performance::begin((actor, clip), windows, recorded, (nodes, exit), placement)?;
+        let told = (exit.to, performance.home, performance.length);
+        self.performance = Some(performance);
+        Ok(told)
+    }
+
+    /// The next frame of the performance; `None` at its end.
+    ///
+    /// # Errors
+    /// A frame that cannot be made.
+    pub fn next(&mut self) -> Result<Option<Performed>, DriverError> {
+        let (Stage::Ready(actor), Some(clip), Some(performance)) =
+            (&mut self.stage, &self.clip, &mut self.performance)
+        else {
+            return Ok(None);
+        };
+        performance.next(actor, clip)
     }
 }

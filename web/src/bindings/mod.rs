@@ -1,8 +1,7 @@
 //! What JavaScript sees: two classes and a function. The only modules that know it.
 
 pub mod direct;
-pub mod drive;
-mod edit;
+pub mod edit;
 pub mod error;
 pub mod player;
 pub mod stage;

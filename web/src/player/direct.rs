@@ -27,8 +27,6 @@ impl Player {
     /// The graph or a frame has not arrived.
     pub fn known(&mut self, milliseconds: f64) -> Result<Option<Vec<u32>>, PlayerError> {
         let (actor, graph) = self.ready(0)?;
-        // Searches are for what was recorded.
-        let graph = self.loading.source.driven.graph.clone().unwrap_or(graph);
         let end = (self.now)() + milliseconds;
         let motion = loop {
             match self.measure_more(&actor)? {
@@ -37,7 +35,7 @@ impl Player {
                 None => {}
             }
         };
-        Ok(Some(words(&actor.recorded, &graph, &motion, actor.topology.vertex_count() as u32)))
+        Ok(Some(words(&actor.timeline, &graph, &motion, actor.topology.vertex_count() as u32)))
     }
 
     /// Learns the motion: the bundle knows it, or some more poses are measured.
@@ -49,7 +47,7 @@ impl Player {
             directing.motion.get_or_insert_with(|| Rc::new(motion.clone()));
         }
         if directing.motion.is_none() {
-            let (timeline, source) = (&actor.recorded, &mut self.loading.source.recorded);
+            let (timeline, source) = (&actor.timeline, &mut self.loading.source.recorded);
             let meter = directing.meter.get_or_insert_with(|| Box::new(MotionMeter::new(actor.topology.weights())));
             if meter.advance(timeline, source, FRAMES)?
                 && let Some(meter) = directing.meter.take()
@@ -77,7 +75,7 @@ impl Player {
         }
         let end = (self.now)() + milliseconds;
         let source = &mut self.loading.source.recorded;
-        while !measure_group(&actor.recorded, source, count, vertices, &mut directing.middles, FRAMES)? {
+        while !measure_group(&actor.timeline, source, count, vertices, &mut directing.middles, FRAMES)? {
             if (self.now)() >= end {
                 return Ok(None);
             }

@@ -9,8 +9,7 @@ use synthesis::FrameKind;
 use super::{Player, PlayerError};
 
 impl Player {
-    /// From now on `pose` (metres, as the frame was recorded) stands in for `frame`; without one, the recorded pose again. A
-    /// frame of a driven clip is this pose for good.
+    /// From now on `pose` (metres, as the frame was recorded) stands in for `frame`; without one, the recorded pose again.
     ///
     /// # Errors
     /// There is no such frame, or the pose is none of this mesh.
@@ -21,10 +20,6 @@ impl Player {
         };
         if frame >= actor.timeline.frame_count() || !pose.as_ref().is_none_or(is_pose) {
             return Err(PlayerError::NoFrame(frame));
-        }
-        if self.loading.source.driven.has(frame) {
-            pose.into_iter().for_each(|pose| self.set_driven(frame, pose));
-            return Ok(());
         }
         let edited = &mut self.loading.source.edited;
         let before = edited.iter().position(|(other, _)| *other == frame);
@@ -49,12 +44,12 @@ impl Player {
         Ok(())
     }
 
-    /// The recorded frame that is shown, alone from now on, and where it stands; `None` in a transition and in a driven clip. A walk under way is
+    /// The recorded frame that is shown, alone from now on, and where it stands; `None` in a transition and in a clip. A walk under way is
     /// kept.
     pub fn hold(&mut self) -> Option<(u32, Placement)> {
         let last = self.last.as_ref()?;
         let FrameKind::Recorded { frame } = last.kind else { return None };
-        if self.loading.source.driven.has(frame) {
+        if self.is_given() {
             return None;
         }
         let placement = last.placement;

@@ -11,19 +11,13 @@ use super::{Goal, Player, PlayerError};
 
 impl Player {
     /// Where a walk from the present would begin: the frame, and its placement. That is the end of a transition under
-    /// way, and of a driven clip where the actor goes back to what was recorded.
+    /// way.
     ///
     /// # Errors
     /// There is no actor or no graph yet, or a frame cannot be read.
     pub fn leaves(&mut self) -> Result<(u32, Placement), PlayerError> {
-        let (actor, _) = self.ready(0)?;
-        let (way, home) = self.home(&actor)?;
-        let (_, graph) = self.ready(0)?;
-        let (_, placement) = self.producer.departure(&mut self.loading, &actor, &graph)?;
-        if way.is_empty() {
-            return Ok((home, placement));
-        }
-        Ok((home, self.producer.arrival(&mut self.loading, &actor, &graph, &way)?))
+        let (actor, graph) = self.ready(0)?;
+        Ok(self.producer.departure(&mut self.loading, &actor, &graph)?)
     }
 
     /// Sets off on `walk`, which begins where [`Self::leaves`] says now, and arrives at its end.
@@ -31,11 +25,10 @@ impl Player {
     /// # Errors
     /// The walk begins elsewhere, or is empty.
     pub fn follow(&mut self, start: u32, walk: &Walk) -> Result<PlanReport, PlayerError> {
-        let (actor, _) = self.ready(start)?;
-        let (way, from) = self.home(&actor)?;
         let (actor, graph) = self.ready(start)?;
+        let from = self.departure(&graph);
         let to = walk.end(&graph).filter(|_| from == start).ok_or(PlayerError::Unreachable { from, to: start })?;
-        self.leave(&actor, &graph, to, &Self::after_home(&graph, way, walk))?;
+        self.leave(&actor, &graph, to, walk)?;
         Ok(PlanReport::new(walk, to, &graph, &actor.timeline))
     }
 

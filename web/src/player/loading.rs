@@ -12,8 +12,6 @@ use glam::Vec3;
 use kernels::topology::Topology;
 use synthesis::Varied;
 
-use super::driven::Driven;
-
 /// What stays the same for all frames.
 #[derive(Clone, Debug)]
 pub struct Actor {
@@ -23,10 +21,8 @@ pub struct Actor {
     pub topology: Rc<Topology>,
     /// What is drawn; its images may have no bytes yet.
     pub surface: Rc<Surface>,
-    /// The sequences: those that were recorded, then driven clips.
+    /// The sequences.
     pub timeline: Rc<Timeline>,
-    /// The sequences that were recorded.
-    pub recorded: Rc<Timeline>,
     /// The frame that it begins with.
     pub first_frame: u32,
 }
@@ -35,8 +31,6 @@ pub struct Actor {
 pub struct Source {
     /// The poses as they were recorded.
     pub recorded: Recorded,
-    /// Clips whose frames follow those that were recorded.
-    pub driven: Driven,
     /// Frames that the page has edited.
     pub edited: Vec<(u32, Vec<Vec3>)>,
     /// Alternatives of recorded stretches, once they are there.
@@ -53,19 +47,7 @@ pub enum Recorded {
 
 impl Source {
     fn of(recorded: Recorded) -> Self {
-        Self { recorded, driven: Driven::default(), edited: Vec::new(), varied: None }
-    }
-
-    /// The pose of `frame` as it was recorded, or driven.
-    ///
-    /// # Errors
-    /// As [`PoseSource::read`].
-    pub fn unedited(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
-        if !self.driven.has(frame) {
-            return self.recorded.read(frame, pose);
-        }
-        pose.copy_from_slice(self.driven.pose(frame).ok_or(PoseError::NotLoaded(frame))?);
-        Ok(())
+        Self { recorded, edited: Vec::new(), varied: None }
     }
 }
 
@@ -74,7 +56,7 @@ impl PoseSource for Source {
         match self.edited.iter().find(|(edited, _)| *edited == frame) {
             Some((_, edited)) => pose.copy_from_slice(edited),
             None => {
-                self.unedited(frame, pose)?;
+                self.recorded.read(frame, pose)?;
                 if let Some(varied) = &self.varied {
                     varied.add(frame, pose);
                 }
@@ -151,13 +133,11 @@ impl Loading {
     /// All of `capture` at once.
     #[must_use]
     pub fn of_capture(capture: Capture, graph: EssentialGraph) -> Self {
-        let timeline = Rc::new(capture.timeline);
         let actor = Actor {
             name: capture.name,
             topology: Rc::new(capture.topology),
             surface: Rc::new(capture.surface),
-            recorded: Rc::clone(&timeline),
-            timeline,
+            timeline: Rc::new(capture.timeline),
             first_frame: 0,
         };
         Self { source: Source::of(Recorded::Memory(capture.poses)), actor: Some(actor), graph: Some(Rc::new(graph)) }
@@ -206,9 +186,6 @@ impl Loading {
     /// Whether the positions of `frame` have arrived.
     #[must_use]
     pub fn loaded(&self, frame: u32) -> bool {
-        if self.source.driven.has(frame) {
-            return self.source.driven.pose(frame).is_some();
-        }
         match &self.source.recorded {
             Recorded::Memory(poses) => (frame as usize) < poses.len(),
             Recorded::Bundle(reader) => reader.frame_loaded(frame),
@@ -265,13 +242,11 @@ impl Loading {
 fn arrived(reader: &BundleReader) -> Option<Actor> {
     reader.first_pose()?;
     let meta = reader.meta()?;
-    let timeline = Rc::new(reader.timeline()?.clone());
     Some(Actor {
         name: meta.name.clone(),
         topology: Rc::new(reader.topology()?.clone()),
         surface: Rc::new(reader.surface()?.clone()),
-        recorded: Rc::clone(&timeline),
-        timeline,
+        timeline: Rc::new(reader.timeline()?.clone()),
         first_frame: meta.first_frame,
     })
 }

@@ -7,10 +7,10 @@ pub mod bench;
 pub mod clock;
 mod direct;
 mod directing;
-pub mod driven;
 mod edited;
 pub mod events;
 mod follow;
+mod given;
 pub mod loading;
 mod motion;
 mod plan;
@@ -26,7 +26,7 @@ use std::rc::Rc;
 
 use actor::capture::Capture;
 use actor::graph::EssentialGraph;
-use actor::pose_source::PoseError;
+use actor::pose_source::{PoseError, PoseSource};
 use actor::walk::Walk;
 use bundle::BundleError;
 use kernels::align::Placement;
@@ -112,6 +112,9 @@ pub struct Player {
     /// The frame that the picture comes from, and the one that it goes to.
     last: Option<ShownFrame>,
     next: Option<ShownFrame>,
+    /// Frames made elsewhere that come before those of the route, and how many are still to be given.
+    given: VecDeque<ShownFrame>,
+    expected: u32,
     /// What the route under way is for; `None` where there is none.
     goal: Option<Goal>,
     playing: bool,
@@ -145,6 +148,8 @@ impl Player {
             trail: VecDeque::new(),
             last: None,
             next: None,
+            given: VecDeque::new(),
+            expected: 0,
             goal: None,
             playing: false,
             looping: true,
@@ -344,6 +349,7 @@ impl Player {
         self.next = after;
         self.clock.set_weight(weight);
         self.stalled = None;
+        self.forget_given();
         self.changed = true;
         self.stand_as_shown();
         self.leave_trail(true);
@@ -408,7 +414,7 @@ impl Player {
     pub fn recorded_pose(&mut self, frame: u32) -> Result<Vec<glam::Vec3>, PlayerError> {
         let actor = self.loading.actor.as_ref().ok_or(PlayerError::NotLoaded)?;
         let mut pose = vec![glam::Vec3::ZERO; actor.topology.vertex_count()];
-        self.loading.source.unedited(frame, &mut pose)?;
+        self.loading.source.recorded.read(frame, &mut pose)?;
         Ok(pose)
     }
 

@@ -25,6 +25,10 @@ impl Player {
         if !self.playing {
             return false;
         }
+        if self.is_given() {
+            self.next = self.given.pop_front();
+            return self.next.is_some();
+        }
         if self.producer.walker().is_none_or(|walker| walker.next(&actor.timeline).is_none()) && !self.play_on(&actor) {
             return false;
         }
@@ -85,7 +89,7 @@ impl Player {
 
     /// Arrives, or stops, where the route has come to its end.
     pub(super) fn finish_route(&mut self) {
-        let (Some(actor), Some(goal)) = (&self.loading.actor, self.goal) else { return };
+        let (Some(actor), Some(goal), false) = (&self.loading.actor, self.goal, self.is_given()) else { return };
         let goes_on = self.producer.walker().is_some_and(|walker| walker.next(&actor.timeline).is_some());
         if goes_on || goal == Goal::PlayOn {
             return;
@@ -115,14 +119,8 @@ impl Player {
 
     /// Plays on from frame `from`; whether anything goes on there.
     fn set_out(&mut self, actor: &Actor, graph: &EssentialGraph, from: u32) -> bool {
-        let legs = match self.loading.source.driven.has(from) {
-            true => self.home(actor).unwrap_or_default().0,
-            false => self.way_on(&actor.timeline, graph, from),
-        };
-        // Making the way back adds to the graph.
-        let Some(graph) = self.graph(actor) else { return false };
-        let way = Walk { legs, ..Walk::default() };
-        let goes_on = !way.legs.is_empty() && self.producer.retarget(actor, &graph, &way).is_ok();
+        let way = Walk { legs: self.way_on(&actor.timeline, graph, from), ..Walk::default() };
+        let goes_on = !way.legs.is_empty() && self.producer.retarget(actor, graph, &way).is_ok();
         if goes_on {
             self.goal = Some(Goal::PlayOn);
         }

@@ -28,9 +28,9 @@ impl Player {
     /// No such behaviour, no walk to it, or the graph has not arrived.
     pub fn nearest(&mut self, behaviour: &str) -> Result<u32, PlayerError> {
         let (actor, graph) = self.ready(0)?;
-        let behaviours = behaviours(&actor.recorded);
+        let behaviours = behaviours(&actor.timeline);
         let number = find_behaviour(&behaviours, behaviour)?;
-        let frames = frames_of(&behaviours[number], &actor.recorded);
+        let frames = frames_of(&behaviours[number], &actor.timeline);
         let from = self.departure(&graph);
         let walk = self.plans.search(|| plan_walk(&graph, &actor.timeline, from, &frames));
         let Some(walk) = walk else {

@@ -8,13 +8,12 @@ use searcher::report::{LegReport, report_legs};
 use serde::Serialize;
 use synthesis::FrameKind;
 
-use super::driven::Driven;
 use super::produce::ShownFrame;
 use super::{Goal, Player, PlayerError};
 use crate::trail::TrailPoint;
 
 /// The frames that the picture lies between.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
     /// The frame before.
     pub before: &'a ShownFrame,
@@ -22,8 +21,6 @@ pub struct Picture<'a> {
     pub after: &'a ShownFrame,
     /// 0 is the one, 1 the other.
     pub weight: f64,
-    /// Clips, whose frames wear the looks of recorded ones.
-    pub driven: &'a Driven,
 }
 
 impl Picture<'_> {
@@ -103,9 +100,6 @@ struct SequenceInfo<'a> {
     count: u32,
     cyclic: bool,
     labels: &'a [String],
-    /// Whether it is a driven clip.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    driven: bool,
 }
 
 /// An image as the page reads it.
@@ -147,7 +141,7 @@ impl Player {
     pub fn picture(&self) -> Option<Picture<'_>> {
         let before = self.last.as_ref()?;
         let after = self.next.as_ref().unwrap_or(before);
-        Some(Picture { before, after, weight: self.clock.weight(), driven: &self.loading.source.driven })
+        Some(Picture { before, after, weight: self.clock.weight() })
     }
 
     /// The frame that is nearer to what is shown.
@@ -226,7 +220,6 @@ impl Player {
             count: sequence.frame_count,
             cyclic: sequence.cyclic,
             labels: &sequence.labels,
-            driven: self.loading.source.driven.has(sequence.first_frame),
         });
         let images = actor.surface.images.iter().enumerate().map(|(index, image)| ImageInfo {
             media_type: image.format.media_type(),
@@ -245,7 +238,7 @@ impl Player {
             density: graph.map_or(0.0, |graph| graph.density(timeline)),
             alpha: self.own_alpha.or(graph.map(actor::graph::EssentialGraph::alpha)).unwrap_or(0.0),
             sequences: sequences.collect(),
-            behaviours: behaviours(&actor.recorded).into_iter().map(|behaviour| behaviour.name).collect(),
+            behaviours: behaviours(timeline).into_iter().map(|behaviour| behaviour.name).collect(),
             images: images.collect(),
             naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
             appearance: self.appearance(Textures::Aligned).map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),

@@ -91,9 +91,9 @@ impl Picture<'_> {
     fn sides(&self) -> [Side; 2] {
         let side = |kind: FrameKind| match kind {
             FrameKind::Synthetic { source_frame, destination_frame, lambda, .. } => {
-                (self.driven.worn(source_frame), self.driven.worn(destination_frame), lambda)
+                (source_frame, destination_frame, lambda)
             }
-            FrameKind::Recorded { frame } => (self.driven.worn(frame), self.driven.worn(frame), 0.0),
+            FrameKind::Recorded { frame } => (frame, frame, 0.0),
         };
         let [before, after] = [side(self.before.kind), side(self.after.kind)];
         match (self.before.kind.is_synthetic(), self.after.kind.is_synthetic()) {
