@@ -98,6 +98,14 @@ impl Driver {
         Ok(windows.into_iter().flat_map(|window| [window.first, window.count]).collect())
     }
 
+    /// Makes one more frame that the blends at the clip's ends need; whether there was one to be made.
+    ///
+    /// # Errors
+    /// A frame that cannot be made.
+    pub fn make_ahead(&mut self) -> Result<bool, JsValue> {
+        Ok(self.inner.make_ahead()?)
+    }
+
     /// Begins to perform where the actor stands, at heading, x and z; with the poses of both windows. The frame that it ends with,
     /// heading, x and z of that, and how many frames lead there.
     ///

@@ -11,8 +11,11 @@ use crate::error::DriverError;
 
 /// Seconds that a clip may last.
 const MOST_SECONDS: u32 = 600;
-/// What is recorded after the frame at which the actor comes back has to last so long, in seconds: it goes on there.
+/// What is recorded after the frame at which the actor comes back should last so long, in seconds: it goes on there.
 const GOES_ON: f32 = 1.0;
+/// What it costs that it does not, and that a blend has no room at all, in metres.
+const ENDS: f32 = 0.3;
+const NO_ROOM: f32 = 0.5;
 /// Time over which speeds are told at a clip's ends, in seconds.
 const STEP: f32 = 0.1;
 
@@ -29,6 +32,8 @@ pub struct Exit {
 pub struct DrivenClip {
     planted: Planted,
     motions: Vec<Vec<Rigid>>,
+    /// Frames at its ends that were made ahead of time.
+    made: Vec<Option<Vec<Vec3>>>,
     /// Sentences for whoever dropped it.
     pub notes: Vec<String>,
     /// The recorded frame whose looks it has.
@@ -62,7 +67,8 @@ impl DrivenClip {
         }
         let motions = bones(&actor.body, &planted);
         let like = like(actor, &motions);
-        Ok(Self { planted, motions, notes, like })
+        let made = vec![None; motions.len()];
+        Ok(Self { planted, motions, made, notes, like })
     }
 
     /// Frames.
@@ -76,8 +82,24 @@ impl DrivenClip {
     /// # Errors
     /// A surface that cannot be solved for.
     pub fn make(&self, actor: &mut DrivenActor, frame: usize) -> Result<Option<Vec<Vec3>>, DriverError> {
+        if let Some(Some(made)) = self.made.get(frame) {
+            return Ok(Some(made.clone()));
+        }
         let Some(planted) = self.planted.frames.get(frame) else { return Ok(None) };
         Ok(Some(actor.surface.frame(&actor.body, planted, &mut actor.solver)?))
+    }
+
+    /// Makes one more frame ahead of time, of those that blends of so many nodes at its beginning and its end need; whether there was
+    /// one to be made.
+    ///
+    /// # Errors
+    /// As [`Self::make`].
+    pub fn make_ahead(&mut self, actor: &mut DrivenActor, nodes: [usize; 2]) -> Result<bool, DriverError> {
+        let count = self.count();
+        let mut ends = (0..nodes[0].min(count)).chain(count.saturating_sub(nodes[1])..count);
+        let Some(next) = ends.find(|&frame| self.made[frame].is_none()) else { return Ok(false) };
+        self.made[next] = self.make(actor, next)?;
+        Ok(true)
     }
 
     /// Frame after frame, for each foot of the actor whether it stands.
@@ -110,7 +132,7 @@ impl DrivenClip {
     }
 
     /// Where the actor goes on after the clip: where what was recorded looks most as the clip's end does. `None` where nothing
-    /// recorded is long enough.
+    /// recorded is longer than a moment.
     #[must_use]
     pub fn exit(&self, actor: &DrivenActor) -> Option<Exit> {
         let fps = actor.known.timeline.fps();
@@ -125,11 +147,13 @@ impl DrivenClip {
             let apart = driving::join::apart([[&looks[0], &looks[1]], recorded], lag.max(seconds));
             let nodes = apart.blend(fps).min(self.count()).max(2);
             let timeline = &actor.known.timeline;
-            let Some(to) = timeline.offset(*frame, nodes as i64 / 2) else { continue };
-            let fits = timeline.offset(to, 1 - nodes as i64).is_some();
-            let goes_on = timeline.offset(to, (GOES_ON * fps) as i64).is_some();
-            if fits && goes_on && best.is_none_or(|(metres, _)| apart.metres < metres) {
-                best = Some((apart.metres, Exit { to, nodes }));
+            let to = (1..=nodes as i64 / 2).rev().find_map(|steps| timeline.offset(*frame, steps)).unwrap_or(*frame);
+            let room = (1..=nodes).rev().find(|&room| timeline.offset(to, 1 - room as i64).is_some()).unwrap_or(1);
+            let ends = timeline.offset(to, (GOES_ON * fps) as i64).is_none();
+            let short = 1.0 - room as f32 / nodes as f32;
+            let cost = apart.metres + f32::from(u8::from(ends)) * ENDS + short * NO_ROOM;
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, Exit { to, nodes: room }));
             }
         }
         best.map(|(_, exit)| exit)

@@ -124,6 +124,17 @@ impl Session {
         Ok(windows)
     }
 
+    /// Makes one more frame that the blends at the clip's ends need, so that [`Self::perform`] has less to do; whether there was one to be
+    /// made.
+    ///
+    /// # Errors
+    /// A frame that cannot be made.
+    pub fn make_ahead(&mut self) -> Result<bool, DriverError> {
+        let Some((_, nodes, exit)) = self.wanted else { return Ok(false) };
+        let (actor, clip) = self.ready()?;
+        clip.as_mut().map_or(Ok(false), |clip| clip.make_ahead(actor, [nodes, exit.nodes]))
+    }
+
     /// Begins to perform the clip where the actor stands, in the frame that it was prepared for, at `placement`; `recorded` are the
     /// poses of both windows. The frame that it ends with, where that stands, and how many frames lead there.
     ///

@@ -159,6 +159,10 @@ export class DriveDriver {
   async perform(clip, going) {
     const { core, director } = this.box;
     const { player, driver } = this;
+    // What the blends need is made while the actor goes on.
+    const here = Math.floor(director.state.frame);
+    driver.prepare(here, player.pose_of(here));
+    await this.inSlices(going, () => driver.make_ahead());
     while (director.state.transition && player.playing()) {
       await rest(16);
       going();
