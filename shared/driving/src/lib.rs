@@ -15,6 +15,7 @@
 //! pose instead of in a learned space.
 
 pub mod body;
+pub mod bones;
 pub mod clip;
 pub mod contacts;
 mod find;
@@ -36,7 +37,8 @@ pub mod steps;
 pub mod surface;
 mod tree;
 
-pub use self::body::{Body, BodyError};
+pub use self::body::Body;
+pub use self::bones::BodyError;
 pub use self::clip::{Clip, ClipError, ClipJoint, Stance};
 pub use self::join::{Apart, Look};
 pub use self::mapping::{Mapping, MappingError, MappingFile};

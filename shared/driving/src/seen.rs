@@ -3,7 +3,7 @@
 use editing::{Rig, Rigid};
 use glam::Vec3;
 
-use crate::body::{BodyError, need};
+use crate::bones::{BodyError, need};
 use crate::smooth::quantile;
 
 /// Frames that are looked at.

@@ -44,6 +44,11 @@ export class DriveDriver {
     return this.box.director?.player;
   }
 
+  /** The module that drives. */
+  fetch() {
+    return loadDriver();
+  }
+
   /** The actor is gone. */
   forget() {
     this.work = null;
@@ -83,7 +88,7 @@ export class DriveDriver {
     try {
       if (!this.player) throw new PlayerError('not-loaded', 'The actor has not arrived yet.');
       const clip = await find();
-      const module = await loadDriver();
+      const module = await this.fetch();
       going();
       await this.learn(module, going);
       // One that is performed is performed to its end.
