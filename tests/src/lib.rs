@@ -1,7 +1,7 @@
 //! What the tests that cross crates share.
 
-mod driven;
 pub mod dressed;
+mod driven;
 pub mod hostile;
 
 use anyhow::{Context, Result, bail};

@@ -2,9 +2,7 @@
 
 use actor::capture::Poses;
 use driving::plant::{Planted, bones};
-use driving::{
-    Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError,
-};
+use driving::{Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError};
 use editing::Rig;
 use glam::Vec3;
 use kernels::cholesky::elimination_order;

@@ -50,7 +50,9 @@ pub fn read(source: &str, bytes: &[u8], asf: &Asf, rate: f32) -> Result<Clip, Mo
             });
             continue;
         }
-        let Some(frame) = &mut open else { return Err(syntax(source, line, "a frame's number is missing before this")) };
+        let Some(frame) = &mut open else {
+            return Err(syntax(source, line, "a frame's number is missing before this"));
+        };
         let shown: String = first.chars().take(40).collect();
         let joint = asf.by_name.get(first);
         let joint = *joint.ok_or_else(|| syntax(source, line, format!("the skeleton has no bone {shown:?}")))?;

@@ -67,7 +67,10 @@ pub fn kind(names: &[&str]) -> Result<Kind, MocapError> {
         (None, None, Some(file)) if names.len() == 1 => Ok(Kind::Bvh(file)),
         (Some(_), None, None) => Err(MocapError::Half { file: file(), missing: "a motion (.amc) is missing" }),
         (None, Some(_), None) => Err(MocapError::Half { file: file(), missing: "its skeleton (.asf) is missing" }),
-        _ => Err(MocapError::Format { file: file(), known: if cfg!(target_arch = "wasm32") { KNOWN_AS_TEXT } else { KNOWN } }),
+        _ => Err(MocapError::Format {
+            file: file(),
+            known: if cfg!(target_arch = "wasm32") { KNOWN_AS_TEXT } else { KNOWN },
+        }),
     }
 }
 

@@ -38,9 +38,8 @@ impl fmt::Display for Note {
             Self::Unit { name, tall } => {
                 write!(out, "lengths are taken for {name}, for the skeleton is then {tall:.2} m tall")
             }
-            Self::First => {
-                out.write_str("the first frame is no motion but the pose in which the skeleton was bound: it is left out")
-            }
+            Self::First => out
+                .write_str("the first frame is no motion but the pose in which the skeleton was bound: it is left out"),
         }
     }
 }

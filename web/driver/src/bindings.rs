@@ -111,7 +111,14 @@ impl Driver {
     ///
     /// # Errors
     /// It was not prepared, or the poses do not fit.
-    pub fn perform(&mut self, before: &[f32], after: &[f32], heading: f32, x: f32, z: f32) -> Result<Vec<f32>, JsValue> {
+    pub fn perform(
+        &mut self,
+        before: &[f32],
+        after: &[f32],
+        heading: f32,
+        x: f32,
+        z: f32,
+    ) -> Result<Vec<f32>, JsValue> {
         let placement = Placement { heading, translation: Vec2::new(x, z) };
         let (to, home, length) = self.inner.perform([points(before), points(after)], placement)?;
         let [x, z] = home.translation.to_array();
@@ -122,8 +129,8 @@ impl Driver {
     ///
     /// # Errors
     /// A frame that cannot be made.
-    pub fn next(&mut self) -> Result<Float32Array, JsValue> {
-        let Some(Performed { pose, worn: ([from, to], lambda), heading }) = self.inner.next()? else {
+    pub fn next_frame(&mut self) -> Result<Float32Array, JsValue> {
+        let Some(Performed { pose, worn: ([from, to], lambda), heading }) = self.inner.next_frame()? else {
             return Ok(Float32Array::new_with_length(0));
         };
         self.worn = [from as f32, to as f32, lambda, heading];

@@ -130,8 +130,8 @@ impl Performance {
         let left = (counts[0] + counts[1]) - ways[1].0;
         let [way_in, mut way_back] = ways;
         way_back.2 = TemporalWarp::even(left.min(counts[2]) as usize, counts[2] as usize);
-        let mut synthesiser =
-            Synthesiser::new(&known.topology, known.order.as_deref()).map_err(|error| DriverError::Surface(error.into()))?;
+        let mut synthesiser = Synthesiser::new(&known.topology, known.order.as_deref())
+            .map_err(|error| DriverError::Surface(error.into()))?;
         let weights = known.topology.weights().to_vec();
         let mut transitions = Vec::new();
         for (from, to, warp) in [way_in, way_back] {
@@ -203,7 +203,8 @@ fn timeline(fps: f32, counts: [u32; 3]) -> Option<Timeline> {
 fn feet(actor: &DrivenActor, clip: &DrivenClip, windows: [Window; 2], timeline: &Timeline) -> Option<Feet> {
     let (known, count) = (&actor.known, actor.known.feet.count());
     let recorded = |window: Window| {
-        let frames = (0..window.count).map(move |step| known.timeline.offset(window.first, step.into()).unwrap_or(window.first));
+        let frames =
+            (0..window.count).map(move |step| known.timeline.offset(window.first, step.into()).unwrap_or(window.first));
         frames.flat_map(move |frame| (0..count).map(move |foot| known.feet.stands(frame, foot)))
     };
     let stands = recorded(windows[0]).chain(clip.stands(actor)).chain(recorded(windows[1])).collect();

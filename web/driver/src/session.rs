@@ -158,9 +158,8 @@ impl Session {
     ///
     /// # Errors
     /// A frame that cannot be made.
-    pub fn next(&mut self) -> Result<Option<Performed>, DriverError> {
-        let (Stage::Ready(actor), Some(clip), Some(performance)) =
-            (&mut self.stage, &self.clip, &mut self.performance)
+    pub fn next_frame(&mut self) -> Result<Option<Performed>, DriverError> {
+        let (Stage::Ready(actor), Some(clip), Some(performance)) = (&mut self.stage, &self.clip, &mut self.performance)
         else {
             return Ok(None);
         };

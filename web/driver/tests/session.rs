@@ -139,10 +139,11 @@ impl Actor {
     /// Performs the clip that was begun, from frame `from`; the frame that it ends with, where that stands, and all frames.
     fn perform(&self, session: &mut Session, from: u32, placement: Placement) -> (u32, Placement, Vec<Performed>) {
         let windows = session.prepare(from, self.poses.frame(from)).unwrap();
-        let recorded = windows
-            .map(|window| (window.first..window.first + window.count).flat_map(|f| self.poses.frame(f)).copied().collect());
+        let recorded = windows.map(|window| {
+            (window.first..window.first + window.count).flat_map(|f| self.poses.frame(f)).copied().collect()
+        });
         let (to, home, length) = session.perform(recorded, placement).unwrap();
-        let frames: Vec<Performed> = std::iter::from_fn(|| session.next().unwrap()).collect();
+        let frames: Vec<Performed> = std::iter::from_fn(|| session.next_frame().unwrap()).collect();
         assert_eq!(frames.len(), length as usize);
         (to, home, frames)
     }
@@ -213,5 +214,5 @@ fn what_cannot_be_driven_is_told_in_a_sentence() {
     let pole = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 1 Yposition\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\n\
                 Frames: 2\nFrame Time: 0.1\n0\n0\n";
     assert!(told(&mut session, "a.bvh", pole).contains("no two legs"));
-    assert!(session.make(0).is_err() && session.prepare(0, &[]).is_err() && session.next().unwrap().is_none());
+    assert!(session.make(0).is_err() && session.prepare(0, &[]).is_err() && session.next_frame().unwrap().is_none());
 }

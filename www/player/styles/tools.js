@@ -1,7 +1,7 @@
 /** The tools: their bar, their docks under the stage, and what they put on it; the dialog of keys. */
 
 export const toolStyles = `
-:host(:not([controls])) .bar .toolbar { display: none; }
+:host(:not([controls])) :is(.bar .toolbar, .clips) { display: none; }
 .player[data-state="failed"] .toolbar, .player[data-state="loading"] .toolbar { visibility: hidden; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }

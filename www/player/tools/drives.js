@@ -202,7 +202,7 @@ export class DriveDriver {
     const step = () => {
       const [waiting, due] = player.give(nothing, 0, 0, 0, 0);
       if (due === 0 || waiting >= AHEAD) return false;
-      player.give(driver.next(), ...driver.worn());
+      player.give(driver.next_frame(), ...driver.worn());
       this.slices.frames += 1;
       return true;
     };
