@@ -70,6 +70,12 @@ export class ReprisePlayer extends HTMLElement {
   set edits(document: EditDocument | null | undefined);
   /** Adds an edit; resolves once all frames are as it has them. What cannot be met is told in the notes. */
   edit(edit: Edit): Promise<{ notes: string[] }>;
+  /**
+   * The actor performs a clip of motion capture, blended in from where it is, then goes on in what was recorded. A clip is a .bvh
+   * file, or an .asf and an .amc; text is that of a .bvh. One that is performed is performed to its end before. Resolves once the
+   * actor performs; rejects with a `PlayerError` whose sentence is said on the page, too.
+   */
+  drive(files: File | File[] | string, options?: { name?: string }): Promise<{ name: string; frames: number; notes: string[] }>;
   /** The best answer of the tool in use so far. */
   readonly answer: Answer | null;
   /** The direction as the part of an address behind `#`. */
@@ -375,6 +381,10 @@ export interface ReprisePlayerEventMap {
   change: CustomEvent<{ tool: Tool }>;
   /** Recorded frames are edited otherwise than before; they are made in the next display frames. */
   editchange: CustomEvent<{ edits: EditDocument }>;
+  /** The actor begins to perform a clip of motion capture of so many frames. */
+  drivestart: CustomEvent<{ name: string; frames: number }>;
+  /** It is back in what was recorded, in this frame, or was sent elsewhere. */
+  driveend: CustomEvent<{ name: string; frame: number }>;
   /** The search has found a walk, or a better one. */
   answer: CustomEvent<{ answer: Answer }>;
   /** The actor waits for frames that have not arrived. */

@@ -89,7 +89,7 @@ function watchOver() {
   window.violations = [];
   window.heard = [];
   document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
-  const types = ['ready', 'load', 'error', 'transitionstart', 'transitionend', 'arrive', 'stall', 'end', 'devicelost', 'devicerestored', 'progress', 'toolchange', 'change', 'answer', 'editchange'];
+  const types = ['ready', 'load', 'error', 'transitionstart', 'transitionend', 'arrive', 'stall', 'end', 'devicelost', 'devicerestored', 'progress', 'toolchange', 'change', 'answer', 'editchange', 'drivestart', 'driveend'];
   for (const type of types) {
     // In the capturing phase, for the player's events do not bubble (and load never reaches the window).
     document.addEventListener(type, ({ detail }) => detail && typeof detail === 'object' && window.heard.push({ type, ...detail }), true);

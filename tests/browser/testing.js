@@ -90,6 +90,15 @@ class Testing {
     return toolbox.kit.edits.module;
   }
 
+  /** The driver of this actor, once it knows what it has to. */
+  async driving() {
+    const { toolbox } = this.core;
+    await toolbox.fetch();
+    const { drives } = toolbox.kit;
+    await drives.learn(await drives.fetch(), () => {});
+    return drives.driver;
+  }
+
   /** Searches on without the page's rests, so many slices at most: where others have the processor, rests are all that there is. */
   searchOn(slices) {
     const { search } = this.core.toolbox;

@@ -1,6 +1,7 @@
 //! What the tests that cross crates share.
 
 pub mod dressed;
+mod driven;
 pub mod hostile;
 
 use anyhow::{Context, Result, bail};
@@ -9,6 +10,8 @@ use glam::Vec3;
 use kernels::align::Placement;
 use search::cheapest_walk;
 use synthesis::Synthesiser;
+
+pub use self::driven::drive;
 
 /// Every frame of the cheapest walk between two frames of a bundle, synthesised natively, from where `from` was recorded.
 ///

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates from the ground up: each may use those of the lines above it, and none of its own line.
-const FLOORS: [&[&str]; 14] = [
+const FLOORS: [&[&str]; 16] = [
     &["shared/kernels", "builder/job"],
     &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
     &["shared/editing"],
@@ -17,11 +17,12 @@ const FLOORS: [&[&str]; 14] = [
         "shared/bundle",
         "shared/synthesis",
         "shared/search",
+        "shared/driving",
         "builder/rig",
-        "builder/drive",
         "builder/motion",
         "builder/registration",
     ],
+    &["shared/mocap", "builder/drive"],
     &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
     &["builder/reprise"],
     &["builder/evaluate"],
@@ -30,6 +31,8 @@ const FLOORS: [&[&str]; 14] = [
     &["web/searcher"],
     // What edits poses for it; what passes between memories is written as the searcher does.
     &["web/editor"],
+    // What drives the actor by motion capture for it; it is told of the actor as the editor is.
+    &["web/driver"],
     &["web"],
     &["tests/fixtures"],
     &["tests"],
@@ -71,6 +74,7 @@ fn crates() -> Vec<String> {
         "web".to_owned(),
         "web/searcher".into(),
         "web/editor".into(),
+        "web/driver".into(),
         "tests".into(),
         "tests/fixtures".into(),
         "xtask".into(),

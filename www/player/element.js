@@ -251,6 +251,11 @@ export class ReprisePlayer extends AttributeElement {
     return this.#core.toolbox.addEdit(edit);
   }
 
+  async drive(files, options) {
+    this.#ready();
+    return this.#core.toolbox.drive(files, options);
+  }
+
   direct(request, { anywhere = false } = {}) {
     const begin = () => {
       this.#ready();

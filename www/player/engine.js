@@ -35,6 +35,13 @@ export const loadEditor = once(async () => {
   return editor;
 }, 'The WebAssembly module that edits could not be loaded.');
 
+/** The module that drives by motion capture: `Driver`. */
+export const loadDriver = once(async () => {
+  const driver = await import('../pkg/driver.js');
+  await driver.default({ module_or_path: new URL('../pkg/driver_bg.wasm', import.meta.url) });
+  return driver;
+}, 'The WebAssembly module of motion capture could not be loaded.');
+
 /** The module `tools/tools.js`, a script of its own once it is built. */
 export const loadTools = once(async () => {
   const tools = await import('./tools/tools.js');

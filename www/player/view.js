@@ -89,6 +89,7 @@ class View {
     );
     this.player = h('div', { class: 'player', part: 'player', 'data-state': 'loading' }, this.bar, stageBox, this.scoreBox, this.preview.tooltip.root);
     root.append(this.player);
+    for (const type of ['dragover', 'drop']) this.player.addEventListener(type, (event) => core.toolbox.dropped(event));
     // Clicks on the stage leave the arrow keys with the score.
     this.stage.root.addEventListener('pointerdown', () => this.focusScore());
   }

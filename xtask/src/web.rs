@@ -27,10 +27,12 @@ struct Module {
 }
 
 const MODULE: Module = Module { package: "reprise-web", features: "", name: "web" };
-/// The modules that a page fetches only when something is first searched for, and when something is first edited.
-const LATER_MODULES: [Module; 2] = [
+/// The modules that a page fetches only when something is first searched for, when something is first edited,
+/// and when motion capture is first dropped.
+const LATER_MODULES: [Module; 3] = [
     Module { package: "reprise-searcher", features: "bindings", name: "searcher" },
     Module { package: "reprise-editor", features: "bindings", name: "editor" },
+    Module { package: "reprise-driver", features: "bindings", name: "driver" },
 ];
 
 /// Whether a page fetches a file of the build only when it is needed; `name` is its path in the folder.

@@ -1,11 +1,11 @@
 //! `builder drive`: the built-in performer does what a stick figure does.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use fixtures::squat;
 use serde_json::Value;
 
 fn builder(folder: &Path, arguments: &[&str]) -> Output {
@@ -15,71 +15,6 @@ fn builder(folder: &Path, arguments: &[&str]) -> Output {
 fn done(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// A joint: its name, offset in centimetres, and what hangs on it.
-struct Joint(&'static str, [f32; 3], Vec<Joint>);
-
-fn skeleton() -> Joint {
-    let leg = |side: f32, names: [&'static str; 4]| {
-        let toes = Joint(names[3], [0.0, -6.0, 13.0], vec![Joint("", [0.0, 0.0, 7.0], vec![])]);
-        let shin = Joint(names[1], [0.0, -42.0, 0.0], vec![Joint(names[2], [0.0, -41.0, 0.0], vec![toes])]);
-        Joint(names[0], [9.0 * side, -4.0, 0.0], vec![shin])
-    };
-    let arm = |side: f32, names: [&'static str; 3]| {
-        let hand = Joint(names[2], [25.0 * side, 0.0, 0.0], vec![Joint("", [18.0 * side, 0.0, 0.0], vec![])]);
-        Joint(names[0], [17.0 * side, 20.0, 0.0], vec![Joint(names[1], [29.0 * side, 0.0, 0.0], vec![hand])])
-    };
-    let head = Joint("g", [0.0, 28.0, 0.0], vec![Joint("", [0.0, 22.0, 0.0], vec![])]);
-    let chest = Joint("f", [0.0, 22.0, 0.0], vec![head, arm(1.0, ["h", "i", "j"]), arm(-1.0, ["k", "l", "m"])]);
-    Joint("a", [0.0; 3], vec![leg(-1.0, ["n", "o", "p", "q"]), leg(1.0, ["b", "c", "d", "e"]), chest])
-}
-
-fn hierarchy(joint: &Joint, depth: usize, text: &mut String, order: &mut Vec<&'static str>) {
-    let Joint(name, [x, y, z], children) = joint;
-    match (name.is_empty(), depth) {
-        (true, _) => writeln!(text, "End Site").unwrap(),
-        (false, 0) => writeln!(text, "ROOT {name}").unwrap(),
-        (false, _) => writeln!(text, "JOINT {name}").unwrap(),
-    }
-    writeln!(text, "{{\nOFFSET {x} {y} {z}").unwrap();
-    if !name.is_empty() {
-        order.push(name);
-        let places = if depth == 0 { "6 Xposition Yposition Zposition" } else { "3" };
-        writeln!(text, "CHANNELS {places} Zrotation Yrotation Xrotation").unwrap();
-    }
-    children.iter().for_each(|child| hierarchy(child, depth + 1, text, order));
-    writeln!(text, "}}").unwrap();
-}
-
-/// A stick figure, with joints without telling names, that squats and raises its left arm; the first frame is a T-pose.
-fn squat() -> String {
-    let (mut text, mut order) = (String::from("HIERARCHY\n"), Vec::new());
-    hierarchy(&skeleton(), 0, &mut text, &mut order);
-    let frames = 40;
-    writeln!(text, "MOTION\nFrames: {}\nFrame Time: 0.0333333", frames + 1).unwrap();
-    for frame in 0..=frames {
-        let u = if frame == 0 { 0.0 } else { 0.5 - 0.5 * (0.157 * (frame - 1) as f32).cos() };
-        let bend = (40.0 * u).to_radians();
-        let height = 4.0 + 6.0 + 83.0 * bend.cos();
-        write!(text, "0 {height} 0").unwrap();
-        for name in &order {
-            let [z, y, x] = match *name {
-                _ if frame == 0 => [0.0; 3],
-                "b" | "n" => [0.0, 0.0, -bend.to_degrees()],
-                "c" | "o" => [0.0, 0.0, 2.0 * bend.to_degrees()],
-                "d" | "p" => [0.0, 0.0, -bend.to_degrees()],
-                "h" => [-75.0 + 140.0 * u, 0.0, 0.0],
-                "k" => [75.0, 0.0, 0.0],
-                "i" => [0.0, -20.0, 0.0],
-                "l" => [0.0, 20.0, 0.0],
-                _ => [0.0; 3],
-            };
-            write!(text, " {z} {y} {x}").unwrap();
-        }
-        text.push('\n');
-    }
-    text
 }
 
 #[test]

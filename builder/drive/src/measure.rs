@@ -1,12 +1,11 @@
 //! How good driven frames are: soles on the floor, sliding, volume.
 
 use actor::capture::Poses;
+use driving::Body;
+use driving::plant::{Planted, Standing};
 use glam::Vec3;
 use kernels::topology::Topology;
 use serde::Serialize;
-
-use crate::body::Body;
-use crate::plant::{Planted, Standing};
 
 /// Recorded frames that are measured.
 const SAMPLES: usize = 200;

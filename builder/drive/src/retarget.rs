@@ -1,20 +1,19 @@
-//! From a clip to poses of the actor: the whole way.
+//! From a clip to poses of the actor: the whole way. The number of threads changes nothing.
 
 use actor::capture::Poses;
+use driving::plant::{Planted, bones};
+use driving::{Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError};
+use editing::Rig;
 use glam::Vec3;
+use kernels::cholesky::elimination_order;
 use kernels::topology::Topology;
+use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::body::Body;
-use crate::clip::{Clip, ClipError};
-use crate::contacts::Contacts;
-use crate::mapping::Mapping;
 use crate::measure::{Measures, measure};
-use crate::nearest::nearest;
-use crate::plant::{bones, ever_stands, plant};
-use crate::posture::Posture;
-use crate::source::Source;
-use crate::surface::{Surface, SurfaceError};
+
+/// Frames that are made by one thread after another.
+const BATCH: usize = 32;
 
 /// What came of a clip.
 #[derive(Clone, Debug)]
@@ -41,6 +40,17 @@ pub enum DriveError {
     Surface(#[from] SurfaceError),
 }
 
+/// The body of `rig`, as the recorded `poses` show it.
+///
+/// # Errors
+/// A rig without the bones of two legs.
+pub fn body(rig: &Rig, poses: &Poses) -> Result<Body, BodyError> {
+    let looker = Looker::new(rig)?;
+    let frames: Vec<u32> = Looker::samples(poses.len()).collect();
+    let seen: Vec<Seen> = frames.par_iter().map(|&frame| looker.see(rig, poses.frame(frame))).collect();
+    Body::new(rig.clone(), &seen)
+}
+
 /// The actor `body`, whose recording is `poses` at `fps` frames a second, does what `clip` shows.
 ///
 /// # Errors
@@ -51,21 +61,42 @@ pub fn retarget(
     (topology, order): (&Topology, Option<&[u32]>),
     (poses, fps): (&Poses, f32),
 ) -> Result<Driven, DriveError> {
-    let clip = clip.resampled(fps)?;
-    let source = Source::new(&clip, mapping, body.leg_length());
-    let postures: Vec<Posture> = (0..clip.len()).map(|frame| source.posture(frame)).collect();
-    let contacts = [0, 1].map(|side| {
-        let way = |of: fn(&Posture, usize) -> Vec3| postures.iter().map(|p| of(p, side)).collect::<Vec<_>>();
-        Contacts::find(&way(|p, side| p.legs[side].ankle), &way(|p, side| p.legs[side].ball), fps)
-    });
-    let planted = plant(body, &postures, &contacts, fps);
-    let surface = Surface::new(body, topology, order);
-    let driven = surface.deform(&planted)?;
+    let Plan { planted, stands } = Plan::new((clip, mapping), body, fps)?;
+    let driven = deform(body, &planted, topology, order)?;
     let measures = measure(body, topology, poses, &driven, &planted);
-    Ok(Driven {
-        poses: driven,
-        nearest: nearest(body.rig, poses, &bones(body, &planted)),
-        stands: ever_stands(&contacts),
-        measures,
-    })
+    Ok(Driven { poses: driven, nearest: nearest(body, poses, &planted), stands, measures })
+}
+
+/// Vertex positions of all frames in metres.
+fn deform(
+    body: &Body,
+    planted: &Planted,
+    topology: &Topology,
+    order: Option<&[u32]>,
+) -> Result<Vec<Vec<Vec3>>, SurfaceError> {
+    let found;
+    let order = match order {
+        Some(order) => order,
+        None => {
+            found = elimination_order(topology);
+            &found
+        }
+    };
+    let surface = Surface::new(body);
+    let batch = |frames: &[_]| -> Result<Vec<Vec<Vec3>>, SurfaceError> {
+        let mut solver = Solver::new(topology, Some(order))?;
+        frames.iter().map(|frame| surface.frame(body, frame, &mut solver)).collect()
+    };
+    let batches: Vec<_> = planted.frames.par_chunks(BATCH).map(batch).collect::<Result<_, _>>()?;
+    Ok(batches.into_iter().flatten().collect())
+}
+
+/// The recorded frame that resembles the clip most on average.
+fn nearest(body: &Body, poses: &Poses, planted: &Planted) -> u32 {
+    let likeness = Likeness::new(&body.rig, &bones(body, planted));
+    let frames: Vec<u32> = Likeness::samples(poses.len()).collect();
+    let apart = |&frame: &u32| likeness.apart(&body.rig, &body.rig.fit(poses.frame(frame)));
+    let sums: Vec<f32> = frames.par_iter().map(apart).collect();
+    let best = (1..sums.len()).fold(0, |best, k| if sums[k] < sums[best] { k } else { best });
+    frames.get(best).copied().unwrap_or(0)
 }

@@ -42,6 +42,22 @@ impl TemporalWarp {
         Self { moves }
     }
 
+    /// The shortest warp of segments of `li` and `lj` frames: the shorter one is paused evenly.
+    #[must_use]
+    pub fn even(li: usize, lj: usize) -> Self {
+        let last = li.max(lj).max(1) - 1;
+        let advances = |length: usize, step: usize| {
+            let at = |step: usize| step * length.saturating_sub(1) / last.max(1);
+            at(step) > at(step - 1)
+        };
+        let step = |step: usize| match (advances(li, step), advances(lj, step)) {
+            (true, true) => Move::Both,
+            (true, false) => Move::Source,
+            _ => Move::Destination,
+        };
+        Self::new((1..=last).map(step).collect())
+    }
+
     /// Its moves, L - 1 of them.
     #[must_use]
     pub fn moves(&self) -> &[Move] {
@@ -191,6 +207,15 @@ mod tests {
         assert!((0..10).all(|node| pace.place(&warp, 1, node) == node as u32 * PLACES_A_FRAME));
         let none = TemporalWarp::default();
         assert_eq!(Pace::of(&none, 0, 25.0).place(&none, 0, 0), 0);
+    }
+
+    #[test]
+    fn even_warps_have_the_lengths_that_are_asked() {
+        for (li, lj) in [(1, 1), (1, 9), (9, 1), (7, 9), (9, 9), (20, 3)] {
+            let warp = TemporalWarp::even(li, lj);
+            assert_eq!((warp.lengths(), warp.duration()), ((li, lj), li.max(lj)));
+        }
+        assert_eq!(TemporalWarp::even(4, 4), TemporalWarp::new(vec![Move::Both; 3]));
     }
 
     #[test]

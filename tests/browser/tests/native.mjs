@@ -42,6 +42,23 @@ async function compareEdited({ frames, from, to, file }) {
   return { edited, walk: farthest(walk, at), lengths: [at + walk.length, theirs.length] };
 }
 
+/** Runs in the page: how many frames the actor has in a clip, and how far some of them are from the native ones at most. */
+async function compareDriven({ clip, frames, file }) {
+  const { testing } = document.querySelector('reprise-player');
+  const theirs = new Float32Array(await (await fetch(`native/${file}`)).arrayBuffer());
+  const driver = await testing.driving();
+  const count = driver.begin(['clip.bvh'], [new TextEncoder().encode(clip)]);
+  let [at, farthest] = [0, 0];
+  for (const frame of frames) {
+    const ours = driver.make(frame);
+    for (let index = 0; index < ours.length; index += 1, at += 1) {
+      const difference = Math.abs(ours[index] - theirs[at]);
+      if (!(difference <= farthest)) farthest = difference;
+    }
+  }
+  return { count, farthest, lengths: [at, theirs.length] };
+}
+
 export const tests = {
   'requests are refused in the same words natively and in WebAssembly': async (browser) => {
     const list = JSON.parse(await readFile(new URL('../../fixtures/requests.json', import.meta.url), 'utf8'));
@@ -105,6 +122,17 @@ export const tests = {
       assert.ok(farthest <= NEAR, `from ${walk.from} to ${walk.to}: ${farthest} m apart`);
       console.log(`        ${walk.from} to ${walk.to}: ${frames} frames, ${walk.transitions} transitions, ${farthest.toExponential(1)} m apart at most`);
     }
+    await player.close();
+  },
+
+  'what a clip makes of the actor is the same natively and in WebAssembly': async (browser) => {
+    const wanted = JSON.parse(await readFile(join(folder, 'driven.json'), 'utf8'));
+    const clip = await readFile(join(folder, 'clip.bvh'), 'utf8');
+    const player = await browser.open();
+    await player.loaded();
+    const { count, farthest, lengths } = await player.page.evaluate(compareDriven, { ...wanted, clip });
+    assert.deepEqual([count, lengths[0]], [wanted.count, lengths[1]]);
+    assert.ok(farthest <= NEAR, `${farthest} m apart`);
     await player.close();
   },
 };

@@ -2,7 +2,8 @@
 //!
 //! `native_walk BUNDLE FOLDER`: `walks.json` lists them as objects with `from`, `to`, `transitions` and `file`; a file
 //! holds three little-endian 32-bit floats per vertex, vertex after vertex, frame after frame. `edited.json` is the same for edits
-//! (`document`): some of the `frames` that they reach, and a walk that passes them.
+//! (`document`): some of the `frames` that they reach, and a walk that passes them. `driven.json` is a clip (`clip.bvh`) that the actor
+//! performs, where it has the bones of a human: some of its `frames`.
 
 use std::fs;
 use std::path::Path;
@@ -35,10 +36,22 @@ fn main() -> Result<()> {
         walks.push(json!({ "from": from, "to": to, "transitions": transitions, "file": file }));
     }
     write(&folder.join("walks.json"), json!(walks).to_string().as_bytes())?;
-    match choose(&bytes)?.first() {
-        Some(&(from, to, _)) => edited(&bytes, (from, to), folder),
-        None => Ok(()),
+    if let Some(&(from, to, _)) = choose(&bytes)?.first() {
+        edited(&bytes, (from, to), folder)?;
     }
+    driven(&bytes, folder)
+}
+
+/// Every fifth frame of what the actor does where a stick figure squats.
+fn driven(bundle: &[u8], folder: &Path) -> Result<()> {
+    let clip = fixtures::squat();
+    write(&folder.join("clip.bvh"), clip.as_bytes())?;
+    let Some(driven) = tests::drive(bundle, &clip)? else { return Ok(()) };
+    let frames: Vec<usize> = (0..driven.poses.len()).step_by(5).collect();
+    let floats = frames.iter().flat_map(|&frame| &driven.poses[frame]).flat_map(|point| point.to_array());
+    write(&folder.join("driven.f32"), &floats.flat_map(f32::to_le_bytes).collect::<Vec<_>>())?;
+    let about = json!({ "count": driven.poses.len(), "frames": frames, "like": driven.nearest, "file": "driven.f32" });
+    write(&folder.join("driven.json"), about.to_string().as_bytes())
 }
 
 /// Three edits around the beginning of a walk, and what becomes of it.

@@ -38,6 +38,22 @@ impl Player {
         Ok(self.inner.set_edited(frame, (!pose.is_empty()).then_some(pose))?)
     }
 
+    /// The actor goes on from `frame`, at heading, x and z; before that `count` frames are shown that `give` takes.
+    ///
+    /// # Errors
+    /// There is no such frame, or a transition is under way.
+    pub fn expect(&mut self, frame: u32, heading: f32, x: f32, z: f32, count: u32) -> Result<(), JsValue> {
+        let placement = kernels::align::Placement { heading, translation: glam::Vec2::new(x, z) };
+        Ok(self.inner.expect(frame, placement, count)?)
+    }
+
+    /// Takes the next frame that is expected, in the world, and the numbers that a `Driver` tells of it. How many frames wait to be
+    /// shown, and how many are to come.
+    pub fn give(&mut self, positions: &[f32], from: u32, to: u32, lambda: f32, heading: f32) -> Vec<u32> {
+        let pose = positions.chunks_exact(3).map(Vec3::from_slice).collect();
+        self.inner.give(pose, [from, to], lambda, heading).to_vec()
+    }
+
     /// Positions of `frame` as walks show it: edited where it is, in the place where it was recorded.
     ///
     /// # Errors

@@ -44,11 +44,14 @@ impl Player {
         Ok(())
     }
 
-    /// The recorded frame that is shown, alone from now on, and where it stands; `None` in a transition. A walk under way is
+    /// The recorded frame that is shown, alone from now on, and where it stands; `None` in a transition and in a clip. A walk under way is
     /// kept.
     pub fn hold(&mut self) -> Option<(u32, Placement)> {
         let last = self.last.as_ref()?;
         let FrameKind::Recorded { frame } = last.kind else { return None };
+        if self.is_given() {
+            return None;
+        }
         let placement = last.placement;
         self.playing = false;
         self.changed |= self.clock.weight() > 0.0;

@@ -10,6 +10,7 @@ mod directing;
 mod edited;
 pub mod events;
 mod follow;
+mod given;
 pub mod loading;
 mod motion;
 mod plan;
@@ -111,6 +112,9 @@ pub struct Player {
     /// The frame that the picture comes from, and the one that it goes to.
     last: Option<ShownFrame>,
     next: Option<ShownFrame>,
+    /// Frames made elsewhere that come before those of the route, and how many are still to be given.
+    given: VecDeque<ShownFrame>,
+    expected: u32,
     /// What the route under way is for; `None` where there is none.
     goal: Option<Goal>,
     playing: bool,
@@ -144,6 +148,8 @@ impl Player {
             trail: VecDeque::new(),
             last: None,
             next: None,
+            given: VecDeque::new(),
+            expected: 0,
             goal: None,
             playing: false,
             looping: true,
@@ -343,6 +349,7 @@ impl Player {
         self.next = after;
         self.clock.set_weight(weight);
         self.stalled = None;
+        self.forget_given();
         self.changed = true;
         self.stand_as_shown();
         self.leave_trail(true);

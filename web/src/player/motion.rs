@@ -25,6 +25,10 @@ impl Player {
         if !self.playing {
             return false;
         }
+        if self.is_given() {
+            self.next = self.given.pop_front();
+            return self.next.is_some();
+        }
         if self.producer.walker().is_none_or(|walker| walker.next(&actor.timeline).is_none()) && !self.play_on(&actor) {
             return false;
         }
@@ -85,7 +89,7 @@ impl Player {
 
     /// Arrives, or stops, where the route has come to its end.
     pub(super) fn finish_route(&mut self) {
-        let (Some(actor), Some(goal)) = (&self.loading.actor, self.goal) else { return };
+        let (Some(actor), Some(goal), false) = (&self.loading.actor, self.goal, self.is_given()) else { return };
         let goes_on = self.producer.walker().is_some_and(|walker| walker.next(&actor.timeline).is_some());
         if goes_on || goal == Goal::PlayOn {
             return;

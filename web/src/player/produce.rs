@@ -203,10 +203,15 @@ impl Producer {
         self.times.push(milliseconds);
     }
 
+    /// The number of a frame that is made now.
+    pub fn count(&mut self) -> u64 {
+        self.made += 1;
+        self.made
+    }
+
     fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> ShownFrame {
         let centre = centre_of_mass(&pose, topology.weights());
-        self.made += 1;
-        ShownFrame { number: self.made, pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
+        ShownFrame { number: self.count(), pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
     }
 }
 

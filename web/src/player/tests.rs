@@ -675,3 +675,43 @@ fn coefficients_are_interpolated_as_the_shape_is() {
     }
     assert!(in_transition > 4);
 }
+
+#[test]
+fn frames_that_are_given_come_before_the_route() {
+    let mut player = player(&[(20, false), (20, false)], &[(15, 25), (35, 5)]);
+    player.seek(3.0).unwrap();
+    let pose = |height: f32| CORNERS.map(|corner| corner + Vec3::Y * height).to_vec();
+    assert_eq!(player.give(pose(1.0), [0; 2], 0.0, 0.0), [0, 0], "nothing is expected");
+    let home = Placement { heading: 0.0, translation: glam::Vec2::new(5.0, 0.0) };
+    assert_eq!(player.expect(99, home, 2), Err(PlayerError::NoFrame(99)));
+    player.expect(30, home, 3).unwrap();
+    assert_eq!(player.leaves().unwrap(), (30, home));
+    assert!(player.hold().is_none(), "a frame that is none of the actor's own is edited");
+    player.tick(0.1);
+    assert_eq!(player.state().unwrap().frame, 3.0, "it goes on before the first frame is there");
+    assert_eq!(player.give(Vec::new(), [0; 2], 0.0, 0.0), [0, 3]);
+    assert_eq!(player.give(pose(1.0), [3, 7], 0.5, 0.0), [1, 2]);
+    player.go_to(33).unwrap();
+    player.give(pose(2.0), [7, 7], 0.0, 0.3);
+    player.give(pose(3.0), [30, 30], 0.0, 0.0);
+    let mut shown = Vec::new();
+    while player.playing() {
+        player.tick(0.04);
+        let picture = player.picture().unwrap();
+        shown.push((picture.before.kind.frame(), picture.before.kind.is_synthetic(), picture.before.pose[3].y));
+        assert!(shown.len() < 20, "{shown:?}");
+    }
+    let heights: Vec<f32> = shown.iter().map(|(_, _, y)| y.round()).collect();
+    assert!(heights.windows(3).any(|three| three == [3.0, 4.0, 5.0]), "{shown:?}");
+    assert!(shown.contains(&(7, true, 2.8)) && shown.contains(&(7, false, 3.8)), "{shown:?}");
+    assert_eq!(player.state().unwrap().frame, 33.0);
+    let x = player.picture().unwrap().pose()[3].x;
+    assert!((x - 5.0).abs() < 0.5, "it stands at {x}, not where it was to go on");
+
+    // Whoever looks at another pose leaves them.
+    player.expect(30, home, 3).unwrap();
+    player.give(pose(1.0), [3, 7], 0.5, 0.0);
+    player.seek(5.0).unwrap();
+    assert_eq!(player.give(pose(1.0), [3, 7], 0.5, 0.0), [0, 0]);
+    assert_eq!(player.state().unwrap().frame, 5.0);
+}

@@ -1,12 +1,15 @@
 /** The tools: their bar, their docks under the stage, and what they put on it; the dialog of keys. */
 
 export const toolStyles = `
-:host(:not([controls])) .bar .toolbar { display: none; }
+:host(:not([controls])) :is(.bar .toolbar, .clips) { display: none; }
 .player[data-state="failed"] .toolbar, .player[data-state="loading"] .toolbar { visibility: hidden; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }
 .tool { min-block-size: 32px; }
 button:disabled { opacity: 0.38; cursor: default; }
+.clips { position: absolute; inset: 8px auto auto 10px; display: flex; flex-wrap: wrap; gap: 6px; }
+.clip { display: flex; border-radius: 4px; background: linear-gradient(var(--accent) 0 0) 0 100% / var(--done, 0) 2px no-repeat color-mix(in srgb, var(--surface) 80%, transparent); }
+.clip .chip { color: var(--ink); }
 .share { position: relative; }
 .menu { position: absolute; inset: 36px 0 auto auto; display: grid; inline-size: max-content; padding: 4px; border-radius: 4px; background: var(--raised); box-shadow: 0 2px 12px rgb(0 0 0 / 0.16); }
 .menu .chip { min-block-size: 32px; color: var(--ink); text-align: start; }

@@ -15,15 +15,21 @@ export class Share {
       });
     this.file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, 'aria-label': 'A direction from a file' });
     this.file.addEventListener('change', () => this.read(this.file.files[0]));
+    this.clip = h('input', { type: 'file', accept: '.bvh,.asf,.amc', multiple: true, hidden: true, 'aria-label': 'A clip of motion capture' });
+    this.clip.addEventListener('change', () => {
+      box.drive([...this.clip.files]).catch(() => {});
+      this.clip.value = '';
+    });
     this.menu = h(
       'div',
       { class: 'menu', role: 'group', 'aria-label': 'Share', hidden: true },
       item('Copy link', 'What is asked, as a link', () => this.copy()),
       item('Save as JSON', 'What is asked, and what came of it', () => this.save()),
       item('Load JSON…', 'What was saved', () => this.file.click()),
+      item('Motion capture…', 'A clip that the actor performs: .bvh, or .asf with .amc', () => this.clip.click()),
     );
-    this.button = iconButton('share', 'Share (what is asked, as a link or a file)', () => this.open(this.menu.hidden), { 'aria-expanded': 'false' });
-    this.root = h('div', { class: 'share' }, this.button, this.menu, this.file);
+    this.button = iconButton('share', 'Share (what is asked, as a link or a file; motion capture)', () => this.open(this.menu.hidden), { 'aria-expanded': 'false' });
+    this.root = h('div', { class: 'share' }, this.button, this.menu, this.file, this.clip);
     this.root.addEventListener('keydown', (event) => {
       if (event.key !== 'Escape' || this.menu.hidden) return;
       event.stopPropagation();

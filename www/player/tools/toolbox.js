@@ -105,6 +105,7 @@ export class Toolbox {
     this.director = null;
     this.search.forget();
     this.kit?.edits.forget();
+    this.kit?.drives.forget();
     this.answer = null;
     this.history.reset(EMPTY);
     if (this.core.view) this.refresh();
@@ -329,6 +330,20 @@ export class Toolbox {
     return this.kit.edits.done();
   }
 
+  /** Performs a clip of motion capture. */
+  async drive(files, options) {
+    await this.fetch();
+    return this.kit.drives.drive(files, options);
+  }
+
+  /** Files are held over the stage, or dropped. */
+  dropped(event) {
+    if (!event.dataTransfer?.types.includes('Files')) return;
+    event.preventDefault();
+    // What is wrong is said on the page.
+    if (event.type === 'drop') this.drive([...event.dataTransfer.files]).catch(() => {});
+  }
+
   refresh() {
     const { edits } = this.document;
     if (this.kit) this.kit.edits.take(edits);
@@ -406,6 +421,7 @@ export class Toolbox {
   step() {
     this.tool.step?.();
     this.search.lookAhead();
+    this.kit?.drives.step();
   }
 
   /** The actor was sent somewhere else: to a pose, or nowhere. */

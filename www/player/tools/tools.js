@@ -5,6 +5,7 @@
 
 import { toolStyles } from '../styles/tools.js';
 import { ToolBar } from './bar.js';
+import { DriveDriver } from './drives.js';
 import { EditTool } from './edit.js';
 import { EditDriver } from './edits.js';
 import { KeysDialog } from './keys.js';
@@ -25,6 +26,7 @@ export class Tools {
     const { view, host } = box.core;
     view.addStyles(toolStyles);
     this.edits = new EditDriver(box);
+    this.drives = new DriveDriver(box);
     this.byName = Object.fromEntries(ALL.map((Tool) => [Tool.id, new Tool(box)]));
     this.marks = new Marks();
     this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by), hurry: (quickness) => (host.quickness = Number(quickness.toFixed(4))), vary: (variety) => (host.variety = variety) });

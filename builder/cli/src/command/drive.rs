@@ -12,7 +12,7 @@ use capture_io::export::{ExportOptions, Output, Written, export, play_from};
 use capture_io::import::Warning;
 use capture_io::mocap::{MocapOptions, ReadClip, read_clip};
 use drive::retarget::Driven;
-use drive::{Body, Mapping, MappingFile, Measures, Role, retarget};
+use drive::{Mapping, MappingFile, Measures, Role, retarget};
 use glam::Vec3;
 use job::{Job, Progress};
 use kernels::align::Placement;
@@ -58,7 +58,7 @@ pub fn run(arguments: &DriveArguments, terminal: &Terminal) -> Result<(), Failur
     warnings.extend(missing(&mapping));
     warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     let actor = read(arguments, terminal)?;
-    let body = Body::new(&actor.rig, &actor.poses).map_err(input)?;
+    let body = drive::body(&actor.rig, &actor.poses).map_err(input)?;
     let read_seconds = began.elapsed().as_secs_f64();
     let began = Instant::now();
     let mesh = (&actor.topology, actor.order.as_deref());

@@ -97,7 +97,7 @@ use actor::files::Files;
 use glam::DVec3;
 
 pub use self::error::ImportError;
-#[cfg(feature = "gltf")]
+#[cfg(all(feature = "gltf", feature = "mocap"))]
 pub(crate) use self::gltf::Skeleton;
 pub use self::manifest::UpAxis;
 pub use self::scans::{ScannedFrame, ScannedSequence, ScannedTexture, Scans, scans};

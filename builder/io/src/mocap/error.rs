@@ -1,9 +1,9 @@
 //! Why a file of motion capture cannot be read.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use drive::ClipError;
+use mocap::MocapError as Text;
 use thiserror::Error;
 
 use crate::import::ImportError;
@@ -30,46 +30,9 @@ pub enum MocapError {
         /// The largest that is read.
         most: u64,
     },
-    /// The name ends in nothing that is read.
-    #[error("{path}: no motion capture that is read: .bvh, .asf with .amc, .glb or .gltf")]
-    Format {
-        /// The file.
-        path: PathBuf,
-    },
-    /// An AMC file without its skeleton, or the other way round.
-    #[error("{path}: {missing}: name both, as in 02.asf+02_01.amc")]
-    Half {
-        /// The file.
-        path: PathBuf,
-        /// What is missing.
-        missing: &'static str,
-    },
-    /// A line that is not written as the format asks.
-    #[error("{path}: line {line}: {reason}")]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The file ends too early.
-    #[error("{path}: the file ends in the middle of {what}")]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// What it should have gone on with.
-        what: String,
-    },
-    /// What was read is no clip.
-    #[error("{path}: {cause}")]
-    Clip {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        cause: ClipError,
-    },
+    /// Its text is no clip, or it is none of the formats.
+    #[error(transparent)]
+    Text(#[from] Text),
     /// A glTF file that cannot be read, or has no clip of that name.
     #[error(transparent)]
     Gltf(#[from] ImportError),
@@ -89,16 +52,11 @@ impl MocapError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Io { .. } | Self::TooLarge { .. } => "E_MOCAP_READ",
-            Self::Format { .. } | Self::Half { .. } => "E_MOCAP_FORMAT",
-            Self::Syntax { .. } | Self::Truncated { .. } => "E_MOCAP_SYNTAX",
-            Self::Clip { .. } => "E_MOCAP_CLIP",
+            Self::Text(Text::Format { .. } | Text::Half { .. }) => "E_MOCAP_FORMAT",
+            Self::Text(Text::Clip { .. }) => "E_MOCAP_CLIP",
+            Self::Text(_) => "E_MOCAP_SYNTAX",
             Self::NoClip { .. } => "E_MOCAP_NO_CLIP",
             Self::Gltf(error) => error.code(),
         }
     }
-}
-
-/// A clip's fault in a file.
-pub(super) fn clip_error(path: &Path) -> impl Fn(ClipError) -> MocapError + '_ {
-    move |cause| MocapError::Clip { path: path.to_owned(), cause }
 }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use drive::clip::{MOST_FRAMES, MOST_JOINTS, MOST_POSITIONS};
-use drive::{Clip, ClipError, ClipJoint, Stance};
+use driving::clip::{MOST_FRAMES, MOST_JOINTS, MOST_POSITIONS};
+use driving::{Clip, ClipError, ClipJoint, Stance};
 use glam::{Mat4, Quat};
+use mocap::clip_error;
 
-use super::error::{MocapError, clip_error};
+use super::error::MocapError;
 use crate::import::{Skeleton, Warning};
 
 /// Frames a second that clips are sampled at where nothing else is said.
@@ -40,10 +41,11 @@ pub(super) fn read(
             format!("{}: clip {:?} is taken; --take names another: {}", path.display(), skeleton.clips[0], known());
         warnings.push(Warning::new("W_MOCAP_CLIP", message));
     }
+    let file = path.display().to_string();
     let rate = rate.unwrap_or(RATE);
     let (frames, joints) = (skeleton.frame_count(clip, rate.into()), skeleton.names.len());
     let check = |what, count: u64, most: usize| match count > most as u64 {
-        true => Err(clip_error(path)(ClipError::TooMany { what, count: count as usize, most })),
+        true => Err(clip_error(&file)(ClipError::TooMany { what, count: count as usize, most })),
         false => Ok(()),
     };
     check("joints", joints as u64, MOST_JOINTS)?;
@@ -52,7 +54,7 @@ pub(super) fn read(
     let poses = (0..frames as usize).map(|frame| stance(&skeleton.pose(clip, frame, rate.into()))).collect();
     let names = skeleton.names.iter().zip(&skeleton.parents);
     let joints = names.map(|(name, &parent)| ClipJoint { name: name.clone(), parent }).collect();
-    Clip::new(joints, rate, poses, Some(stance(&skeleton.rest))).map_err(clip_error(path))
+    Ok(Clip::new(joints, rate, poses, Some(stance(&skeleton.rest))).map_err(clip_error(&file))?)
 }
 
 fn stance(matrices: &[Mat4]) -> Stance {

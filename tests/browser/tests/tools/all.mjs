@@ -6,9 +6,10 @@ import { tests as place } from './place.mjs';
 import { tests as timing } from './timing.mjs';
 import { tests as wander } from './wander.mjs';
 import { tests as edit } from './edit.mjs';
+import { tests as drive } from './drive.mjs';
 import { tests as queue } from './queue.mjs';
 import { tests as share } from './share.mjs';
 import { tests as search } from './search.mjs';
 import { tests as accessibility } from './accessibility.mjs';
 
-export const tests = { ...path, ...air, ...place, ...timing, ...wander, ...edit, ...queue, ...share, ...search, ...accessibility };
+export const tests = { ...path, ...air, ...place, ...timing, ...wander, ...edit, ...drive, ...queue, ...share, ...search, ...accessibility };

@@ -91,7 +91,6 @@ pub(super) struct Nodes {
     /// Parent of each node.
     pub parent: Vec<Option<usize>>,
     /// All nodes, every parent before its children.
-    #[cfg(feature = "mocap")]
     order: Vec<usize>,
     names: Vec<String>,
 }
@@ -140,6 +139,7 @@ impl Nodes {
     }
 
     /// All nodes, every parent before its children.
+    #[cfg(feature = "mocap")]
     pub fn order(&self) -> &[usize] {
         &self.order
     }

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Mul};
 
+use kernels::scalar::exp;
+
 /// `curve` smoothed by a Gaussian of `sigma` frames; what lies beyond the ends is as the ends are.
 #[must_use]
 pub fn gaussian<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(curve: &[T], sigma: f32) -> Vec<T> {
@@ -9,7 +11,7 @@ pub fn gaussian<T: Copy + Add<Output = T> + Mul<f32, Output = T>>(curve: &[T], s
         return curve.to_vec();
     }
     let reach = ((3.0 * sigma).ceil() as i64).min(curve.len() as i64);
-    let weights: Vec<f32> = (-reach..=reach).map(|k| (-0.5 * (k as f32 / sigma).powi(2)).exp()).collect();
+    let weights: Vec<f32> = (-reach..=reach).map(|k| exp(-0.5 * (k as f32 / sigma).powi(2))).collect();
     let all: f32 = weights.iter().sum();
     let at = |frame: i64| curve[frame.clamp(0, curve.len() as i64 - 1) as usize];
     let one = |frame: usize| {

@@ -1,49 +1,48 @@
 //! The words of a text file, with their lines.
 
 use std::borrow::Cow;
-use std::path::Path;
 
-use super::error::MocapError;
+use crate::error::MocapError;
 
 /// Words one after another.
-pub(super) struct Words<'a> {
-    path: &'a Path,
+pub struct Words<'a> {
+    source: &'a str,
     words: Vec<(usize, &'a str)>,
     next: usize,
 }
 
 /// The bytes of a text file as text: without a byte order mark; what is not UTF-8 is not needed to be right.
-pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+pub fn text(bytes: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 
 /// Lines that are not empty and no comments, with their numbers from 1.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
 /// An error about a line.
-pub(super) fn syntax(path: &Path, line: usize, reason: impl Into<String>) -> MocapError {
-    MocapError::Syntax { path: path.to_owned(), line, reason: reason.into() }
+pub fn syntax(source: &str, line: usize, reason: impl Into<String>) -> MocapError {
+    MocapError::Syntax { file: source.into(), line, reason: reason.into() }
 }
 
 /// `word` as a finite number.
-pub(super) fn number(path: &Path, line: usize, word: &str) -> Result<f64, MocapError> {
+pub fn number(source: &str, line: usize, word: &str) -> Result<f64, MocapError> {
     let shown: String = word.chars().take(40).collect();
-    let number: f64 = word.parse().map_err(|_| syntax(path, line, format!("{shown:?} is not a number")))?;
+    let number: f64 = word.parse().map_err(|_| syntax(source, line, format!("{shown:?} is not a number")))?;
     // Nothing that stands for a place or an angle is as large; sums of what is smaller stay finite.
     if !number.is_finite() || number.abs() > 1e9 {
-        return Err(syntax(path, line, format!("{shown} is no length and no angle")));
+        return Err(syntax(source, line, format!("{shown} is no length and no angle")));
     }
     Ok(number)
 }
 
 impl<'a> Words<'a> {
     /// The words of `text`.
-    pub fn new(path: &'a Path, text: &'a str) -> Self {
+    pub fn new(source: &'a str, text: &'a str) -> Self {
         let words = lines(text).flat_map(|(line, text)| text.split_whitespace().map(move |word| (line, word)));
-        Self { path, words: words.collect(), next: 0 }
+        Self { source, words: words.collect(), next: 0 }
     }
 
     /// The line of the word that comes next.
@@ -53,12 +52,12 @@ impl<'a> Words<'a> {
 
     /// An error where the next word is.
     pub fn wrong(&self, reason: impl Into<String>) -> MocapError {
-        syntax(self.path, self.line(), reason)
+        syntax(self.source, self.line(), reason)
     }
 
     /// The next word; `what` is what the file goes on with.
     pub fn word(&mut self, what: &str) -> Result<&'a str, MocapError> {
-        let ends = || MocapError::Truncated { path: self.path.to_owned(), what: what.into() };
+        let ends = || MocapError::Truncated { file: self.source.into(), what: what.into() };
         let (_, word) = *self.words.get(self.next).ok_or_else(ends)?;
         self.next += 1;
         Ok(word)
@@ -72,14 +71,14 @@ impl<'a> Words<'a> {
             return Ok(());
         }
         let shown: String = found.chars().take(40).collect();
-        Err(syntax(self.path, line, format!("{word} is missing, here is {shown:?}")))
+        Err(syntax(self.source, line, format!("{word} is missing, here is {shown:?}")))
     }
 
     /// The next word as a number.
     pub fn number(&mut self, what: &str) -> Result<f64, MocapError> {
         let line = self.line();
         let word = self.word(what)?;
-        number(self.path, line, word)
+        number(self.source, line, word)
     }
 
     /// Three numbers.

@@ -16,7 +16,7 @@ pub struct Pose {
     pub turns: Vec<Quat>,
 }
 
-impl Body<'_> {
+impl Body {
     /// How the bones are turned where the body does what `posture` says.
     #[must_use]
     pub fn turns(&self, posture: &Posture) -> Vec<Quat> {

@@ -4,15 +4,14 @@
 //! channel stands in the place of the joint's offset along its axis.
 
 use std::collections::HashSet;
-use std::path::Path;
 
-use drive::clip::{MOST_FRAMES, MOST_JOINTS, MOST_POSITIONS};
-use drive::{Clip, ClipError, ClipJoint};
+use driving::clip::{MOST_FRAMES, MOST_JOINTS, MOST_POSITIONS};
+use driving::{Clip, ClipError, ClipJoint};
 use glam::{DQuat, DVec3};
 
-use super::error::{MocapError, clip_error};
-use super::skeleton::stance;
-use super::words::{Words, number, syntax, text};
+use crate::error::{MocapError, clip_error};
+use crate::skeleton::stance;
+use crate::words::{Words, number, syntax, text};
 
 /// What a channel moves: 0 to 2 is the position along an axis, 3 to 5 the rotation about one.
 type Channel = usize;
@@ -28,10 +27,10 @@ struct Hierarchy {
 }
 
 /// Reads a BVH file; lengths are the file's.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Clip, MocapError> {
+pub fn read(source: &str, bytes: &[u8]) -> Result<Clip, MocapError> {
     let text = text(bytes);
-    let mut words = Words::new(path, &text);
-    let hierarchy = hierarchy(path, &mut words)?;
+    let mut words = Words::new(source, &text);
+    let hierarchy = hierarchy(source, &mut words)?;
     words.expect("MOTION")?;
     words.expect("Frames:")?;
     let line = words.line();
@@ -40,12 +39,12 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Clip, MocapError> {
     words.expect("Time:")?;
     let time = words.number("the time of a frame")?;
     if frames < 1.0 || frames.fract() != 0.0 {
-        return Err(syntax(path, line, format!("{frames} frames are none")));
+        return Err(syntax(source, line, format!("{frames} frames are none")));
     }
     if !(time > 1e-6 && time < 1e6) {
-        return Err(syntax(path, line + 1, format!("a frame of {time} seconds has no rate")));
+        return Err(syntax(source, line + 1, format!("a frame of {time} seconds has no rate")));
     }
-    let numbers = numbers(path, &hierarchy, frames, &words)?;
+    let numbers = numbers(source, &hierarchy, frames, &words)?;
     let Hierarchy { joints, offsets, channels } = hierarchy;
     let rest = stance(&joints, &offsets, &vec![DQuat::IDENTITY; joints.len()]);
     let pose = |numbers: &[f64]| {
@@ -60,11 +59,11 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Clip, MocapError> {
         stance(&joints, &places, &turns)
     };
     let frames = numbers.chunks_exact(channels.len().max(1)).map(pose).collect();
-    Clip::new(joints, (1.0 / time) as f32, frames, Some(rest)).map_err(clip_error(path))
+    Clip::new(joints, (1.0 / time) as f32, frames, Some(rest)).map_err(clip_error(source))
 }
 
 /// The rotation about an axis, by its number.
-pub(super) fn about(axis: usize, angle: f64) -> DQuat {
+pub fn about(axis: usize, angle: f64) -> DQuat {
     match axis {
         0 => DQuat::from_rotation_x(angle),
         1 => DQuat::from_rotation_y(angle),
@@ -72,7 +71,7 @@ pub(super) fn about(axis: usize, angle: f64) -> DQuat {
     }
 }
 
-fn hierarchy(path: &Path, words: &mut Words) -> Result<Hierarchy, MocapError> {
+fn hierarchy(source: &str, words: &mut Words) -> Result<Hierarchy, MocapError> {
     words.expect("HIERARCHY")?;
     words.expect("ROOT")?;
     let mut found = Hierarchy::default();
@@ -102,7 +101,7 @@ fn hierarchy(path: &Path, words: &mut Words) -> Result<Hierarchy, MocapError> {
                 found.joints.push(ClipJoint { name, parent });
                 found.offsets.push(words.vector("an offset")?);
             }
-            "CHANNELS" => channels(path, words, &mut found, open.last().copied())?,
+            "CHANNELS" => channels(source, words, &mut found, open.last().copied())?,
             "}" => {
                 open.pop();
                 if open.is_empty() {
@@ -118,18 +117,18 @@ fn hierarchy(path: &Path, words: &mut Words) -> Result<Hierarchy, MocapError> {
     }
 }
 
-fn channels(path: &Path, words: &mut Words, found: &mut Hierarchy, joint: Option<usize>) -> Result<(), MocapError> {
+fn channels(source: &str, words: &mut Words, found: &mut Hierarchy, joint: Option<usize>) -> Result<(), MocapError> {
     let line = words.line();
     let count = words.number("the number of channels")?;
     if !(0.0..=6.0).contains(&count) || count.fract() != 0.0 {
-        return Err(syntax(path, line, format!("a joint has up to 6 channels, not {count}")));
+        return Err(syntax(source, line, format!("a joint has up to 6 channels, not {count}")));
     }
     for _ in 0..count as usize {
         let line = words.line();
         let word = words.word("a channel")?;
         let Some(channel) = CHANNELS.iter().position(|name| name.eq_ignore_ascii_case(word)) else {
             let shown: String = word.chars().take(40).collect();
-            return Err(syntax(path, line, format!("{shown:?} is no channel; {count} were announced")));
+            return Err(syntax(source, line, format!("{shown:?} is no channel; {count} were announced")));
         };
         found.channels.push((joint.unwrap_or(0), channel));
     }
@@ -137,10 +136,10 @@ fn channels(path: &Path, words: &mut Words, found: &mut Hierarchy, joint: Option
 }
 
 /// The numbers of all frames, once there are as many as announced.
-fn numbers(path: &Path, hierarchy: &Hierarchy, frames: f64, words: &Words) -> Result<Vec<f64>, MocapError> {
+fn numbers(source: &str, hierarchy: &Hierarchy, frames: f64, words: &Words) -> Result<Vec<f64>, MocapError> {
     let (width, rest) = (hierarchy.channels.len(), words.rest());
     let too_many =
-        |what, count: f64, most| clip_error(path)(ClipError::TooMany { what, count: count.min(1e15) as usize, most });
+        |what, count: f64, most| clip_error(source)(ClipError::TooMany { what, count: count.min(1e15) as usize, most });
     if frames > MOST_FRAMES as f64 {
         return Err(too_many("frames", frames, MOST_FRAMES));
     }
@@ -149,7 +148,7 @@ fn numbers(path: &Path, hierarchy: &Hierarchy, frames: f64, words: &Words) -> Re
         return Err(too_many("positions", frames * joints as f64, MOST_POSITIONS));
     }
     if width == 0 {
-        return Err(clip_error(path)(ClipError::Empty("channel")));
+        return Err(clip_error(source)(ClipError::Empty("channel")));
     }
     let wanted = frames as usize * width;
     if rest.len() != wanted {
@@ -162,14 +161,14 @@ fn numbers(path: &Path, hierarchy: &Hierarchy, frames: f64, words: &Words) -> Re
             }
         }
         if let Some((line, count)) = lines.iter().find(|(_, count)| *count != width) {
-            return Err(syntax(path, *line, format!("{count} numbers for {width} channels")));
+            return Err(syntax(source, *line, format!("{count} numbers for {width} channels")));
         }
         if rest.len() < wanted {
             let what = format!("frame {} of the {frames} that are announced", rest.len() / width + 1);
-            return Err(MocapError::Truncated { path: path.to_owned(), what });
+            return Err(MocapError::Truncated { file: source.into(), what });
         }
         let line = rest.get(wanted).map_or(0, |(line, _)| *line);
-        return Err(syntax(path, line, format!("there are more than the {frames} frames that are announced")));
+        return Err(syntax(source, line, format!("there are more than the {frames} frames that are announced")));
     }
-    rest.iter().map(|&(line, word)| number(path, line, word)).collect()
+    rest.iter().map(|&(line, word)| number(source, line, word)).collect()
 }

@@ -5,15 +5,14 @@
 //! in a joint of their own.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
-use drive::ClipJoint;
-use drive::clip::MOST_JOINTS;
+use driving::ClipJoint;
+use driving::clip::MOST_JOINTS;
 use glam::{DQuat, DVec3};
 
-use super::bvh::about;
-use super::error::MocapError;
-use super::words::{lines, number, syntax, text};
+use crate::bvh::about;
+use crate::error::MocapError;
+use crate::words::{lines, number, syntax, text};
 
 /// A bone as the file has it.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +28,7 @@ struct Bone {
 type RootDof = usize;
 
 /// A skeleton.
-pub(super) struct Asf {
+pub struct Asf {
     /// Joints; the root is the first.
     pub joints: Vec<ClipJoint>,
     /// Their offsets from their parents, in the file's unit.
@@ -63,7 +62,7 @@ struct File {
 }
 
 /// Reads a skeleton.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Asf, MocapError> {
+pub fn read(source: &str, bytes: &[u8]) -> Result<Asf, MocapError> {
     let text = text(bytes);
     let mut file = File { degrees: true, length: 1.0, ..File::default() };
     let mut section = "";
@@ -77,9 +76,9 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Asf, MocapError> {
         }
         let rest: Vec<&str> = words.collect();
         match section {
-            ":units" => units(path, line, first, &rest, &mut file)?,
-            ":root" => root(path, line, first, &rest, &mut file)?,
-            ":bonedata" => bonedata(path, line, (first, &rest), &mut bone, &mut file)?,
+            ":units" => units(source, line, first, &rest, &mut file)?,
+            ":root" => root(source, line, first, &rest, &mut file)?,
+            ":bonedata" => bonedata(source, line, (first, &rest), &mut bone, &mut file)?,
             ":hierarchy" if first != "begin" && first != "end" => {
                 let children = file.children.entry(first.to_owned()).or_default();
                 children.extend(rest.iter().map(|&child| child.to_owned()));
@@ -88,28 +87,28 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Asf, MocapError> {
         }
     }
     if bone.is_some() {
-        return Err(MocapError::Truncated { path: path.to_owned(), what: "a bone".into() });
+        return Err(MocapError::Truncated { file: source.into(), what: "a bone".into() });
     }
-    assemble(path, file)
+    assemble(source, file)
 }
 
-fn vector(path: &Path, line: usize, words: &[&str]) -> Result<DVec3, MocapError> {
-    let [x, y, z, ..] = words else { return Err(syntax(path, line, "three numbers are missing")) };
-    Ok(DVec3::new(number(path, line, x)?, number(path, line, y)?, number(path, line, z)?))
+fn vector(source: &str, line: usize, words: &[&str]) -> Result<DVec3, MocapError> {
+    let [x, y, z, ..] = words else { return Err(syntax(source, line, "three numbers are missing")) };
+    Ok(DVec3::new(number(source, line, x)?, number(source, line, y)?, number(source, line, z)?))
 }
 
 /// Angles about axes in the order that `order` says, as `XYZ`: the first is done first.
-fn turn(path: &Path, line: usize, angles: DVec3, order: &str, degrees: bool) -> Result<DQuat, MocapError> {
+fn turn(source: &str, line: usize, angles: DVec3, order: &str, degrees: bool) -> Result<DQuat, MocapError> {
     let mut turn = DQuat::IDENTITY;
     if order.len() != 3 {
-        return Err(syntax(path, line, format!("{order:?} is no order of three axes")));
+        return Err(syntax(source, line, format!("{order:?} is no order of three axes")));
     }
     for (k, letter) in order.bytes().enumerate() {
         let axis = match letter.to_ascii_lowercase() {
             b'x' => 0,
             b'y' => 1,
             b'z' => 2,
-            _ => return Err(syntax(path, line, format!("{order:?} is no order of axes"))),
+            _ => return Err(syntax(source, line, format!("{order:?} is no order of axes"))),
         };
         let angle = if degrees { angles[k].to_radians() } else { angles[k] };
         turn = about(axis, angle) * turn;
@@ -117,12 +116,12 @@ fn turn(path: &Path, line: usize, angles: DVec3, order: &str, degrees: bool) -> 
     Ok(turn)
 }
 
-fn units(path: &Path, line: usize, first: &str, rest: &[&str], file: &mut File) -> Result<(), MocapError> {
+fn units(source: &str, line: usize, first: &str, rest: &[&str], file: &mut File) -> Result<(), MocapError> {
     match (first, rest) {
         ("length", [word, ..]) => {
-            file.length = number(path, line, word)?;
+            file.length = number(source, line, word)?;
             if file.length.is_nan() || file.length <= 1e-9 {
-                return Err(syntax(path, line, "a length of none has no unit"));
+                return Err(syntax(source, line, "a length of none has no unit"));
             }
         }
         ("angle", [word, ..]) => file.degrees = !word.to_ascii_lowercase().starts_with("rad"),
@@ -131,27 +130,27 @@ fn units(path: &Path, line: usize, first: &str, rest: &[&str], file: &mut File) 
     Ok(())
 }
 
-fn root(path: &Path, line: usize, first: &str, rest: &[&str], file: &mut File) -> Result<(), MocapError> {
+fn root(source: &str, line: usize, first: &str, rest: &[&str], file: &mut File) -> Result<(), MocapError> {
     match first {
         "order" => {
             for word in rest {
                 let names = ["tx", "ty", "tz", "rx", "ry", "rz"];
                 let at = names.iter().position(|name| name.eq_ignore_ascii_case(word));
-                file.root.push(at.ok_or_else(|| syntax(path, line, format!("{word:?} moves no root")))?);
+                file.root.push(at.ok_or_else(|| syntax(source, line, format!("{word:?} moves no root")))?);
             }
             if file.root.len() > 6 {
-                return Err(syntax(path, line, "a root has up to six numbers"));
+                return Err(syntax(source, line, "a root has up to six numbers"));
             }
         }
         // Which order the orientation's angles have; an axis alone turns nothing.
         "axis" => {
             let order = rest.first().copied().unwrap_or("XYZ");
-            turn(path, line, DVec3::ZERO, order, true)?;
+            turn(source, line, DVec3::ZERO, order, true)?;
         }
-        "position" => file.position = vector(path, line, rest)?,
+        "position" => file.position = vector(source, line, rest)?,
         "orientation" => {
-            file.orientation = vector(path, line, rest)?;
-            file.root_axis = turn(path, line, file.orientation, "XYZ", file.degrees)?;
+            file.orientation = vector(source, line, rest)?;
+            file.root_axis = turn(source, line, file.orientation, "XYZ", file.degrees)?;
         }
         _ => {}
     }
@@ -159,7 +158,7 @@ fn root(path: &Path, line: usize, first: &str, rest: &[&str], file: &mut File) -
 }
 
 fn bonedata(
-    path: &Path,
+    source: &str,
     line: usize,
     (first, rest): (&str, &[&str]),
     open: &mut Option<(String, Bone)>,
@@ -168,38 +167,38 @@ fn bonedata(
     match first {
         "begin" => *open = Some(Default::default()),
         "end" => {
-            let Some((name, bone)) = open.take() else { return Err(syntax(path, line, "no bone begins here")) };
+            let Some((name, bone)) = open.take() else { return Err(syntax(source, line, "no bone begins here")) };
             if name.is_empty() || name == "root" {
-                return Err(syntax(path, line, "the bone that ends here has no name of its own"));
+                return Err(syntax(source, line, "the bone that ends here has no name of its own"));
             }
             if file.bones.len() >= MOST_JOINTS {
-                return Err(syntax(path, line, format!("there are more than {MOST_JOINTS} bones")));
+                return Err(syntax(source, line, format!("there are more than {MOST_JOINTS} bones")));
             }
             if file.bones.insert(name.clone(), bone).is_some() {
-                return Err(syntax(path, line, format!("two bones are called {name:?}")));
+                return Err(syntax(source, line, format!("two bones are called {name:?}")));
             }
         }
         _ => {
             let Some((name, bone)) = open else { return Ok(()) };
             match first {
                 "name" => *name = rest.first().copied().unwrap_or_default().to_owned(),
-                "direction" => bone.direction = vector(path, line, rest)?.normalize_or_zero(),
+                "direction" => bone.direction = vector(source, line, rest)?.normalize_or_zero(),
                 "length" => {
-                    let word = rest.first().ok_or_else(|| syntax(path, line, "the length is missing"))?;
-                    bone.length = number(path, line, word)?;
+                    let word = rest.first().ok_or_else(|| syntax(source, line, "the length is missing"))?;
+                    bone.length = number(source, line, word)?;
                 }
                 "axis" => {
                     let order = rest.get(3).copied().unwrap_or("XYZ");
-                    bone.axis = turn(path, line, vector(path, line, rest)?, order, file.degrees)?;
+                    bone.axis = turn(source, line, vector(source, line, rest)?, order, file.degrees)?;
                 }
                 "dof" => {
                     for word in rest {
                         let at = ["rx", "ry", "rz"].iter().position(|name| name.eq_ignore_ascii_case(word));
-                        let wrong = || syntax(path, line, format!("bones that move by {word:?} are not read"));
+                        let wrong = || syntax(source, line, format!("bones that move by {word:?} are not read"));
                         bone.dof.push(at.ok_or_else(wrong)?);
                     }
                     if bone.dof.len() > 3 {
-                        return Err(syntax(path, line, "a bone turns about three axes at most"));
+                        return Err(syntax(source, line, "a bone turns about three axes at most"));
                     }
                 }
                 _ => {}
@@ -210,8 +209,8 @@ fn bonedata(
 }
 
 /// The joints, parents first, each where its bone begins.
-fn assemble(path: &Path, file: File) -> Result<Asf, MocapError> {
-    let wrong = |reason: String| MocapError::Syntax { path: path.to_owned(), line: 1, reason };
+fn assemble(source: &str, file: File) -> Result<Asf, MocapError> {
+    let wrong = |reason: String| MocapError::Syntax { file: source.into(), line: 1, reason };
     if file.root.is_empty() {
         return Err(wrong("the root has no order of numbers (:root order TX TY TZ RX RY RZ)".into()));
     }

@@ -1,18 +1,15 @@
 //! What a file's unit is: told from how tall the skeleton would be.
 
-use std::path::Path;
+use driving::Clip;
 
-use drive::Clip;
-
-use crate::import::Warning;
+use crate::note::Note;
 
 /// What the file itself says of its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Hint {
+pub enum Hint {
     /// Nothing.
     None,
     /// Metres.
-    #[cfg(feature = "gltf")]
     Metres,
     /// An ASF file's `length`, of which an inch over it is a unit.
     Asf(f64),
@@ -31,28 +28,26 @@ const UNITS: [(f64, &str); 6] = [
 const USUAL: f64 = 1.6;
 const PLAUSIBLE: std::ops::Range<f64> = 0.9..2.4;
 
-/// `clip` in metres, and a sentence where the unit was told from its height.
-pub(super) fn in_metres(clip: Clip, path: &Path, said: Option<f32>, hint: Hint, warnings: &mut Vec<Warning>) -> Clip {
+/// `clip` in metres; a note where the unit was told from its height.
+pub(crate) fn in_metres(clip: Clip, said: Option<f32>, hint: Hint, notes: &mut Vec<Note>) -> Clip {
     if let Some(unit) = said {
         return clip.scaled(unit);
     }
     let height = f64::from(clip.height());
     let hinted = match hint {
         Hint::None => None,
-        #[cfg(feature = "gltf")]
         Hint::Metres => Some(1.0),
         Hint::Asf(length) => Some(0.0254 / length),
     };
     if let Some(unit) = hinted.filter(|unit| PLAUSIBLE.contains(&(unit * height))) {
         return clip.scaled(unit as f32);
     }
-    let off = |unit: f64| (unit * height.max(1e-9) / USUAL).ln().abs();
+    // As many times too tall, or too small.
+    let off = |unit: f64| {
+        let times = unit * height.max(1e-9) / USUAL;
+        times.max(1.0 / times)
+    };
     let (unit, name) = UNITS.into_iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0))).unwrap_or((1.0, "metres"));
-    let message = format!(
-        "{}: lengths are taken for {name}, for the skeleton is then {:.2} m tall (--clip-unit)",
-        path.display(),
-        unit * height
-    );
-    warnings.push(Warning::new("W_MOCAP_UNIT", message));
+    notes.push(Note::Unit { name, tall: (unit * height) as f32 });
     clip.scaled(unit as f32)
 }
