@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[&str]; 14] = [
     &["shared/kernels", "builder/job"],
     &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
-    &["shared/editing"],
+    &["shared/editing", "builder/parts"],
     &[
         "shared/bundle",
         "shared/synthesis",
@@ -22,7 +22,7 @@ const FLOORS: [&[&str]; 14] = [
         "builder/motion",
         "builder/registration",
     ],
-    &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
+    &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io", "builder/transfer"],
     &["builder/reprise"],
     &["builder/evaluate"],
     &["builder/cli"],

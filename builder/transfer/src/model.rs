@@ -1,0 +1,225 @@
+//! What is learned from pairs of poses, and how the target moves by it (thesis sections 5.4 to 5.6).
+
+use actor::timeline::Sequence;
+use glam::Vec3;
+use job::Job;
+use learn::dense::Matrix;
+use learn::regression::{Regression, RegressionOptions};
+use rayon::prelude::*;
+
+use crate::displace::Displacement;
+use crate::error::TransferError;
+use crate::limbs::matching;
+use crate::pair::{Pair, TransferOptions};
+use crate::rebuild::Rebuilder;
+use crate::space::{Space, between, numbers, spaces};
+use crate::stand::Stance;
+use crate::subject::{Root, Subject};
+
+/// The noise's deviation at least, relative to the body's size: 3 mm of 1.8 m.
+const FLOOR: f64 = 0.0017;
+/// Steps of the search for parameters.
+const STEPS: usize = 40;
+
+/// How a target moves when a source does.
+pub struct Model<'a> {
+    source: &'a Subject<'a>,
+    target: &'a Subject<'a>,
+    /// Of each part of the target: the source's numbers, what they mean, and the target's shape.
+    sources: Vec<Space>,
+    maps: Vec<Map>,
+    targets: Vec<Space>,
+    displacement: Displacement,
+    rebuilder: Rebuilder,
+    stance: Option<Stance>,
+    /// Pairs that were learned from.
+    pub learned: usize,
+}
+
+/// From numbers of one part to those of the other.
+enum Map {
+    Learned(Box<Regression>),
+    /// A part that does not move.
+    Still(Vec<f64>),
+}
+
+impl Map {
+    fn predict(&self, input: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Learned(map) => map.predict(input),
+            Self::Still(output) => output.clone(),
+        }
+    }
+}
+
+impl<'a> Model<'a> {
+    /// Learns from pairs, those of a sequence in its order.
+    ///
+    /// # Errors
+    /// Too few pairs, poses that are all alike, or being asked to stop.
+    pub fn learn(
+        source: &'a Subject<'a>,
+        target: &'a Subject<'a>,
+        pairs: &[Pair],
+        options: &TransferOptions,
+        job: &Job<'_>,
+    ) -> Result<Self, TransferError> {
+        if pairs.len() < TransferError::FEWEST {
+            return Err(TransferError::FewPairs(pairs.len()));
+        }
+        check(source, target, pairs)?;
+        job.begin("learning to move")?;
+        let most = options.pairs.max(TransferError::FEWEST).min(pairs.len());
+        let chosen: Vec<Pair> = (0..most).map(|k| pairs[k * pairs.len() / most]).collect();
+        let order = if options.whole { None } else { matching(source, target, pairs) };
+        let frames = |of: fn(&Pair) -> u32| chosen.iter().map(of).collect::<Vec<u32>>();
+        let own = spaces(source, &frames(|pair| pair.source as u32), order.is_none());
+        let targets = spaces(target, &frames(|pair| pair.target), order.is_none());
+        let sources: Vec<Space> = match &order {
+            Some(order) => order.iter().map(|&part| own[part].clone()).collect(),
+            None => own,
+        };
+        if sources.iter().all(|space| space.width() == 0) {
+            return Err(TransferError::Still("source"));
+        }
+        if targets.iter().all(|space| space.width() == 0) {
+            return Err(TransferError::Still("target"));
+        }
+        let x: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers_at(source, &sources, pair.source)).collect();
+        let y: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect();
+        job.tell("learning to move", 1, 2)?;
+        let floor = FLOOR * f64::from(target.size);
+        let regression = RegressionOptions { kernel: options.kernel, floor, steps: STEPS };
+        let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
+        let weights: Vec<&[f32]> = match order {
+            Some(_) => (0..target.parts.count()).map(|part| target.parts.weights(part)).collect(),
+            None => Vec::new(),
+        };
+        let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, target)), &weights)
+            .map_err(|error| TransferError::Surface(error.to_string()))?;
+        Ok(Self {
+            source,
+            target,
+            sources,
+            maps,
+            targets,
+            displacement: Displacement::fit(source, target, pairs),
+            rebuilder,
+            stance: if options.hold { Stance::of(source, target) } else { None },
+            learned: chosen.len(),
+        })
+    }
+
+    /// Number of parts.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.maps.len()
+    }
+
+    /// What a metre of the source's way is for the target.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.displacement.ratio
+    }
+
+    /// Whether soles are held: both actors have the same number of feet.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.stance.is_some()
+    }
+
+    /// Times of the source, in frames of the whole capture, of the frames that a sequence of it becomes.
+    #[must_use]
+    pub fn times(&self, sequence: &Sequence) -> Vec<f64> {
+        let step = f64::from(self.source.timeline.fps() / self.target.timeline.fps());
+        let last = f64::from(sequence.frame_count - 1);
+        let count = (last / step + 1e-4) as u32 + 1;
+        (0..count).map(|k| f64::from(sequence.first_frame) + (f64::from(k) * step).min(last)).collect()
+    }
+
+    /// The target as the source is at these times, one after another: a frame each, in metres. The number of threads changes nothing.
+    ///
+    /// # Errors
+    /// Being asked to stop, or a surface that cannot be solved for.
+    pub fn frames(&self, times: &[f64], job: &Job<'_>) -> Result<Vec<Vec<Vec3>>, TransferError> {
+        job.begin("moving the target")?;
+        let frame = |&time: &f64| -> Result<Vec<Vec3>, TransferError> {
+            job.tell("moving the target", 0, times.len() as u64)?;
+            let body = self.root(time).body();
+            Ok(self.shape(time)?.into_iter().map(|point| body.place(point)).collect())
+        };
+        let mut poses = times.par_iter().map(frame).collect::<Result<Vec<_>, TransferError>>()?;
+        if let Some(stance) = &self.stance {
+            stance.hold(self.target, self.source, times, &mut poses);
+        }
+        Ok(poses)
+    }
+
+    /// How far the target's soles move from frame to frame while the source's stand, in metres, on average: of `poses` at `times`.
+    #[must_use]
+    pub fn slide(&self, times: &[f64], poses: &[Vec<Vec3>]) -> Option<f32> {
+        let stance = Stance::of(self.source, self.target)?;
+        Some(stance.slide(self.target, self.source, times, poses))
+    }
+
+    /// The target's shape in its body's own frame, as the source is at a time.
+    ///
+    /// # Errors
+    /// A surface that cannot be solved for.
+    pub fn shape(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
+        let inputs = numbers_at(self.source, &self.sources, time);
+        let parts: Vec<(&[u32], Vec<Vec3>)> = self
+            .targets
+            .iter()
+            .zip(self.maps.iter().zip(&inputs))
+            .map(|(space, (map, input))| (space.vertices.as_slice(), space.shape(&map.predict(input))))
+            .collect();
+        self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))
+    }
+
+    fn root(&self, time: f64) -> Root {
+        self.displacement.at(&self.source.root_at(time))
+    }
+}
+
+/// The numbers of a subject between two frames of one sequence.
+fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
+    let before = (time as u32).min(subject.poses.len() as u32 - 1);
+    let share = time - f64::from(before);
+    let first = numbers(subject, spaces, before);
+    let goes_on = subject.timeline.sequence_index(before + 1) == subject.timeline.sequence_index(before);
+    if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
+}
+
+fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions) -> Map {
+    let rows = |of: &[Vec<Vec<f64>>]| Matrix::from_fn(of.len(), of[0][part].len(), |row, k| of[row][part][k]);
+    let (inputs, outputs) = (rows(x), rows(y));
+    match Regression::train(&inputs, &outputs, options) {
+        Some(map) => Map::Learned(Box::new(map)),
+        None => {
+            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
+            Map::Still((0..outputs.columns()).map(mean).collect())
+        }
+    }
+}
+
+/// The frame of the target that is nearest to its mean shape: triangles of the mean itself may have shrunk to nothing.
+fn middle(spaces: &[Space], pairs: &[Pair], target: &Subject) -> u32 {
+    let far = |frame: u32| numbers(target, spaces, frame).iter().flatten().map(|number| number * number).sum::<f64>();
+    let stride = pairs.len().div_ceil(100).max(1);
+    let frames = pairs.iter().step_by(stride).map(|pair| (far(pair.target), pair.target));
+    frames.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, frame)| frame)
+}
+
+fn check(source: &Subject, target: &Subject, pairs: &[Pair]) -> Result<(), TransferError> {
+    for pair in pairs {
+        let ends = [("source", pair.source as u32, source), ("target", pair.target, target)];
+        for (which, frame, subject) in ends {
+            let count = subject.timeline.frame_count();
+            if frame >= count {
+                return Err(TransferError::Frame { which, frame, count });
+            }
+        }
+    }
+    Ok(())
+}
