@@ -7,14 +7,14 @@ use learn::dense::Matrix;
 use learn::regression::{Regression, RegressionOptions};
 use rayon::prelude::*;
 
-use crate::displace::Displacement;
+use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
 use crate::limbs::matching;
 use crate::pair::{Pair, TransferOptions};
 use crate::rebuild::Rebuilder;
 use crate::space::{Space, between, numbers, spaces};
 use crate::stand::Stance;
-use crate::subject::{Root, Subject};
+use crate::subject::Subject;
 
 /// The noise's deviation at least, relative to the body's size: 3 mm of 1.8 m.
 const FLOOR: f64 = 0.0017;
@@ -70,7 +70,8 @@ impl<'a> Model<'a> {
         check(source, target, pairs)?;
         job.begin("learning to move")?;
         let most = options.pairs.max(TransferError::FEWEST).min(pairs.len());
-        let chosen: Vec<Pair> = (0..most).map(|k| pairs[k * pairs.len() / most]).collect();
+        let indices: Vec<usize> = (0..most).map(|k| k * pairs.len() / most).collect();
+        let chosen: Vec<Pair> = indices.iter().map(|&index| pairs[index]).collect();
         let order = if options.whole { None } else { matching(source, target, pairs) };
         let frames = |of: fn(&Pair) -> u32| chosen.iter().map(of).collect::<Vec<u32>>();
         let own = spaces(source, &frames(|pair| pair.source as u32), order.is_none());
@@ -91,6 +92,9 @@ impl<'a> Model<'a> {
         let floor = FLOOR * f64::from(target.size);
         let regression = RegressionOptions { kernel: options.kernel, floor, steps: STEPS };
         let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
+        let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(source, pair.source, x));
+        let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
+        let displacement = Displacement::fit(source, target, pairs, &learned, floor);
         let weights: Vec<&[f32]> = match order {
             Some(_) => (0..target.parts.count()).map(|part| target.parts.weights(part)).collect(),
             None => Vec::new(),
@@ -103,7 +107,7 @@ impl<'a> Model<'a> {
             sources,
             maps,
             targets,
-            displacement: Displacement::fit(source, target, pairs),
+            displacement,
             rebuilder,
             stance: if options.hold { Stance::of(source, target) } else { None },
             learned: chosen.len(),
@@ -145,8 +149,7 @@ impl<'a> Model<'a> {
         job.begin("moving the target")?;
         let frame = |&time: &f64| -> Result<Vec<Vec3>, TransferError> {
             job.tell("moving the target", 0, times.len() as u64)?;
-            let body = self.root(time).body();
-            Ok(self.shape(time)?.into_iter().map(|point| body.place(point)).collect())
+            self.still(time)
         };
         let mut poses = times.par_iter().map(frame).collect::<Result<Vec<_>, TransferError>>()?;
         if let Some(stance) = &self.stance {
@@ -162,24 +165,41 @@ impl<'a> Model<'a> {
         Some(stance.slide(self.target, self.source, times, poses))
     }
 
+    /// The target as the source is at a time, alone: no sole is held.
+    ///
+    /// # Errors
+    /// A surface that cannot be solved for.
+    pub fn still(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
+        let inputs = numbers_at(self.source, &self.sources, time);
+        let root = self.displacement.at(&self.source.root_at(time), &pose(self.source, time, &inputs));
+        let body = root.body();
+        Ok(self.shape_of(&inputs)?.into_iter().map(|point| body.place(point)).collect())
+    }
+
     /// The target's shape in its body's own frame, as the source is at a time.
     ///
     /// # Errors
     /// A surface that cannot be solved for.
     pub fn shape(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
-        let inputs = numbers_at(self.source, &self.sources, time);
+        self.shape_of(&numbers_at(self.source, &self.sources, time))
+    }
+
+    fn shape_of(&self, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
         let parts: Vec<(&[u32], Vec<Vec3>)> = self
             .targets
             .iter()
-            .zip(self.maps.iter().zip(&inputs))
+            .zip(self.maps.iter().zip(inputs))
             .map(|(space, (map, input))| (space.vertices.as_slice(), space.shape(&map.predict(input))))
             .collect();
         self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))
     }
+}
 
-    fn root(&self, time: f64) -> Root {
-        self.displacement.at(&self.source.root_at(time))
-    }
+/// All numbers of a pose that may tell where the body is: those of its parts, its height and its tilt, all in metres.
+fn pose(subject: &Subject, time: f64, parts: &[Vec<f64>]) -> Vec<f64> {
+    let root = subject.root_at(time);
+    let tilt = root.tilt * (LEVER * subject.size);
+    parts.iter().flatten().copied().chain([root.centre.y, tilt.x, tilt.y, tilt.z].map(f64::from)).collect()
 }
 
 /// The numbers of a subject between two frames of one sequence.

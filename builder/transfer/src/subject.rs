@@ -72,7 +72,8 @@ impl<'a> Subject<'a> {
     }
 
     /// The shape of a frame in the body's own frame.
-    pub(crate) fn own(&self, frame: u32) -> Vec<Vec3> {
+    #[must_use]
+    pub fn own(&self, frame: u32) -> Vec<Vec3> {
         let body = self.roots[frame as usize].body();
         self.poses.frame(frame).iter().map(|&point| body.own(point)).collect()
     }

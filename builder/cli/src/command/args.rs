@@ -699,4 +699,6 @@ pub enum EvaluateSection {
     Motion,
     /// Random walks of five minutes.
     Wandering,
+    /// Transfer between the built-in performers, whatever the capture; only where it is asked for.
+    Transfer,
 }
