@@ -39,6 +39,8 @@ pub struct Displacement {
     tilt: [Line; 3],
     /// From poses to what is left over: sway along x and z and turn, height and tilt, in metres at the lever.
     rest: Option<Regression>,
+    /// The least and the most of each that is left over of the pairs.
+    range: [[f32; 2]; 7],
     lever: f32,
 }
 
@@ -86,12 +88,16 @@ impl Displacement {
         let height = Line::fit(&heights, ratio, RISES * f64::from(source.size));
         let tilt = std::array::from_fn(|axis| Line::fit(&points(&|root| root.tilt[axis]), 1.0, TILTS));
         let lever = LEVER * target.size;
-        let mut own = Self { ratio, height, tilt, rest: None, lever };
+        let mut own = Self { ratio, height, tilt, rest: None, range: [[0.0; 2]; 7], lever };
         let left = own.left_over(target, pairs, &roots);
         let inputs = Matrix::from_fn(learned.len(), learned[0].1.len(), |row, k| learned[row].1[k]);
         let outputs = Matrix::from_fn(learned.len(), 7, |row, k| left[learned[row].0][k]);
         let options = RegressionOptions { kernel: Kernel::SquaredExponential, floor, steps: STEPS };
         own.rest = Regression::train(&inputs, &outputs, &options);
+        own.range = std::array::from_fn(|k| {
+            let column = || left.iter().map(|row| row[k] as f32);
+            [column().fold(f32::INFINITY, f32::min), column().fold(f32::NEG_INFINITY, f32::max)]
+        });
         own
     }
 
@@ -127,7 +133,9 @@ impl Displacement {
     pub fn at(&self, root: &Root, pose: &[f64]) -> Root {
         let plain = self.plain(root);
         let Some(rest) = &self.rest else { return plain };
-        let by: Vec<f32> = rest.predict(pose).into_iter().map(|number| number as f32).collect();
+        // No more than was seen: poses of other motions lead anywhere.
+        let by: Vec<f32> =
+            rest.predict(pose).iter().zip(&self.range).map(|(by, [low, high])| (*by as f32).clamp(*low, *high)).collect();
         let aside = Quat::from_rotation_y(plain.heading) * Vec3::new(by[0], by[3], by[1]);
         Root {
             heading: plain.heading + by[2] / self.lever,

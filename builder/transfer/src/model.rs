@@ -4,6 +4,7 @@ use actor::timeline::Sequence;
 use glam::Vec3;
 use job::Job;
 use learn::dense::Matrix;
+use learn::kernel::Kernel;
 use learn::regression::{Regression, RegressionOptions};
 use rayon::prelude::*;
 
@@ -38,15 +39,36 @@ pub struct Model<'a> {
 
 /// From numbers of one part to those of the other.
 enum Map {
-    Learned(Box<Regression>),
+    /// What a linear map says, and what it leaves over.
+    Learned(Box<Regression>, Option<Box<Regression>>),
     /// A part that does not move.
     Still(Vec<f64>),
 }
 
 impl Map {
+    /// Learns a part. A process whose kernel is not linear learns what a linear one leaves over: far from what was seen it says
+    /// nothing, and the linear one goes on.
+    fn learn(inputs: &Matrix, outputs: &Matrix, options: &RegressionOptions) -> Self {
+        let linear = |kernel| Regression::train(inputs, outputs, &RegressionOptions { kernel, ..*options });
+        let is_linear = matches!(options.kernel, Kernel::Linear | Kernel::Affine);
+        let Some(first) = linear(if is_linear { options.kernel } else { Kernel::Linear }) else {
+            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
+            return Self::Still((0..outputs.columns()).map(mean).collect());
+        };
+        if is_linear {
+            return Self::Learned(Box::new(first), None);
+        }
+        let guesses: Vec<Vec<f64>> = (0..inputs.rows()).map(|row| first.predict(inputs.row(row))).collect();
+        let left = Matrix::from_fn(outputs.rows(), outputs.columns(), |row, k| outputs[(row, k)] - guesses[row][k]);
+        Self::Learned(Box::new(first), Regression::train(inputs, &left, options).map(Box::new))
+    }
+
     fn predict(&self, input: &[f64]) -> Vec<f64> {
         match self {
-            Self::Learned(map) => map.predict(input),
+            Self::Learned(linear, None) => linear.predict(input),
+            Self::Learned(linear, Some(rest)) => {
+                linear.predict(input).iter().zip(rest.predict(input)).map(|(a, b)| a + b).collect()
+            }
             Self::Still(output) => output.clone(),
         }
     }
@@ -213,14 +235,7 @@ fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
 
 fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions) -> Map {
     let rows = |of: &[Vec<Vec<f64>>]| Matrix::from_fn(of.len(), of[0][part].len(), |row, k| of[row][part][k]);
-    let (inputs, outputs) = (rows(x), rows(y));
-    match Regression::train(&inputs, &outputs, options) {
-        Some(map) => Map::Learned(Box::new(map)),
-        None => {
-            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
-            Map::Still((0..outputs.columns()).map(mean).collect())
-        }
-    }
+    Map::learn(&rows(x), &rows(y), options)
 }
 
 /// The frame of the target that is nearest to its mean shape: triangles of the mean itself may have shrunk to nothing.
