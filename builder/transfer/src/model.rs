@@ -1,5 +1,7 @@
 //! What is learned from pairs of poses, and how the target moves by it (thesis sections 5.4 to 5.6).
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use actor::timeline::Sequence;
 use glam::Vec3;
 use job::Job;
@@ -169,8 +171,9 @@ impl<'a> Model<'a> {
     /// Being asked to stop, or a surface that cannot be solved for.
     pub fn frames(&self, times: &[f64], job: &Job<'_>) -> Result<Vec<Vec<Vec3>>, TransferError> {
         job.begin("moving the target")?;
+        let made = AtomicU64::new(0);
         let frame = |&time: &f64| -> Result<Vec<Vec3>, TransferError> {
-            job.tell("moving the target", 0, times.len() as u64)?;
+            job.tell("moving the target", made.fetch_add(1, Ordering::Relaxed), times.len() as u64)?;
             self.still(time)
         };
         let mut poses = times.par_iter().map(frame).collect::<Result<Vec<_>, TransferError>>()?;

@@ -159,7 +159,8 @@ fn write(
         true => manifest(folder, (&arguments.to, &arguments.import), fps, &new),
         false => new_manifest(arguments, fps, &new),
     };
-    let text = format!("{}{}", origin(arguments, done, names), text.map_err(Failure::Input)?);
+    let text = text.and_then(|text| with_texture(text, target, folder, &names[0])).map_err(Failure::Input)?;
+    let text = format!("{}{text}", origin(arguments, done, names));
     write_whole(&folder.join("capture.toml"), text.as_bytes()).map_err(Failure::Input)
 }
 
@@ -167,6 +168,25 @@ fn write(
 fn texture(target: &ReadActor, worn: u32) -> Option<std::path::PathBuf> {
     let Origin::Capture(imported) = &target.origin else { return None };
     imported.frame_textures.as_ref()?.get(worn as usize).cloned()
+}
+
+/// The same manifest with the texture that all frames of a target wear whose textures do not change: each folder of frames names a
+/// copy of its own, and these would be taken for textures that do.
+fn with_texture(text: String, target: &ReadActor, folder: &Path, name: &str) -> anyhow::Result<String> {
+    let changes = matches!(&target.origin, Origin::Capture(imported) if imported.frame_textures.is_some());
+    let entries = folder.join(name).read_dir().into_iter().flatten().flatten();
+    let images: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .filter(|file| file.starts_with("texture_"))
+        .collect();
+    let mut table: Table = text.parse()?;
+    if let [image] = images.as_slice()
+        && !changes
+        && !table.contains_key("texture")
+    {
+        table.insert("texture".into(), format!("{name}/{image}").into());
+    }
+    Ok(toml::to_string(&table)?)
 }
 
 /// A manifest of nothing but the new sequences.

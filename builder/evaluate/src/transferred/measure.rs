@@ -15,8 +15,6 @@ const EVERY: usize = 6;
 
 /// Two performers who do the same.
 pub struct Both<'a> {
-    /// Whose motion it is.
-    pub source: &'a Performed,
     /// Who moves so.
     pub target: &'a Performed,
     /// The same as transfer sees them.

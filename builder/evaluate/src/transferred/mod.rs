@@ -42,8 +42,8 @@ pub fn section(seed: u64, job: &Job) -> Result<SectionReport, EvaluateError> {
     let man = Performed::new(Kind::Man, VERTICES[1], &all);
     let warped = Performed::new(Kind::Man, VERTICES[1], &takes(true, 1, WARP));
     let (source, target, other) = (woman.subject(), man.subject(), warped.subject());
-    let there = Both { source: &woman, target: &man, subjects: [&source, &target] };
-    let back = Both { source: &man, target: &woman, subjects: [&target, &source] };
+    let there = Both { target: &man, subjects: [&source, &target] };
+    let back = Both { target: &woman, subjects: [&target, &source] };
     let directions = [("woman to man", &there), ("man to woman", &back)];
     let mut section = SectionReport::default();
     section.text = vec![
@@ -101,8 +101,9 @@ fn curves(directions: &[(&str, &Both); 2], seed: u64, job: &Job) -> Result<Table
 
 /// Errors of takes and motions that were not learned from.
 fn kernels(directions: &[(&str, &Both); 2], job: &Job) -> Result<Table, EvaluateError> {
-    let columns = ["direction", "map", "parts", "pairs", "other takes mm", "unseen motions mm"];
-    let mut table = Table::new("transfer_kernels", "Errors of what was not learned from, by all true pairs", &columns);
+    let columns = ["direction", "map", "parts", "pairs", "other takes mm", "unseen motions mm", "shape mm", "unseen mm"];
+    let caption = "Errors of what was not learned from, by all true pairs; at the right of shapes in the body's own frame";
+    let mut table = Table::new("transfer_kernels", caption, &columns);
     for (direction, both) in directions {
         for (name, kernel) in KERNELS {
             for whole in [false, true] {
@@ -115,6 +116,8 @@ fn kernels(directions: &[(&str, &Both); 2], job: &Job) -> Result<Table, Evaluate
                     Cell::Count(model.learned as u64),
                     Cell::Number(both.error_of(&model, Which::Take)?, 1),
                     Cell::Number(both.error_of(&model, Which::Unseen)?, 1),
+                    Cell::Number(both.shape_error(&model, Which::Take)?, 1),
+                    Cell::Number(both.shape_error(&model, Which::Unseen)?, 1),
                 ]);
             }
         }

@@ -69,14 +69,12 @@ impl Performed {
         }
         let triangles = figure.mesh.triangles;
         let weights = barycentric_areas(&triangles, poses.frame(0));
-        // What the performer makes holds together.
-        #[allow(clippy::expect_used, reason = "the built-in performer's capture is whole")]
+        // What the performer makes is whole.
         let (topology, timeline) = (
             Topology::new(poses.vertex_count() as u32, triangles, weights).expect("the figure has a surface"),
             Timeline::new(FPS, sequences).expect("sequences follow each other"),
         );
         let feet = pipeline::feet::feet(&topology, &timeline, &poses);
-        #[allow(clippy::expect_used, reason = "poses in memory can all be read")]
         let motion = Motion::measure(&timeline, topology.weights(), &mut poses.clone()).expect("poses are there");
         let parts = Parts::find(&topology, &poses);
         Self { topology, timeline, poses, feet, motion, parts, times }
