@@ -27,7 +27,7 @@ pub struct Extremity {
     pub reach: f32,
     /// How far the nearest pass to another hill is: about where the limb begins.
     pub pass: f32,
-    /// Half of the way to the nearest other tip: a limb that went on from here would be another limb's, too.
+    /// Half of the way to the nearest tip of another limb: one that went on from here would be another limb's, too.
     pub stop: f32,
 }
 
@@ -53,12 +53,14 @@ pub fn extremities(graph: &SurfaceGraph, topology: &Topology, poses: &Poses, bod
     let tips: Vec<u32> = peaks.iter().map(|peak| peak.top).collect();
     let passes: Vec<u32> = peaks.iter().filter_map(|peak| peak.pass).collect();
     let head = highest(&tips, poses).filter(|_| tips.len() > 2);
+    // A limb may come near the head, which is the torso's.
+    let others: Vec<u32> = tips.iter().copied().filter(|tip| Some(*tip) != head).collect();
     let limb = |&tip: &u32| {
         let distances = graph.distances(&[tip], f32::INFINITY);
         let nearest = |vertices: &[u32]| {
             vertices.iter().filter(|&&v| v != tip).map(|&v| distances[v as usize]).fold(f32::INFINITY, f32::min)
         };
-        let (pass, stop) = (nearest(&passes), 0.5 * nearest(&tips));
+        let (pass, stop) = (nearest(&passes), 0.5 * nearest(&others));
         Extremity { tip, reach: heights[tip as usize], pass, stop, distances }
     };
     let limbs = tips.iter().filter(|tip| Some(**tip) != head).map(limb).collect();

@@ -25,6 +25,8 @@ pub fn path(costs: &Matrix, keys: &[(usize, usize)]) -> Option<Vec<(usize, usize
         return None;
     }
     let open = |i: usize, j: usize| !keys.iter().any(|&(a, b)| (i < a && j > b) || (i > a && j < b));
+    // A step in both must not slip past a key.
+    let slips = |i: usize, j: usize| keys.iter().any(|&(a, b)| (i, j) == (a, b + 1) || (i, j) == (a + 1, b));
     let at = |i: usize, j: usize| (i * columns + j) * STATES;
     let mut best = vec![f64::INFINITY; rows * columns * STATES];
     let mut before = vec![0_u8; best.len()];
@@ -35,7 +37,7 @@ pub fn path(costs: &Matrix, keys: &[(usize, usize)]) -> Option<Vec<(usize, usize
                 continue;
             }
             for state in 0..STATES {
-                let Some((k, l)) = previous(i, j, state) else { continue };
+                let Some((k, l)) = previous(i, j, state).filter(|_| state > 0 || !slips(i, j)) else { continue };
                 let from = at(k, l);
                 let weight = if state == 0 { 2.0 } else { 1.0 };
                 for last in predecessors(state) {
