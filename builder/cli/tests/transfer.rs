@@ -51,7 +51,13 @@ fn a_capture_of_the_target_with_the_sources_sequences_comes_out() {
 
     keys(
         folder,
-        &[("walk", 0, "walk", 0), ("walk", 10, "walk", 7), ("walk", 20, "walk", 14), ("jump", 0, "jump", 0), ("jump", 13, "jump", 9)],
+        &[
+            ("walk", 0, "walk", 0),
+            ("walk", 10, "walk", 7),
+            ("walk", 20, "walk", 14),
+            ("jump", 0, "jump", 0),
+            ("jump", 13, "jump", 9),
+        ],
     );
     let told = done(&run(&["-o", "out", "--sequences", "walk,kick", "--json"]));
     let told: Value = serde_json::from_str(&told).unwrap();

@@ -94,8 +94,9 @@ impl Regression {
 /// The rows without their mean, and the mean.
 fn centred(rows: &Matrix) -> (Matrix, Vec<f64>) {
     let count = rows.rows() as f64;
-    let mean: Vec<f64> =
-        (0..rows.columns()).map(|column| (0..rows.rows()).map(|row| rows[(row, column)]).sum::<f64>() / count).collect();
+    let mean: Vec<f64> = (0..rows.columns())
+        .map(|column| (0..rows.rows()).map(|row| rows[(row, column)]).sum::<f64>() / count)
+        .collect();
     (Matrix::from_fn(rows.rows(), rows.columns(), |row, column| rows[(row, column)] - mean[column]), mean)
 }
 
@@ -239,8 +240,7 @@ mod tests {
         (x, y)
     }
 
-    const OPTIONS: RegressionOptions =
-        RegressionOptions { kernel: Kernel::NeuralNetwork, floor: 0.003, steps: 80 };
+    const OPTIONS: RegressionOptions = RegressionOptions { kernel: Kernel::NeuralNetwork, floor: 0.003, steps: 80 };
 
     #[test]
     fn slopes_of_the_likelihood_are_those_of_differences() {

@@ -7,8 +7,8 @@ use crate::shape::{Shape, shape_of};
 /// Half of the band's width: this much of the root of the surface's area, or so many edges, whichever is more.
 const HALF: f32 = 0.025;
 const EDGES: f32 = 2.0;
-/// Steps by an edge that are tried.
-const STEPS: usize = 24;
+/// Steps by half an edge that are tried.
+const STEPS: usize = 48;
 /// A limb is not cut shorter than this share of what it should be.
 const SHORTEST: f32 = 0.6;
 
@@ -32,7 +32,7 @@ pub fn limb(found: &Extremity, radius: f32, triangles: &[[u32; 3]], body: &Measu
     let half = (HALF * body.area.sqrt()).max(EDGES * body.edge);
     // The band must end before another limb begins, and leave something of this one.
     let first = radius.min(found.stop - half).max(1.5 * half);
-    let tries = (0..STEPS).map(|step| first - step as f32 * body.edge).take_while(|&r| r >= SHORTEST * first);
+    let tries = (0..STEPS).map(|step| first - 0.5 * step as f32 * body.edge).take_while(|&r| r >= SHORTEST * first);
     let good = tries.into_iter().find(|&radius| is_good(found, radius, half, triangles));
     let hinge = good.unwrap_or(first);
     let weight = |&distance: &f32| {

@@ -24,8 +24,7 @@ const ALIKE: f32 = 0.12;
 /// How far from its tip each limb ends, in metres.
 pub fn hinges(found: &Extremities, poses: &Poses, frames: &[u32], body: &Measured) -> Vec<f32> {
     let cores: Vec<DQuat> = turns(&found.core, poses, frames);
-    let mut radii: Vec<f32> =
-        found.limbs.par_iter().map(|limb| hinge(limb, &cores, poses, frames, body)).collect();
+    let mut radii: Vec<f32> = found.limbs.par_iter().map(|limb| hinge(limb, &cores, poses, frames, body)).collect();
     // What a pair disagrees on belongs to the torso.
     let own = radii.clone();
     for (k, limb) in found.limbs.iter().enumerate() {

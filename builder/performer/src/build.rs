@@ -88,10 +88,9 @@ impl Kind {
             Self::Child => (1.15, 7.0, 1.1, 1.08),
         };
         let controls = &mut state.controls;
-        for [flex, out, bend] in [
-            [Channel::FlexL, Channel::SpreadL, Channel::ElbowL],
-            [Channel::FlexR, Channel::SpreadR, Channel::ElbowR],
-        ] {
+        for [flex, out, bend] in
+            [[Channel::FlexL, Channel::SpreadL, Channel::ElbowL], [Channel::FlexR, Channel::SpreadR, Channel::ElbowR]]
+        {
             // What is lifted far is lifted as far: habits are of what hangs.
             let hangs = 1.0 / (1.0 + (controls[flex] / 70.0).powi(2));
             controls[flex] *= 1.0 + (swing - 1.0) * hangs;
@@ -199,13 +198,8 @@ impl Build {
             let knee = hers[first + 1].translation - hers[first].translation;
             let facing = Quat::from_rotation_y(state.feet[side].yaw) * Vec3::Z;
             let forward = knee.reject_from_normalized(straight) + 0.02 * facing;
-            let leg = two_bones(
-                own[first].translation,
-                ankle,
-                forward,
-                &self.offsets[first + 1],
-                &self.offsets[first + 2],
-            );
+            let leg =
+                two_bones(own[first].translation, ankle, forward, &self.offsets[first + 1], &self.offsets[first + 2]);
             own[first].rotation = leg.upper;
             own[first + 1] = Rigid { rotation: leg.lower, translation: leg.middle };
             own[first + 2] = Rigid { rotation: hers[first + 2].rotation, translation: leg.end };
@@ -248,7 +242,8 @@ mod tests {
                     let stretched = (length - build.offsets[index].length()).abs();
                     assert!(stretched < 2e-3, "{kind:?} {index}: {stretched}");
                 }
-                let lowest = joint::LEG.map(|first| joints[first + 2].translation.y).into_iter().fold(f32::MAX, f32::min);
+                let lowest =
+                    joint::LEG.map(|first| joints[first + 2].translation.y).into_iter().fold(f32::MAX, f32::min);
                 let flat = hers[joint::LEG[0] + 2].translation.y * kind.scale(joint::LEG[0] + 2).y;
                 assert!((lowest - flat).abs() < 0.06, "{kind:?}: {lowest} {flat}");
             }

@@ -223,7 +223,12 @@ fn resolve(keys: &KeyFile, source: &Timeline, target: &Timeline) -> Result<Vec<K
     let frame = |index: usize, which: &'static str, timeline: &Timeline, name: &str, frame: u32| {
         let found = timeline.sequences().iter().find(|sequence| sequence.name == name);
         let Some(sequence) = found else {
-            return Err(TransferFailure::Sequence { pair: index + 1, which, name: name.into(), known: known(timeline) });
+            return Err(TransferFailure::Sequence {
+                pair: index + 1,
+                which,
+                name: name.into(),
+                known: known(timeline),
+            });
         };
         if frame >= sequence.frame_count {
             let last = sequence.frame_count - 1;
@@ -290,7 +295,8 @@ fn limits(source: &Subject, target: &Subject, model: &Model, options: &TransferO
     }
     if options.hold && !model.holds() {
         let [from, to] = [source, target].map(|subject| subject.feet.count());
-        let message = format!("{from} feet stand in the source and {to} in the target: no sole is held, and feet may slide");
+        let message =
+            format!("{from} feet stand in the source and {to} in the target: no sole is held, and feet may slide");
         warnings.push(Warning::new("W_TRANSFER_FEET", message));
     }
     warnings

@@ -144,7 +144,14 @@ fn named(source: &Subject, target: &Subject, keys: [Key; 2], contradict: bool) -
     let [(source_name, first_source), (_, second_source)] = keys.map(|key| name(source, key.source));
     let [(target_name, first_target), (_, second_target)] = keys.map(|key| name(target, key.target));
     if contradict {
-        TransferError::Contradiction { source_name, target_name, first_source, first_target, second_source, second_target }
+        TransferError::Contradiction {
+            source_name,
+            target_name,
+            first_source,
+            first_target,
+            second_source,
+            second_target,
+        }
     } else {
         TransferError::TooFast { source_name, target_name, first_source, first_target, second_source, second_target }
     }
@@ -174,8 +181,7 @@ impl Stretch {
         let length = f64::from(last.source - first.source);
         let steps = (length * f64::from(target.timeline.fps() / source.timeline.fps())).round().max(1.0);
         let count = if keys.len() == 1 { 1 } else { steps as usize + 1 };
-        let rows: Vec<f64> =
-            (0..count).map(|row| f64::from(first.source) + length * row as f64 / steps).collect();
+        let rows: Vec<f64> = (0..count).map(|row| f64::from(first.source) + length * row as f64 / steps).collect();
         let all: Vec<Vec<Vec<f64>>> =
             (first.source..=last.source).into_par_iter().map(|frame| numbers(source, source_spaces, frame)).collect();
         let at = |&row: &f64| {
@@ -205,7 +211,13 @@ impl Stretch {
     }
 
     /// The rows of the most probable way; `held` has it go through all keys, not only the first and the last.
-    fn way(&self, maps: &[LinearMap], held: bool, source: &Subject, target: &Subject) -> Result<Vec<f64>, TransferError> {
+    fn way(
+        &self,
+        maps: &[LinearMap],
+        held: bool,
+        source: &Subject,
+        target: &Subject,
+    ) -> Result<Vec<f64>, TransferError> {
         let predicted: Vec<Vec<(Vec<f64>, f64)>> =
             self.source.iter().map(|x| maps.iter().zip(x).map(|(map, x)| map.predict(x)).collect()).collect();
         let costs = Matrix::from_fn(self.source.len(), self.target.len(), |i, j| {

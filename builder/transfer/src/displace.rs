@@ -134,8 +134,12 @@ impl Displacement {
         let plain = self.plain(root);
         let Some(rest) = &self.rest else { return plain };
         // No more than was seen: poses of other motions lead anywhere.
-        let by: Vec<f32> =
-            rest.predict(pose).iter().zip(&self.range).map(|(by, [low, high])| (*by as f32).clamp(*low, *high)).collect();
+        let by: Vec<f32> = rest
+            .predict(pose)
+            .iter()
+            .zip(&self.range)
+            .map(|(by, [low, high])| (*by as f32).clamp(*low, *high))
+            .collect();
         let aside = Quat::from_rotation_y(plain.heading) * Vec3::new(by[0], by[3], by[1]);
         Root {
             heading: plain.heading + by[2] / self.lever,

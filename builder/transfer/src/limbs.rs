@@ -39,7 +39,10 @@ fn ends(subject: &Subject, frame: u32) -> Vec<Vec3> {
 /// Whether an actor goes so far that the direction in which it goes is its front.
 fn travel(subject: &Subject) -> bool {
     let at = |frame: usize| subject.roots[frame].centre;
-    (1..subject.roots.len()).map(|frame| at(frame).distance(at(frame - 1))).filter(|step| *step < subject.size).sum::<f32>()
+    (1..subject.roots.len())
+        .map(|frame| at(frame).distance(at(frame - 1)))
+        .filter(|step| *step < subject.size)
+        .sum::<f32>()
         > subject.size
 }
 

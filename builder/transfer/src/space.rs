@@ -31,8 +31,7 @@ pub struct Space {
 /// The spaces of all parts of a subject, from some of its frames. `whole` takes the body for one part.
 pub fn spaces(subject: &Subject, frames: &[u32], whole: bool) -> Vec<Space> {
     let stride = frames.len().div_ceil(FRAMES).max(1);
-    let shapes: Vec<Vec<Vec3>> =
-        frames.par_iter().step_by(stride).map(|&frame| subject.own(frame)).collect();
+    let shapes: Vec<Vec<Vec3>> = frames.par_iter().step_by(stride).map(|&frame| subject.own(frame)).collect();
     let parts = if whole { 1 } else { subject.parts.count() };
     let of = |part: usize| {
         let belongs = |vertex: &u32| whole || subject.parts.weights(part)[*vertex as usize] > 0.0;

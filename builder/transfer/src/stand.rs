@@ -23,8 +23,10 @@ impl Stance {
         }
         let (from, to) = (places(source)?, places(target)?);
         // The nearest one that is still free, the nearest pair first.
-        let mut pairs: Vec<(f32, usize, usize)> =
-            (0..count).flat_map(|a| (0..count).map(move |b| (a, b))).map(|(a, b)| (to[a].distance(from[b]), a, b)).collect();
+        let mut pairs: Vec<(f32, usize, usize)> = (0..count)
+            .flat_map(|a| (0..count).map(move |b| (a, b)))
+            .map(|(a, b)| (to[a].distance(from[b]), a, b))
+            .collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut chosen = vec![usize::MAX; count];
         for (_, a, b) in pairs {
@@ -76,7 +78,8 @@ fn places(subject: &Subject) -> Option<Vec<Vec3>> {
     let place = |foot: usize| {
         let at = |&frame: &u32| {
             let root = subject.roots[frame as usize];
-            Quat::from_rotation_y(-root.heading) * (mean(subject.feet.vertices(foot), subject.poses.frame(frame)) - root.centre)
+            Quat::from_rotation_y(-root.heading)
+                * (mean(subject.feet.vertices(foot), subject.poses.frame(frame)) - root.centre)
         };
         frames.iter().map(at).sum::<Vec3>() / (frames.len() as f32 * subject.size)
     };

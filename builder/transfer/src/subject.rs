@@ -105,8 +105,7 @@ fn roots(bodies: &[BodyFrame], facings: &[f32], timeline: &Timeline) -> Vec<Root
     for (frame, body) in bodies.iter().enumerate() {
         let rotation = (body.rotation * upright).normalize();
         let heading = 2.0 * rotation.y.atan2(rotation.w);
-        let begins = frame == 0
-            || timeline.sequence_index(frame as u32) != timeline.sequence_index(frame as u32 - 1);
+        let begins = frame == 0 || timeline.sequence_index(frame as u32) != timeline.sequence_index(frame as u32 - 1);
         let before = if begins { facings[frame] } else { roots[frame - 1].heading };
         let heading = heading - ((heading - before) / TAU).round() * TAU;
         let tilt = Quat::from_rotation_y(heading).inverse() * rotation;

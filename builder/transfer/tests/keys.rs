@@ -26,7 +26,12 @@ struct Body {
 }
 
 impl Body {
-    fn new(triangles: Vec<[u32; 3]>, sequences: &[Vec<Vec<Vec3>>], fps: f32, parts: impl Fn(&Topology, &Poses) -> Parts) -> Self {
+    fn new(
+        triangles: Vec<[u32; 3]>,
+        sequences: &[Vec<Vec<Vec3>>],
+        fps: f32,
+        parts: impl Fn(&Topology, &Poses) -> Parts,
+    ) -> Self {
         let count = sequences[0][0].len();
         let (mut poses, mut all) = (Poses::new(count), Vec::new());
         for (k, frames) in sequences.iter().enumerate() {
@@ -85,7 +90,8 @@ fn matched(source: &Body, target: &Body, pairs: &[(u32, u32)]) -> Result<Dense, 
 #[test]
 fn a_body_of_other_size_mesh_and_rate_does_the_same() {
     let (source, target) = (tube(1.8, 8, &[60, 50], 25.0), tube(1.2, 11, &[120, 100], 50.0));
-    let Dense { pairs, doubts } = matched(&source, &target, &[(0, 0), (15, 30), (30, 60), (45, 90), (59, 118)]).unwrap();
+    let Dense { pairs, doubts } =
+        matched(&source, &target, &[(0, 0), (15, 30), (30, 60), (45, 90), (59, 118)]).unwrap();
     assert_eq!((pairs.len(), doubts.len()), (119, 0));
     let late = pairs.iter().map(|pair| (2.0 * pair.source - f64::from(pair.target)).abs()).sum::<f64>() / 119.0;
     assert!(late < 1.5, "{late} frames at 50 a second");
@@ -127,8 +133,14 @@ fn keys_that_cannot_be_are_refused() {
     let (source, target) = (tube(1.8, 8, &[60], 25.0), tube(1.2, 11, &[60], 25.0));
     assert_eq!(matched(&source, &target, &[(0, 0)]).unwrap_err(), TransferError::FewPairs(1));
     let contradiction = matched(&source, &target, &[(0, 0), (30, 20), (20, 30), (59, 59)]).unwrap_err();
-    assert!(matches!(contradiction, TransferError::Contradiction { first_source: 30, second_source: 20, .. }), "{contradiction}");
-    assert!(matches!(matched(&source, &target, &[(0, 0), (5, 9), (5, 12)]).unwrap_err(), TransferError::Contradiction { .. }));
+    assert!(
+        matches!(contradiction, TransferError::Contradiction { first_source: 30, second_source: 20, .. }),
+        "{contradiction}"
+    );
+    assert!(matches!(
+        matched(&source, &target, &[(0, 0), (5, 9), (5, 12)]).unwrap_err(),
+        TransferError::Contradiction { .. }
+    ));
     let fast = matched(&source, &target, &[(0, 0), (50, 4), (59, 59)]).unwrap_err();
     assert!(matches!(fast, TransferError::TooFast { second_source: 50, second_target: 4, .. }), "{fast}");
     let beyond = matched(&source, &target, &[(0, 0), (60, 9), (9, 12)]).unwrap_err();

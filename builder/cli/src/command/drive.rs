@@ -14,8 +14,8 @@ use serde::Serialize;
 
 use super::args::{DriveArguments, UpAxis};
 use super::drive_actor::{Origin, ReadActor, read, rig};
-use super::drive_frames::write_frames;
 use super::drive_capture::{NewSequence, manifest};
+use super::drive_frames::write_frames;
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::pack::{import_options, pack_into};

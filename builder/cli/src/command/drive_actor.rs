@@ -47,8 +47,7 @@ pub struct ReadActor {
 pub fn read(path: &str, import_arguments: &ImportArguments, terminal: &Terminal) -> Result<ReadActor, Failure> {
     if is_bundle(Path::new(path)) {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
-        let mut reader =
-            BundleReader::from_bytes(&bytes).with_context(|| path.to_owned()).map_err(Failure::Input)?;
+        let mut reader = BundleReader::from_bytes(&bytes).with_context(|| path.to_owned()).map_err(Failure::Input)?;
         let (Some(timeline), Some(topology)) = (reader.timeline().cloned(), reader.topology().cloned()) else {
             return Err(Failure::Input(anyhow!("{path} ends before its mesh is described")));
         };

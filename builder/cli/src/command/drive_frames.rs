@@ -26,8 +26,7 @@ pub fn write_frames(
     let count = poses.len() as u32;
     let sequence =
         Sequence { name: name.into(), labels: Vec::new(), first_frame: 0, frame_count: count, cyclic: false };
-    let timeline =
-        Timeline::new(actor.timeline.fps(), vec![sequence]).map_err(|error| internal(error.into()))?;
+    let timeline = Timeline::new(actor.timeline.fps(), vec![sequence]).map_err(|error| internal(error.into()))?;
     let graph = EssentialGraph::new(DEFAULT_ALPHA, Vec::new(), &timeline).map_err(|error| internal(error.into()))?;
     let legs = vec![Leg::Recorded { first: 0, last: count - 1, steps: count - 1 }];
     let walk = Walk::of_legs(legs, &graph).map_err(|error| internal(error.into()))?;

@@ -170,9 +170,11 @@ pub fn way(both: &Both, models: [&Model; 2], sequence: &Sequence, job: &Job) -> 
     let wanted = centre(truth[1]) - centre(truth[0]);
     let end = align_heading(truth[1], own[1], weights) - begin;
     let end = (end.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
-    let length: f32 =
-        (first..last).map(|k| centre(both.target.poses.frame(k)).distance(centre(both.target.poses.frame(k + 1)))).sum();
-    let slide = |model: &Model, poses: &[Vec<glam::Vec3>]| model.slide(&times, poses).map_or(0.0, |s| 1e3 * f64::from(s));
+    let length: f32 = (first..last)
+        .map(|k| centre(both.target.poses.frame(k)).distance(centre(both.target.poses.frame(k + 1))))
+        .sum();
+    let slide =
+        |model: &Model, poses: &[Vec<glam::Vec3>]| model.slide(&times, poses).map_or(0.0, |s| 1e3 * f64::from(s));
     Ok(Way {
         name: sequence.name.clone(),
         length: f64::from(length),

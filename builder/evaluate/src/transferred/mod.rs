@@ -11,7 +11,7 @@ use kernels::random::mix;
 use performer::Kind;
 use transfer::{Kernel, Pair, TransferOptions};
 
-use self::measure::{Both, Way, Which, by_time, dense, kind, keys, time_error, way};
+use self::measure::{Both, Way, Which, by_time, dense, keys, kind, time_error, way};
 use self::performed::{FPS, Performed, takes};
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
@@ -101,8 +101,10 @@ fn curves(directions: &[(&str, &Both); 2], seed: u64, job: &Job) -> Result<Table
 
 /// Errors of takes and motions that were not learned from.
 fn kernels(directions: &[(&str, &Both); 2], job: &Job) -> Result<Table, EvaluateError> {
-    let columns = ["direction", "map", "parts", "pairs", "other takes mm", "unseen motions mm", "shape mm", "unseen mm"];
-    let caption = "Errors of what was not learned from, by all true pairs; at the right of shapes in the body's own frame";
+    let columns =
+        ["direction", "map", "parts", "pairs", "other takes mm", "unseen motions mm", "shape mm", "unseen mm"];
+    let caption =
+        "Errors of what was not learned from, by all true pairs; at the right of shapes in the body's own frame";
     let mut table = Table::new("transfer_kernels", caption, &columns);
     for (direction, both) in directions {
         for (name, kernel) in KERNELS {
@@ -133,7 +135,8 @@ fn matching(
     both: &Both,
     job: &Job,
 ) -> Result<Table, EvaluateError> {
-    let columns = ["keys a sequence", "off by up to", "by time: frames", "matched: frames", "other takes mm", "unseen mm"];
+    let columns =
+        ["keys a sequence", "off by up to", "by time: frames", "matched: frames", "other takes mm", "unseen mm"];
     let caption = format!(
         "Frames of a man whose time is warped, matched from keys: how far off in time, in frames at {FPS} a second, and errors of what is \
          learned from them"

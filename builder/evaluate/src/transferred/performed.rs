@@ -4,9 +4,9 @@ use actor::capture::Poses;
 use actor::feet::Feet;
 use actor::motion::Motion;
 use actor::timeline::{Sequence, Timeline};
+use glam::{Vec3, Vec3Swizzles};
 use kernels::align::{align_heading, centre_of_mass, rotate};
 use kernels::topology::{Topology, barycentric_areas};
-use glam::{Vec3, Vec3Swizzles};
 use parts::Parts;
 use performer::Kind;
 use performer::figure::Figure;
@@ -105,8 +105,7 @@ fn sequence(figure: &Figure, wanted: &Wanted) -> (Vec<Vec<Vec3>>, Vec<f64>) {
     let count = (seconds * FPS).round() as usize;
     let finer = if wanted.warp == 0.0 { 1 } else { FINER };
     let seed = kernels::random::mix(wanted.seed, wanted.behaviour as u64);
-    let take =
-        Take { name: name.into(), behaviour: wanted.behaviour, first_frame: 0, frames: count * finer, seed };
+    let take = Take { name: name.into(), behaviour: wanted.behaviour, first_frame: 0, frames: count * finer, seed };
     let frames = perform(figure, &take, FPS * finer as f32);
     let length = (count - 1) as f64 / f64::from(FPS);
     let at = |frame: usize| {
