@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[&str]; 16] = [
     &["shared/kernels", "builder/job"],
     &["shared/actor", "shared/texture", "builder/geometry", "builder/learn"],
-    &["shared/editing"],
+    &["shared/editing", "builder/parts"],
     &[
         "shared/bundle",
         "shared/synthesis",
@@ -23,7 +23,7 @@ const FLOORS: [&[&str]; 16] = [
         "builder/registration",
     ],
     &["shared/mocap", "builder/drive"],
-    &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io"],
+    &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io", "builder/transfer"],
     &["builder/reprise"],
     &["builder/evaluate"],
     &["builder/cli"],

@@ -32,6 +32,7 @@ pub mod statistics;
 mod subject;
 pub mod textures;
 mod trajectories;
+mod transferred;
 mod transitions;
 pub mod truth;
 mod walks;
@@ -73,10 +74,12 @@ pub enum Section {
     Motion,
     /// 10: wandering.
     Wandering,
+    /// 11: transfer, on the built-in performers: only where it is asked for.
+    Transfer,
 }
 
 impl Section {
-    /// All sections, in order.
+    /// All sections about a capture, in order.
     pub const ALL: [Self; 10] = [
         Self::Poses,
         Self::Transitions,
@@ -110,6 +113,7 @@ impl Section {
             Self::Appearance => "Appearance",
             Self::Motion => "What walks look like",
             Self::Wandering => "Wandering",
+            Self::Transfer => "Transfer between performers",
         }
     }
 }
@@ -186,6 +190,9 @@ pub enum EvaluateError {
     /// A walk leaves the graph: a fault of ours.
     #[error("a walk cannot be shown: {0}")]
     Walk(#[from] actor::walk::WalkError),
+    /// Performers could not be made to move as each other: a fault of ours.
+    #[error("performers cannot be transferred: {0}")]
+    Transfer(#[from] transfer::TransferError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -198,6 +205,7 @@ impl EvaluateError {
         matches!(
             self,
             Self::Stopped(_)
+                | Self::Transfer(transfer::TransferError::Stopped(_))
                 | Self::Import(ImportError::Stopped(_))
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Transition(TransitionError::Stopped(_))
@@ -216,6 +224,7 @@ impl EvaluateError {
                 | Self::Interpolation(_)
                 | Self::Picture(_)
                 | Self::Walk(_)
+                | Self::Transfer(_)
                 | Self::Pose(_)
         )
     }
@@ -238,6 +247,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Appearance => textures::section(subject, job),
             Section::Motion => motion::section(subject, job),
             Section::Wandering => wandering::section(subject, job),
+            Section::Transfer => transferred::section(subject.options.seed, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

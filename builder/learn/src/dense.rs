@@ -162,6 +162,12 @@ impl Cholesky {
         halves.times_transposed(&halves)
     }
 
+    /// The lower triangle of the inverse of A; zero above. A sixth of the work of [`Self::inverse`], which sums in another order.
+    #[must_use]
+    pub fn inverse_lower(&self) -> Matrix {
+        Level::best().run(LowerInverse { columns: Level::best().run(Invert { factor: &self.factor }) })
+    }
+
     /// The inverse of L. Products with it and with its transpose lose less than those with the inverse of A.
     #[must_use]
     pub fn lower_inverse(&self) -> Matrix {
@@ -272,6 +278,27 @@ impl Kernel for Invert<'_> {
             }
         }
         columns
+    }
+}
+
+struct LowerInverse {
+    /// Columns of the inverse of L, a row each: zero before the diagonal.
+    columns: Matrix,
+}
+
+impl Kernel for LowerInverse {
+    type Output = Matrix;
+
+    #[inline(always)]
+    fn run(self) -> Matrix {
+        let n = self.columns.rows;
+        let mut inverse = Matrix::zeros(n, n);
+        for i in 0..n {
+            for j in 0..=i {
+                inverse.values[i * n + j] = dot(&self.columns.row(i)[i..], &self.columns.row(j)[i..]);
+            }
+        }
+        inverse
     }
 }
 

@@ -2,14 +2,17 @@
 //!
 //! [`store`] holds rows that do not fit in memory, [`pca`] finds their principal components, [`symmetric`] the eigenvalues
 //! of a small matrix. [`gpdm`] learns how motion goes on, on [`dense`] matrices and by [`descent`]; [`stretch`] draws other ways
-//! through it by [`hmc`]. Sums run in a fixed order: neither threads nor vector instructions change a bit, since bundles are
+//! through it by [`hmc`]. [`linear_map`] and [`regression`], with its [`kernel`]s, learn one row from another. Sums run in a fixed order: neither threads nor vector instructions change a bit, since bundles are
 //! made of the results.
 
 pub mod dense;
 pub mod descent;
 pub mod gpdm;
 pub mod hmc;
+pub mod kernel;
+pub mod linear_map;
 pub mod pca;
+pub mod regression;
 pub mod store;
 pub mod stretch;
 pub mod symmetric;

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::artefacts::{self, Hole, Light, UNLIT, shown};
 use super::figure::{Figure, bytes};
 use super::perform::{Take, perform, takes};
-use super::{Artefacts, PerformerOptions, check};
+use super::{Artefacts, Kind, PerformerOptions, check};
 use geometry::mesh::vertex_normals;
 
 /// What the performer was asked for, in `truth/capture.json`.
@@ -22,6 +22,12 @@ pub(super) struct Asked {
     pub vertices: usize,
     pub texture_size: usize,
     pub fps: f32,
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub figure: Kind,
+}
+
+fn is_usual(figure: &Kind) -> bool {
+    *figure == Kind::default()
 }
 
 /// The part of `truth/capture.json` that a capture is made again from.
@@ -41,12 +47,12 @@ pub fn options(truth: &Path) -> Result<PerformerOptions, String> {
     let text = fs::read(&path).map_err(|error| format!("{} cannot be read ({error})", path.display()))?;
     let constants: Constants =
         serde_json::from_slice(&text).map_err(|error| format!("{} is not a truth file ({error})", path.display()))?;
-    let Asked { frames, vertices, texture_size, fps } = constants
+    let Asked { frames, vertices, texture_size, fps, figure } = constants
         .asked
         .ok_or_else(|| format!("{} was written by an earlier version: perform the capture again", path.display()))?;
     let on: Vec<&str> = constants.artefacts.iter().filter(|(_, on)| *on).map(|(name, _)| name.as_str()).collect();
     let artefacts: Artefacts = on.join(",").parse()?;
-    let options = PerformerOptions { frames, vertices, texture_size, artefacts, seed: constants.seed, fps };
+    let options = PerformerOptions { frames, vertices, texture_size, artefacts, seed: constants.seed, fps, figure };
     check(&options).map_err(|error| format!("{} is not a truth file ({error})", path.display()))?;
     Ok(options)
 }
@@ -75,7 +81,7 @@ impl Between {
     /// sequences of [`takes`]; those beyond are left out.
     #[must_use]
     pub fn new(options: &PerformerOptions, frames: &[usize]) -> Self {
-        let figure = Figure::new(options.vertices, options.texture_size);
+        let figure = Figure::of(options.figure, options.vertices, options.texture_size);
         let around = figure.mesh.triangles_of_vertices();
         let rest_normals = vertex_normals(&figure.mesh.positions, &figure.mesh.triangles);
         let (on, fps) = (options.artefacts, options.fps);

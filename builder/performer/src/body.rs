@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::build::Dress;
 use super::skeleton::{JOINT_COUNT, bind_pose, joint};
 use super::skirt;
 use geometry::sdf::{blend, clip, cone, ellipsoid, smoothstep};
@@ -51,22 +52,41 @@ impl Fields {
 pub struct Body {
     bind: [Rigid; JOINT_COUNT],
     bind_inverse: [Rigid; JOINT_COUNT],
+    dress: Dress,
 }
 
 impl Default for Body {
     fn default() -> Self {
-        let bind = bind_pose();
-        Self { bind, bind_inverse: bind.map(|transform| transform.inverse()) }
+        Self::dressed(Dress::Skirt)
     }
 }
 
 /// The head is modelled at natural size and drawn a little larger.
 pub const HEAD_SCALE: f32 = 1.12;
 
+/// What is not there is this far away, in metres.
+const NOWHERE: f32 = 10.0;
+
+/// Height of the upper edge of trousers above the ground, in metres.
+pub const TOP_OF_TRUNKS: f32 = 1.03;
+
 /// Above this height the skirt is solid, and there is no cavity around the legs.
 const FILLED_ABOVE: f32 = 0.872;
 
 impl Body {
+    /// The figure in these clothes.
+    #[must_use]
+    pub fn dressed(dress: Dress) -> Self {
+        let bind = bind_pose();
+        Self { bind, bind_inverse: bind.map(|transform| transform.inverse()), dress }
+    }
+
+    /// What covers the legs.
+    #[must_use]
+    pub fn dress(&self) -> Dress {
+        self.dress
+    }
+
     /// Joint transforms of the bind pose.
     #[must_use]
     pub fn bind(&self) -> &[Rigid; JOINT_COUNT] {
@@ -139,6 +159,9 @@ impl Body {
     }
 
     fn tail(&self, p: Vec3) -> f32 {
+        if self.dress != Dress::Skirt {
+            return NOWHERE;
+        }
         let (a, b, c) = (self.at(joint::TAIL), self.at(joint::TAIL + 1), self.at(joint::TAIL + 2));
         let tip = c + Vec3::new(0.0, -0.1, 0.008);
         let root = cone(p, a, b, 0.024, 0.041);
@@ -196,6 +219,11 @@ impl Body {
         let calf = blend(cone(p, knee, calf_at, 0.051, 0.0535), cone(p, calf_at, ankle, 0.0535, 0.034), 0.03);
         let kneecap = ellipsoid(p, knee + Vec3::new(0.0, 0.0, 0.022), Vec3::new(0.034, 0.042, 0.032));
         let leg = blend(blend(thigh, calf, 0.03), kneecap, 0.03);
+        let leg = match self.dress {
+            Dress::Skirt => leg,
+            Dress::Trousers => return blend(leg, trouser([hip, knee, ankle], p, 0.94), 0.008),
+            Dress::Shorts => blend(leg, trouser([hip, knee, ankle], p, 0.0), 0.006),
+        };
         // A folded sock.
         let top = ankle.lerp(knee, 0.2);
         let sock = cone(p, ankle, top, 0.041, 0.0455);
@@ -219,6 +247,9 @@ impl Body {
     }
 
     fn skirt(&self, p: Vec3) -> f32 {
+        if self.dress != Dress::Skirt {
+            return trunks(p);
+        }
         let across = skirt::across(p);
         let cloth = skirt::cloth(p, across);
         let filled = clip(clip(across, FILLED_ABOVE - p.y, 0.03), p.y - skirt::TOP, 0.01);
@@ -226,6 +257,27 @@ impl Body {
         let band = band.length() - 0.0135;
         blend(blend(cloth, filled, 0.03), band, 0.012)
     }
+}
+
+/// The leg of a pair of trousers over the joints of a leg, down to this share of the shin.
+fn trouser([hip, knee, ankle]: [Vec3; 3], p: Vec3, down: f32) -> f32 {
+    let end = knee.lerp(ankle, down.max(0.05));
+    let upper = cone(p, hip, knee, 0.1, 0.074);
+    let lower = cone(p, knee, end, 0.074, if down > 0.5 { 0.058 } else { 0.076 });
+    let along = (ankle - knee).normalize_or(Vec3::NEG_Y);
+    let end = if down > 0.5 { end } else { hip.lerp(knee, 0.9) };
+    clip(blend(upper, lower, 0.03), (p - end).dot(along), 0.008)
+}
+
+/// Trousers about the hips, with a belt.
+fn trunks(p: Vec3) -> f32 {
+    let flat = 0.76;
+    let q = Vec3::new(p.x, p.y, (p.z + 0.004) / flat);
+    let hips = cone(q, Vec3::new(0.0, 0.93, 0.0), Vec3::new(0.0, TOP_OF_TRUNKS, 0.0), 0.158, 0.146) * flat;
+    let seat = ellipsoid(side_of(p), Vec3::new(0.07, 0.925, -0.045), Vec3::new(0.085, 0.085, 0.07));
+    let trunks = clip(blend(hips, seat, 0.04), p.y - TOP_OF_TRUNKS, 0.01);
+    let belt = Vec2::new(hips - 0.003, p.y - TOP_OF_TRUNKS + 0.02).length() - 0.012;
+    blend(trunks, belt, 0.01)
 }
 
 fn side_of(p: Vec3) -> Vec3 {
@@ -296,6 +348,9 @@ pub fn edge_scale(body: &Body, p: Vec3) -> f32 {
         scale = scale.min(1.0 - 0.52 * smoothstep(0.13, 0.09, (hand + Vec3::Y * 0.08).length()));
         let foot = body.to_joint(p, joint::LEG[side] + 2);
         scale = scale.min(1.0 - 0.3 * smoothstep(0.2, 0.12, (foot - Vec3::new(0.0, -0.05, 0.04)).length()));
+    }
+    if body.dress != Dress::Skirt {
+        return scale;
     }
     // What the skirt hides may be coarse; its hem may not.
     let across = skirt::across(p);

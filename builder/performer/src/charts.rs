@@ -2,6 +2,7 @@
 //! tailor would put them.
 
 use super::body::Body;
+use super::build::Dress;
 use super::skirt;
 use geometry::charts::{centre_and_normal, cut};
 use geometry::mesh::Mesh;
@@ -20,6 +21,7 @@ fn group(body: &Body, p: Vec3) -> usize {
     let f = body.fields(p);
     let side = usize::from(p.x < 0.0);
     let across = skirt::across(p);
+    let has_inside = body.dress() == Dress::Skirt;
     let candidates = [
         (f.head.min(f.hair), 0),
         (f.tail, 1),
@@ -27,7 +29,7 @@ fn group(body: &Body, p: Vec3) -> usize {
         (f.arms[side], 3 + side),
         (f.legs[side], 5 + side),
         (f.shoes[side], 7 + side),
-        (f.skirt, if across > -0.003 || p.y > 0.98 { 9 } else { 10 }),
+        (f.skirt, if across > -0.003 || p.y > 0.98 || !has_inside { 9 } else { 10 }),
     ];
     candidates.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |c| c.1)
 }

@@ -9,6 +9,7 @@ use std::f32::consts::TAU;
 use glam::{Mat3, Quat, Vec3};
 
 use super::body::Body;
+use super::build::Dress;
 use super::skeleton::{JOINT_COUNT, NEUTRAL, joint};
 use super::skirt;
 use geometry::mesh::Mesh;
@@ -89,7 +90,8 @@ impl Skirt {
                 nearest.map(|v| influences[v]).unwrap_or_default()
             })
             .collect();
-        let riders = riders(body, mesh, &rest);
+        let worn = body.dress() == Dress::Skirt;
+        let riders = if worn { riders(body, mesh, &rest) } else { Vec::new() };
         Self { rest, links, pins, riders }
     }
 
@@ -112,6 +114,9 @@ impl Skirt {
 
     /// Moves the skirt on by `seconds` to the body `world`.
     pub fn advance(&self, body: &Body, moving: &mut MovingSkirt, world: &[Rigid; JOINT_COUNT], seconds: f32) {
+        if self.riders.is_empty() {
+            return;
+        }
         let steps = ((seconds * 50.0 * STEPS as f32).round() as usize).max(1);
         let dt = seconds / steps as f32;
         let from = moving.world;

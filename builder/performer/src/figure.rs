@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::body::{Body, edge_scale};
+use super::build::{self, Build, Kind};
 use super::cloth::Skirt;
 use super::skinning::weights;
 use super::{charts, paint};
@@ -18,8 +19,12 @@ use rig::Influences;
 pub struct Figure {
     /// The implicit body and its bind pose.
     pub body: Body,
-    /// The surface in the bind pose.
+    /// The surface in the bind pose, as it is modelled: on the woman's bones.
     pub mesh: Mesh,
+    /// The figure's bones.
+    pub build: Build,
+    /// Positions of the surface in the bind pose of these bones.
+    pub rest: Vec<Vec3>,
     /// Skin weights of the vertices.
     pub influences: Vec<Influences>,
     /// The skirt.
@@ -33,10 +38,16 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure of `vertices` vertices with a texture of `texture_size` texels a side.
+    /// The woman's figure of `vertices` vertices with a texture of `texture_size` texels a side.
     #[must_use]
     pub fn new(vertices: usize, texture_size: usize) -> Self {
-        let body = Body::default();
+        Self::of(Kind::Woman, vertices, texture_size)
+    }
+
+    /// The figure `kind` of `vertices` vertices with a texture of `texture_size` texels a side.
+    #[must_use]
+    pub fn of(kind: Kind, vertices: usize, texture_size: usize) -> Self {
+        let body = Body::dressed(kind.dress());
         // The grid must find the cloth's thickness, and be finer than the triangles.
         let cell = 0.0075_f32.min(0.45 * (2.9 / vertices as f32).sqrt()).max(0.003);
         let (low, high) = (Vec3::new(-0.85, -0.02, -0.45), Vec3::new(0.85, 1.87, 0.45));
@@ -59,7 +70,9 @@ impl Figure {
                 if round.distance(flat) < 0.01 { round } else { flat }
             })
             .collect();
-        Self { body, mesh, influences, skirt, atlas, texel_points, shading }
+        let build = Build::new(kind);
+        let rest = build.shaped(&mesh.positions, &influences);
+        Self { body, mesh, build, rest, influences, skirt, atlas, texel_points, shading }
     }
 
     /// The texture: row by row from the top, sRGB.
@@ -102,12 +115,7 @@ impl Figure {
     /// Skinned positions in the pose of `skin`, before the skirt has its say.
     #[must_use]
     pub fn skinned(&self, skin: &rig::Skin) -> Vec<Vec3> {
-        self.mesh
-            .positions
-            .iter()
-            .zip(&self.influences)
-            .map(|(&p, influences)| skin.motion(influences).apply(p))
-            .collect()
+        build::skinned(&self.rest, &self.influences, skin)
     }
 }
 

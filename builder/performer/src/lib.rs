@@ -13,6 +13,7 @@
 pub mod artefacts;
 pub mod between;
 pub mod body;
+pub mod build;
 mod charts;
 pub mod cloth;
 pub mod curve;
@@ -40,6 +41,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 pub use artefacts::Artefacts;
+pub use build::Kind;
 pub use scanned::{ScannedOptions, write_scanned};
 
 /// What to perform.
@@ -57,11 +59,21 @@ pub struct PerformerOptions {
     pub seed: u64,
     /// Frames per second.
     pub fps: f32,
+    /// Who performs.
+    pub figure: Kind,
 }
 
 impl Default for PerformerOptions {
     fn default() -> Self {
-        Self { frames: 1200, vertices: 5000, texture_size: 1024, artefacts: Artefacts::default(), seed: 1, fps: 50.0 }
+        Self {
+            frames: 1200,
+            vertices: 5000,
+            texture_size: 1024,
+            artefacts: Artefacts::default(),
+            seed: 1,
+            fps: 50.0,
+            figure: Kind::Woman,
+        }
     }
 }
 
@@ -136,7 +148,7 @@ pub fn write_performer(
 ) -> Result<Summary, PerformerError> {
     check(options)?;
     progress(Progress { frames_done: 0, frames: options.frames });
-    let figure = figure::Figure::new(options.vertices, options.texture_size);
+    let figure = figure::Figure::of(options.figure, options.vertices, options.texture_size);
     let takes = perform::takes(options.frames, options.fps, options.seed);
     let writer = write::Writer::new(&figure, options, out)?;
     let done = AtomicUsize::new(0);
@@ -162,7 +174,7 @@ fn check(options: &PerformerOptions) -> Result<(), PerformerError> {
         ("--frames", options.frames as f64, 1.0, 100_000.0),
         ("--vertices", options.vertices as f64, 1_500.0, 60_000.0),
         ("--texture-size", options.texture_size as f64, 128.0, 8_192.0),
-        ("--fps", f64::from(options.fps), 10.0, 240.0),
+        ("--rate", f64::from(options.fps), 10.0, 240.0),
     ];
     for (option, value, low, high) in ranges {
         if !(low..=high).contains(&value) {

@@ -6,7 +6,8 @@ use std::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::body::{Body, HEAD_SCALE};
+use super::body::{Body, HEAD_SCALE, TOP_OF_TRUNKS};
+use super::build::Dress;
 use super::skeleton::joint;
 use super::skirt;
 use geometry::mesh::Mesh;
@@ -49,6 +50,7 @@ pub fn colour(body: &Body, p: Vec3) -> Vec3 {
         4 => arm(body, p, side),
         5 => leg(body, p, side),
         6 => shoe(body.to_joint(p, joint::LEG[side] + 2)),
+        _ if body.dress() != Dress::Skirt => trousers(body, p),
         _ => skirt_colour(p),
     }
 }
@@ -224,6 +226,15 @@ fn leg(body: &Body, p: Vec3, side: usize) -> Vec3 {
     let up = (p - ankle).dot((knee - ankle).normalize_or(Vec3::Y));
     let top = 0.2 * knee.distance(ankle) + 0.002;
     let mut colour = skin(p);
+    let thigh = knee.distance(body.bind()[joint::LEG[side]].translation);
+    let covered = match body.dress() {
+        Dress::Skirt => false,
+        Dress::Trousers => up > 0.06 * knee.distance(ankle) - 0.008,
+        Dress::Shorts => up > knee.distance(ankle) + 0.1 * thigh - 0.008,
+    };
+    if covered {
+        return trousers(body, p);
+    }
     if p.y > 0.74 {
         // Short leggings under the skirt.
         colour = mix(colour, NAVY * 0.9, smoothstep(0.741, 0.743, p.y));
@@ -254,6 +265,14 @@ fn shoe(q: Vec3) -> Vec3 {
     colour = mix(colour, WHITE * 0.97, sole);
     colour = mix(colour, NAVY, within((q.y + 0.0625).abs() - 0.0022));
     mix(colour, Vec3::new(0.64, 0.6, 0.54), within(q.y + 0.0815))
+}
+
+fn trousers(body: &Body, p: Vec3) -> Vec3 {
+    let weave = 1.0 + 0.025 * noise4(52, p * 280.0, 0.0);
+    let cloth = if body.dress() == Dress::Shorts { TEAL } else { NAVY * 0.9 + Vec3::splat(0.05) };
+    let belt = within((p.y - TOP_OF_TRUNKS + 0.02).abs() - 0.014);
+    let seam = within((p.z + 0.004).abs() - 0.0016) * smoothstep(0.1, 0.12, p.x.abs());
+    mix(mix(cloth, cloth * 0.72, seam), DARK * 1.6, belt) * weave
 }
 
 fn skirt_colour(p: Vec3) -> Vec3 {

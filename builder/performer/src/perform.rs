@@ -75,17 +75,20 @@ pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<PerformedFrame> {
     let start = 0.5 * (motion.seconds - take.frames as f32 * dt);
     let lead_in = (LEAD_IN * fps).round() as i64;
     let time = |frame: i64| start + frame as f32 * dt;
-    let first = solve(&(motion.at)(time(-lead_in)).0);
+    let kind = figure.build.kind();
+    let first = solve(&kind.carried((motion.at)(time(-lead_in)).0));
     let mut tail = Ponytail::new(&first);
     let mut skirt = figure.skirt.start(&first);
     let mut frames = Vec::with_capacity(take.frames);
     for index in -lead_in..take.frames as i64 {
         let (state, planted) = (motion.at)(time(index));
+        let state = kind.carried(state);
         let mut joints = solve(&state);
         tail.advance(&mut joints, dt);
         figure.skirt.advance(&figure.body, &mut skirt, &joints, dt);
         if index >= 0 {
-            let mut positions = figure.skinned(&Skin::new(figure.body.bind_inverse(), &joints));
+            let joints = figure.build.joints(&state, &joints);
+            let mut positions = figure.skinned(&Skin::new(figure.build.bind_inverse(), &joints));
             figure.skirt.apply(&skirt, &mut positions);
             frames.push(PerformedFrame { positions, joints, state, planted });
         }

@@ -83,7 +83,7 @@ pub fn write_scanned(
         }
     }
     let truth = write_performer(options, &out.join("truth"), &|_| {})?;
-    let figure = Figure::new(options.vertices, options.texture_size);
+    let figure = Figure::of(options.figure, options.vertices, options.texture_size);
     let done = AtomicUsize::new(0);
     let all = takes(options.frames, options.fps, options.seed);
     for take in &all {

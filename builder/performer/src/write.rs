@@ -117,6 +117,7 @@ impl<'a> Writer<'a> {
                 vertices: options.vertices,
                 texture_size: options.texture_size,
                 fps: options.fps,
+                figure: options.figure,
             },
         };
         writer.json("truth/capture.json", &constants)?;

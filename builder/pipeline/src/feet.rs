@@ -5,12 +5,10 @@
 //! shoe of its own has a leg. What is within an ankle's distance of the sole goes with it as a whole; the rest follows less and less
 //! up to the hip. Bodies differ in size, so all of this is relative to the body's height.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use actor::capture::Poses;
 use actor::feet::{Feet, FootVertex, MOST_FEET};
 use actor::timeline::Timeline;
+use geometry::geodesic::SurfaceGraph;
 use glam::Vec3;
 use kernels::topology::Topology;
 use rayon::prelude::*;
@@ -34,7 +32,7 @@ const STANDS: f32 = 0.15;
 #[must_use]
 pub fn feet(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Feet {
     let Standing { floor, parts } = Standing::of(topology, timeline, poses);
-    let surface = Edges::of(topology, poses, TIED * floor.body);
+    let surface = edges(topology, poses, TIED * floor.body);
     let far = LEG[1] * floor.body;
     let mut soles: Vec<(Vec<u32>, Vec<f32>)> = Vec::new();
     for part in parts {
@@ -95,61 +93,18 @@ fn stands(sole: &[u32], timeline: &Timeline, poses: &Poses, floor: &Floor) -> Ve
     all
 }
 
-/// The edges of a surface with their lengths, ties between its components included.
-struct Edges {
-    /// For each vertex its neighbours and how far they are.
-    of: Vec<Vec<(u32, f32)>>,
-}
-
-impl Edges {
-    fn of(topology: &Topology, poses: &Poses, tied: f32) -> Self {
-        let count = (poses.len() as u32).clamp(1, POSES);
-        let chosen: Vec<&[Vec3]> = (0..count)
-            .map(|index| poses.frame(index * (poses.len() as u32 - 1) / count.max(2).saturating_sub(1)))
-            .collect();
-        let far = |a: u32, b: u32| {
-            let apart = |pose: &&[Vec3]| pose[a as usize].distance(pose[b as usize]);
-            chosen.iter().map(apart).fold(0.0, f32::max)
-        };
-        let mut edges: Vec<[u32; 2]> =
-            topology.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        edges.iter_mut().for_each(|edge| edge.sort_unstable());
-        edges.sort_unstable();
-        edges.dedup();
-        let mut of = vec![Vec::new(); topology.vertex_count()];
-        let ties = ties(topology, &far, tied);
-        for [a, b] in edges.into_iter().chain(ties) {
-            let length = far(a, b);
-            of[a as usize].push((b, length));
-            of[b as usize].push((a, length));
-        }
-        Self { of }
-    }
-
-    /// Lengths of the shortest ways from any of `sources`; infinite from `limit` on.
-    fn distances(&self, sources: &[u32], limit: f32) -> Vec<f32> {
-        let mut distances = vec![f32::INFINITY; self.of.len()];
-        let mut queue = BinaryHeap::new();
-        for &source in sources {
-            distances[source as usize] = 0.0;
-            queue.push(Reverse((0_u32, source)));
-        }
-        while let Some(Reverse((bits, vertex))) = queue.pop() {
-            let distance = f32::from_bits(bits);
-            if distance > distances[vertex as usize] {
-                continue;
-            }
-            for &(next, length) in &self.of[vertex as usize] {
-                let there = distance + length;
-                if there < distances[next as usize] && there < limit {
-                    distances[next as usize] = there;
-                    // The bits of floats that are not negative are in their order.
-                    queue.push(Reverse((there.to_bits(), next)));
-                }
-            }
-        }
-        distances
-    }
+/// The edges of a surface with their lengths in the poses in which they are longest, ties between its components included.
+fn edges(topology: &Topology, poses: &Poses, tied: f32) -> SurfaceGraph {
+    let count = (poses.len() as u32).clamp(1, POSES);
+    let chosen: Vec<&[Vec3]> = (0..count)
+        .map(|index| poses.frame(index * (poses.len() as u32 - 1) / count.max(2).saturating_sub(1)))
+        .collect();
+    let far = |a: u32, b: u32| {
+        let apart = |pose: &&[Vec3]| pose[a as usize].distance(pose[b as usize]);
+        chosen.iter().map(apart).fold(0.0, f32::max)
+    };
+    let ties = ties(topology, &far, tied);
+    SurfaceGraph::new(topology.vertex_count(), topology.triangles(), &ties, far)
 }
 
 /// For each vertex the nearest one of another component, where that is near in all poses.

@@ -69,6 +69,8 @@ mod rigged;
 #[cfg(feature = "scans")]
 pub mod scans;
 #[cfg(feature = "variations")]
+pub mod transfer;
+#[cfg(feature = "variations")]
 pub mod vary;
 
 pub use actor::capture::{Capture, CaptureError, Poses};

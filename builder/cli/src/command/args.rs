@@ -34,6 +34,9 @@ pub enum Command {
     /// Learn how sequences move, draw variations of them, and pack the capture with those beside it.
     #[cfg(feature = "complete")]
     Vary(VaryArguments),
+    /// Have an actor move as another one does, learned from a few pairs of poses, and write its capture with the new sequences.
+    #[cfg(feature = "complete")]
+    Transfer(TransferArguments),
     /// Write the built-in performer's capture, as files that `pack` reads like any other.
     Performer(PerformerArguments),
     /// Plan a walk through a bundle, make its frames, and write them as a GLB, as OBJ or PLY files, or as pictures.
@@ -240,6 +243,60 @@ pub struct VaryArguments {
     pub json: bool,
 }
 
+/// What maps the poses of one actor to those of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum KernelKind {
+    /// A Gaussian process with the kernel of a neural network.
+    Nn,
+    /// A Gaussian process with the squared exponential kernel.
+    Se,
+    /// A Gaussian process with the linear kernel.
+    Linear,
+    /// The affine map of least squares.
+    Affine,
+}
+
+/// Arguments of `builder transfer`.
+#[derive(Debug, Args)]
+pub struct TransferArguments {
+    /// Whose motion it is: a bundle, or a capture as `pack` takes it.
+    #[arg(long, value_name = "SOURCE")]
+    pub from: String,
+    /// Who is to move so: a bundle, or a capture as `pack` takes it.
+    #[arg(long, value_name = "TARGET")]
+    pub to: String,
+    /// A TOML file with pairs of poses that mean the same.
+    #[arg(long, value_name = "FILE")]
+    pub keys: PathBuf,
+    /// The folder to write: a capture of the target with the new sequences beside its own. It must not exist, or be empty.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Names or labels of the source's sequences to transfer; all by default, also those without keys.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub sequences: Vec<String>,
+    /// Leave out what was recorded of the target.
+    #[arg(long)]
+    pub alone: bool,
+    /// What maps the poses of one actor to those of the other.
+    #[arg(long, value_enum, default_value = "nn", value_name = "KERNEL")]
+    pub kernel: KernelKind,
+    /// Learn the body as a whole instead of its parts.
+    #[arg(long)]
+    pub whole: bool,
+    /// Pairs of frames that are learned from, at most.
+    #[arg(long, default_value_t = 350, value_name = "N", value_parser = clap::value_parser!(u16).range(3..=2000))]
+    pub pairs: u16,
+    /// Let feet slide: do not hold soles where the source's stand.
+    #[arg(long)]
+    pub no_hold: bool,
+    /// How inputs that are not bundles are read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// Print an object with what was done on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// What becomes of textures that change from frame to frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AppearanceKind {
@@ -304,6 +361,12 @@ pub struct PerformerArguments {
     /// The folder to write; it must not exist, or be empty.
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
+    /// Who performs.
+    #[arg(long, value_enum, default_value = "woman", value_name = "FIGURE")]
+    pub figure: FigureKind,
+    /// Frames a second: 50 where not given.
+    #[arg(long, value_name = "RATE")]
+    pub rate: Option<f32>,
     /// Number of frames of all sequences together.
     #[arg(long, value_name = "N")]
     pub frames: Option<u32>,
@@ -328,6 +391,17 @@ pub struct PerformerArguments {
     /// Seed of everything random.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
+}
+
+/// Who performs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FigureKind {
+    /// In a skirt, with a ponytail.
+    Woman,
+    /// Taller and broader, in trousers.
+    Man,
+    /// Small, with a large head and short limbs, in shorts.
+    Child,
 }
 
 /// What real captures suffer from.
@@ -625,4 +699,6 @@ pub enum EvaluateSection {
     Motion,
     /// Random walks of five minutes.
     Wandering,
+    /// Transfer between the built-in performers, whatever the capture; only where it is asked for.
+    Transfer,
 }

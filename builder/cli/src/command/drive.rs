@@ -3,25 +3,19 @@
 use std::path::Path;
 use std::time::Instant;
 
-use actor::capture::Poses;
-use actor::graph::{DEFAULT_ALPHA, EssentialGraph};
-use actor::timeline::{Sequence, Timeline};
-use actor::walk::{Leg, Walk};
 use anyhow::{Context, anyhow};
-use capture_io::export::{ExportOptions, Output, Written, export, play_from};
+use capture_io::export::{ExportOptions, Output, Written};
 use capture_io::import::Warning;
 use capture_io::mocap::{MocapOptions, ReadClip, read_clip};
 use drive::retarget::Driven;
 use drive::{Mapping, MappingFile, Measures, Role, retarget};
-use glam::Vec3;
-use job::{Job, Progress};
-use kernels::align::Placement;
 use reprise::pack::PackOptions;
 use serde::Serialize;
 
 use super::args::{DriveArguments, UpAxis};
-use super::drive_actor::{DrivenActor, Origin, read};
+use super::drive_actor::{Origin, ReadActor, read, rig};
 use super::drive_capture::{NewSequence, manifest};
+use super::drive_frames::write_frames;
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::pack::{import_options, pack_into};
@@ -57,12 +51,13 @@ pub fn run(arguments: &DriveArguments, terminal: &Terminal) -> Result<(), Failur
     }
     warnings.extend(missing(&mapping));
     warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
-    let actor = read(arguments, terminal)?;
-    let body = drive::body(&actor.rig, &actor.poses).map_err(input)?;
+    let mut actor = read(&arguments.actor, &arguments.import, terminal)?;
+    let rig = rig(&mut actor, arguments.rig.as_deref())?;
+    let body = drive::body(&rig, &actor.poses).map_err(input)?;
     let read_seconds = began.elapsed().as_secs_f64();
     let began = Instant::now();
     let mesh = (&actor.topology, actor.order.as_deref());
-    let driven = retarget((&clip, &mapping), &body, mesh, (&actor.poses, actor.fps)).map_err(input)?;
+    let driven = retarget((&clip, &mapping), &body, mesh, (&actor.poses, actor.timeline.fps())).map_err(input)?;
     let seconds = [read_seconds, began.elapsed().as_secs_f64()];
     if !driven.stands {
         let message = format!(
@@ -150,7 +145,7 @@ fn sequence_name(arguments: &DriveArguments) -> String {
 fn frames(
     arguments: &DriveArguments,
     every: u32,
-    actor: &DrivenActor,
+    actor: &ReadActor,
     (name, driven): (&str, &Driven),
     output: &Output,
     terminal: &Terminal,
@@ -162,29 +157,13 @@ fn frames(
         turn_seconds: arguments.turn.max(0.1) as f32,
         ..ExportOptions::default()
     };
-    let internal = |error: anyhow::Error| Failure::Internal(error);
-    let count = driven.poses.len() as u32;
-    let sequence =
-        Sequence { name: name.into(), labels: Vec::new(), first_frame: 0, frame_count: count, cyclic: false };
-    let timeline = Timeline::new(actor.fps, vec![sequence]).map_err(|error| internal(error.into()))?;
-    let graph = EssentialGraph::new(DEFAULT_ALPHA, Vec::new(), &timeline).map_err(|error| internal(error.into()))?;
-    let legs = vec![Leg::Recorded { first: 0, last: count - 1, steps: count - 1 }];
-    let walk = Walk::of_legs(legs, &graph).map_err(|error| internal(error.into()))?;
-    let positions: Vec<Vec3> = driven.poses.iter().flatten().copied().collect();
-    let mut poses = Poses::from_positions(actor.topology.vertex_count(), positions);
-    let mesh = (&actor.topology, actor.order.as_deref());
-    let begin = (0, Placement::IDENTITY);
-    let mut played = play_from(&mut poses, mesh, &graph, &timeline, begin, &walk).map_err(input)?;
-    let report = |step: Progress| terminal.progress(step);
-    let written = export(&exported, &mut played, output, &options, &Job::new(&report)).map_err(input)?;
-    written.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
-    Ok(written)
+    write_frames(actor, &exported, (name, &driven.poses), output, &options, terminal)
 }
 
 /// Writes the frames and a manifest that has them beside the recorded ones; packs it, where that is asked for.
 fn capture(
     arguments: &DriveArguments,
-    actor: &DrivenActor,
+    actor: &ReadActor,
     name: &str,
     driven: &Driven,
     terminal: &Terminal,
@@ -203,7 +182,8 @@ fn capture(
     // As the recorded frames are, so that texture coordinates have one layout.
     let ending = if super::drive_capture::is_ply(Path::new(&arguments.actor)) { "ply" } else { "obj" };
     let input = format!("frames/%05d.{ending}:0:{last}");
-    let text = manifest(folder, arguments, actor.fps, &NewSequence { name, input, texture });
+    let new = NewSequence { name, input, texture, labels: &arguments.labels };
+    let text = manifest(folder, (&arguments.actor, &arguments.import), actor.timeline.fps(), &[new]);
     let text = text.map_err(Failure::Input)?;
     let pattern = folder.join("frames").join(format!("%05d.{ending}"));
     let output = Output::parse(&pattern.to_string_lossy()).map_err(|error| Failure::Internal(error.into()))?;

@@ -1,8 +1,9 @@
-//! Who is driven: a bundle, or a capture.
+//! Who is driven, or moves as another does: a bundle, or a capture.
 
 use std::path::Path;
 
 use actor::capture::Poses;
+use actor::timeline::Timeline;
 use anyhow::{Context, anyhow};
 use bundle::BundleReader;
 use capture_io::export::Actor;
@@ -13,7 +14,7 @@ use job::Job;
 use kernels::topology::Topology;
 use reprise::drive::bundle_of;
 
-use super::args::DriveArguments;
+use super::args::ImportArguments;
 use super::failure::Failure;
 use super::inspect::is_bundle;
 use super::pack::import_options;
@@ -28,8 +29,8 @@ pub enum Origin {
     Capture(Box<Imported>),
 }
 
-/// An actor with all that driving it needs.
-pub struct DrivenActor {
+/// An actor as it was read.
+pub struct ReadActor {
     /// What it comes from.
     pub origin: Origin,
     /// Its mesh.
@@ -38,48 +39,50 @@ pub struct DrivenActor {
     pub order: Option<Vec<u32>>,
     /// What was recorded.
     pub poses: Poses,
-    /// Frames a second.
-    pub fps: f32,
-    /// Its rig.
-    pub rig: Rig,
+    /// Its sequences.
+    pub timeline: Timeline,
 }
 
-/// Reads the actor and its rig.
-pub fn read(arguments: &DriveArguments, terminal: &Terminal) -> Result<DrivenActor, Failure> {
-    let file = rigged::read_file(arguments.rig.as_deref())?;
-    let estimated = |topology: &Topology, poses: &Poses| {
-        let corrected = rigged::corrected(topology, poses, &file, None);
-        corrected.map(|(_, rig)| rig).map_err(|error| Failure::Input(error.into()))
-    };
-    if is_bundle(Path::new(&arguments.actor)) {
-        let path = &arguments.actor;
+/// Reads an actor: a bundle, or a capture as `import` says.
+pub fn read(path: &str, import_arguments: &ImportArguments, terminal: &Terminal) -> Result<ReadActor, Failure> {
+    if is_bundle(Path::new(path)) {
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {path}")).map_err(Failure::Input)?;
-        let mut reader = BundleReader::from_bytes(&bytes).with_context(|| path.clone()).map_err(Failure::Input)?;
+        let mut reader = BundleReader::from_bytes(&bytes).with_context(|| path.to_owned()).map_err(Failure::Input)?;
         let (Some(timeline), Some(topology)) = (reader.timeline().cloned(), reader.topology().cloned()) else {
             return Err(Failure::Input(anyhow!("{path} ends before its mesh is described")));
         };
         let poses = rigged::poses(&mut reader, &timeline, topology.vertex_count())?;
-        let stored = if arguments.rig.is_none() { rigged::of_bundle(&mut reader)? } else { None };
-        let rig = stored.map_or_else(|| estimated(&topology, &poses), |(_, rig)| Ok(rig))?;
         let order = reader.order().map(<[u32]>::to_vec);
-        let fps = timeline.fps();
-        return Ok(DrivenActor { origin: Origin::Bundle(Box::new(reader)), topology, order, poses, fps, rig });
+        return Ok(ReadActor { origin: Origin::Bundle(Box::new(reader)), topology, order, poses, timeline });
     }
     let progress = |step| terminal.progress(step);
-    let inputs = [arguments.actor.clone()];
-    let imported = import(&inputs, &import_options(&arguments.import), &Job::new(&progress));
+    let inputs = [path.to_owned()];
+    let imported = import(&inputs, &import_options(import_arguments), &Job::new(&progress));
     let imported = imported.map_err(|error| match error {
         ImportError::Stopped(_) => Failure::StoppedReading,
         error => Failure::Input(error.into()),
     })?;
     imported.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
-    let (topology, poses) = (imported.capture.topology.clone(), imported.capture.poses.clone());
-    let rig = estimated(&topology, &poses)?;
-    let fps = imported.capture.timeline.fps();
-    Ok(DrivenActor { origin: Origin::Capture(Box::new(imported)), topology, order: None, poses, fps, rig })
+    let capture = &imported.capture;
+    let (topology, poses, timeline) = (capture.topology.clone(), capture.poses.clone(), capture.timeline.clone());
+    Ok(ReadActor { origin: Origin::Capture(Box::new(imported)), topology, order: None, poses, timeline })
 }
 
-impl DrivenActor {
+/// The rig of an actor: that of the file, the bundle's own, or estimated.
+pub fn rig(actor: &mut ReadActor, file: Option<&Path>) -> Result<Rig, Failure> {
+    let stored = match &mut actor.origin {
+        Origin::Bundle(reader) if file.is_none() => rigged::of_bundle(reader)?,
+        _ => None,
+    };
+    if let Some((_, rig)) = stored {
+        return Ok(rig);
+    }
+    let file = rigged::read_file(file)?;
+    let corrected = rigged::corrected(&actor.topology, &actor.poses, &file, None);
+    corrected.map(|(_, rig)| rig).map_err(|error| Failure::Input(error.into()))
+}
+
+impl ReadActor {
     /// What exports need: of a capture by way of a bundle of the frames `driven`, of a bundle as it is, all frames wearing
     /// what the recorded frame `worn` wears.
     pub fn exported(&self, name: &str, driven: &[Vec<Vec3>], worn: u32) -> Result<Actor, Failure> {

@@ -1,11 +1,11 @@
-//! A capture with one more sequence: its manifest beside the one that it is made from.
+//! A capture with more sequences: its manifest beside the one that it is made from.
 
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use toml::{Table, Value};
 
-use super::args::{DriveArguments, UpAxis};
+use super::args::{ImportArguments, UpAxis};
 
 /// Name of the manifest within a folder.
 const MANIFEST: &str = "capture.toml";
@@ -18,54 +18,69 @@ pub struct NewSequence<'a> {
     pub input: String,
     /// The texture of all of them, where it is known.
     pub texture: Option<PathBuf>,
+    /// Behaviours that it shows.
+    pub labels: &'a [String],
 }
 
-/// The manifest of the capture in `folder`: what `arguments` name as the actor, at `fps` frames a second, and `new`.
-pub fn manifest(folder: &Path, arguments: &DriveArguments, fps: f32, new: &NewSequence) -> Result<String> {
-    let actor = Path::new(&arguments.actor);
-    let of_folder = actor.join(MANIFEST);
-    let file = if of_folder.is_file() { of_folder } else { actor.to_owned() };
+/// The manifest of the capture in `folder`: what the input `actor`, read with these arguments, is at `fps` frames a second, and `new`
+/// sequences beside.
+pub fn manifest(
+    folder: &Path,
+    (actor, import): (&str, &ImportArguments),
+    fps: f32,
+    new: &[NewSequence],
+) -> Result<String> {
+    let path = Path::new(actor);
+    let of_folder = path.join(MANIFEST);
+    let file = if of_folder.is_file() { of_folder } else { path.to_owned() };
     let is_manifest = file.extension().is_some_and(|extension| extension == "toml");
     let mut table = if is_manifest { described(folder, &file)? } else { Table::new() };
     if !is_manifest {
         let mut sequence = Table::new();
-        sequence.insert("input".into(), moved(folder, Path::new(""), &arguments.actor)?.into());
+        sequence.insert("input".into(), moved(folder, Path::new(""), actor)?.into());
         table.insert("sequence".into(), Value::Array(vec![sequence.into()]));
     }
     table.insert("fps".into(), Value::Float(fps.into()));
-    if let Some(name) = &arguments.import.name {
+    if let Some(name) = &import.name {
         table.insert("name".into(), name.clone().into());
     }
-    if let Some(unit) = arguments.import.unit {
+    if let Some(unit) = import.unit {
         table.insert("unit".into(), Value::Float(unit.into()));
     }
-    if let Some(up) = arguments.import.up {
+    if let Some(up) = import.up {
         table.insert("up".into(), if up == UpAxis::Z { "z" } else { "y" }.into());
     }
-    if let Some(texture) = &arguments.import.texture {
+    if let Some(texture) = &import.texture {
         table.insert("texture".into(), moved(folder, Path::new(""), texture)?.into());
     }
-    if let Some(weights) = &arguments.import.weights {
+    if let Some(weights) = &import.weights {
         table.insert("weights".into(), moved(folder, Path::new(""), &weights.to_string_lossy())?.into());
     }
     let Some(Value::Array(sequences)) = table.get_mut("sequence") else {
         return Err(anyhow!("{} has no [[sequence]]", file.display()));
     };
-    let is_taken = |value: &Value| value.get("name").and_then(Value::as_str) == Some(new.name);
-    if sequences.iter().any(is_taken) {
-        return Err(anyhow!("there is a sequence {:?} already: name the new one with --as", new.name));
+    for new in new {
+        let is_taken = |value: &Value| value.get("name").and_then(Value::as_str) == Some(new.name);
+        if sequences.iter().any(is_taken) {
+            return Err(anyhow!("there is a sequence {:?} already: name the new one with --as", new.name));
+        }
+        sequences.push(described_sequence(folder, new)?.into());
     }
+    Ok(toml::to_string(&table)?)
+}
+
+/// A new sequence, as manifests have it.
+pub fn described_sequence(folder: &Path, new: &NewSequence) -> Result<Table> {
     let mut sequence = Table::new();
     sequence.insert("name".into(), new.name.into());
     sequence.insert("input".into(), new.input.clone().into());
     sequence.insert("cyclic".into(), false.into());
-    let labels = arguments.labels.iter().map(|label| Value::String(label.clone())).collect();
+    let labels = new.labels.iter().map(|label| Value::String(label.clone())).collect();
     sequence.insert("labels".into(), Value::Array(labels));
     if let Some(texture) = &new.texture {
         sequence.insert("texture".into(), moved(folder, Path::new(""), &texture.to_string_lossy())?.into());
     }
-    sequences.push(sequence.into());
-    Ok(toml::to_string(&table)?)
+    Ok(sequence)
 }
 
 /// Whether the frames of a capture are PLY files, as far as its manifest or its name says.

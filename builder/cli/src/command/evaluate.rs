@@ -66,6 +66,7 @@ fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
             EvaluateSection::Appearance => Section::Appearance,
             EvaluateSection::Motion => Section::Motion,
             EvaluateSection::Wandering => Section::Wandering,
+            EvaluateSection::Transfer => Section::Transfer,
         })
         .collect();
     sections.sort_unstable();

@@ -10,6 +10,8 @@ mod drive_actor;
 #[cfg(feature = "complete")]
 mod drive_capture;
 #[cfg(feature = "complete")]
+mod drive_frames;
+#[cfg(feature = "complete")]
 mod evaluate;
 mod failure;
 mod inspect;
@@ -23,6 +25,8 @@ mod report;
 mod rig;
 mod rigged;
 mod terminal;
+#[cfg(feature = "complete")]
+mod transfer;
 mod typed;
 mod validate;
 #[cfg(feature = "complete")]
@@ -73,6 +77,8 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Register(arguments) => register::run(arguments, &terminal),
         #[cfg(feature = "complete")]
         Command::Vary(arguments) => vary::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
+        Command::Transfer(arguments) => transfer::run(arguments, &terminal),
         Command::Performer(arguments) => performer::run(arguments, &terminal),
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         #[cfg(feature = "complete")]

@@ -1,9 +1,9 @@
 //! `builder performer`.
 
 use job::Progress;
-use performer::{Artefacts, PerformerError, PerformerOptions, ScannedOptions, write_performer, write_scanned};
+use performer::{Artefacts, Kind, PerformerError, PerformerOptions, ScannedOptions, write_performer, write_scanned};
 
-use super::args::{Artefact, PerformerArguments};
+use super::args::{Artefact, FigureKind, PerformerArguments};
 use super::failure::Failure;
 use super::terminal::Terminal;
 
@@ -57,6 +57,11 @@ fn options(arguments: &PerformerArguments) -> PerformerOptions {
             holes: has(Artefact::Holes),
         },
         seed: arguments.seed,
-        ..default
+        fps: arguments.rate.unwrap_or(default.fps),
+        figure: match arguments.figure {
+            FigureKind::Woman => Kind::Woman,
+            FigureKind::Man => Kind::Man,
+            FigureKind::Child => Kind::Child,
+        },
     }
 }

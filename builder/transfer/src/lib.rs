@@ -1,0 +1,28 @@
+//! One actor moves as another does, learned from a few pairs of poses that mean the same.
+//!
+//! ```text
+//! subject (own frame, parts) -> spaces (numbers a part) -> densify (keys to pairs, by DTW) -> model (Gaussian processes, displacement)
+//!     -> rebuild (parts into one surface) -> stand (soles)
+//! ```
+//!
+//! Thesis chapter 5, with what it takes to work (docs/transfer.md). Knows no file.
+
+mod densify;
+mod displace;
+mod dtw;
+mod error;
+mod limbs;
+mod model;
+mod pair;
+mod rebuild;
+mod space;
+mod stand;
+mod subject;
+
+pub use crate::densify::{Dense, Doubt, densify};
+pub use crate::error::TransferError;
+pub use crate::model::Model;
+pub use crate::pair::{Key, Pair, TransferOptions};
+pub use crate::rebuild::Rebuilder;
+pub use crate::subject::Subject;
+pub use learn::kernel::Kernel;

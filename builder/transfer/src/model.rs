@@ -1,0 +1,263 @@
+//! What is learned from pairs of poses, and how the target moves by it (thesis sections 5.4 to 5.6).
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use actor::timeline::Sequence;
+use glam::Vec3;
+use job::Job;
+use learn::dense::Matrix;
+use learn::kernel::Kernel;
+use learn::regression::{Regression, RegressionOptions};
+use rayon::prelude::*;
+
+use crate::displace::{Displacement, LEVER};
+use crate::error::TransferError;
+use crate::limbs::matching;
+use crate::pair::{Pair, TransferOptions};
+use crate::rebuild::Rebuilder;
+use crate::space::{Space, between, numbers, spaces};
+use crate::stand::Stance;
+use crate::subject::Subject;
+
+/// The noise's deviation at least, relative to the body's size: 3 mm of 1.8 m.
+const FLOOR: f64 = 0.0017;
+/// Steps of the search for parameters.
+const STEPS: usize = 40;
+
+/// How a target moves when a source does.
+pub struct Model<'a> {
+    source: &'a Subject<'a>,
+    target: &'a Subject<'a>,
+    /// Of each part of the target: the source's numbers, what they mean, and the target's shape.
+    sources: Vec<Space>,
+    maps: Vec<Map>,
+    targets: Vec<Space>,
+    displacement: Displacement,
+    rebuilder: Rebuilder,
+    stance: Option<Stance>,
+    /// Pairs that were learned from.
+    pub learned: usize,
+}
+
+/// From numbers of one part to those of the other.
+enum Map {
+    /// What a linear map says, and what it leaves over.
+    Learned(Box<Regression>, Option<Box<Regression>>),
+    /// A part that does not move.
+    Still(Vec<f64>),
+}
+
+impl Map {
+    /// Learns a part. A process whose kernel is not linear learns what a linear one leaves over: far from what was seen it says
+    /// nothing, and the linear one goes on.
+    fn learn(inputs: &Matrix, outputs: &Matrix, options: &RegressionOptions) -> Self {
+        let linear = |kernel| Regression::train(inputs, outputs, &RegressionOptions { kernel, ..*options });
+        let is_linear = matches!(options.kernel, Kernel::Linear | Kernel::Affine);
+        let Some(first) = linear(if is_linear { options.kernel } else { Kernel::Linear }) else {
+            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
+            return Self::Still((0..outputs.columns()).map(mean).collect());
+        };
+        if is_linear {
+            return Self::Learned(Box::new(first), None);
+        }
+        let guesses: Vec<Vec<f64>> = (0..inputs.rows()).map(|row| first.predict(inputs.row(row))).collect();
+        let left = Matrix::from_fn(outputs.rows(), outputs.columns(), |row, k| outputs[(row, k)] - guesses[row][k]);
+        Self::Learned(Box::new(first), Regression::train(inputs, &left, options).map(Box::new))
+    }
+
+    fn predict(&self, input: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Learned(linear, None) => linear.predict(input),
+            Self::Learned(linear, Some(rest)) => {
+                linear.predict(input).iter().zip(rest.predict(input)).map(|(a, b)| a + b).collect()
+            }
+            Self::Still(output) => output.clone(),
+        }
+    }
+}
+
+impl<'a> Model<'a> {
+    /// Learns from pairs, those of a sequence in its order.
+    ///
+    /// # Errors
+    /// Too few pairs, poses that are all alike, or being asked to stop.
+    pub fn learn(
+        source: &'a Subject<'a>,
+        target: &'a Subject<'a>,
+        pairs: &[Pair],
+        options: &TransferOptions,
+        job: &Job<'_>,
+    ) -> Result<Self, TransferError> {
+        if pairs.len() < TransferError::FEWEST {
+            return Err(TransferError::FewPairs(pairs.len()));
+        }
+        check(source, target, pairs)?;
+        job.begin("learning to move")?;
+        let most = options.pairs.max(TransferError::FEWEST).min(pairs.len());
+        let indices: Vec<usize> = (0..most).map(|k| k * pairs.len() / most).collect();
+        let chosen: Vec<Pair> = indices.iter().map(|&index| pairs[index]).collect();
+        let order = if options.whole { None } else { matching(source, target, pairs) };
+        let frames = |of: fn(&Pair) -> u32| chosen.iter().map(of).collect::<Vec<u32>>();
+        let own = spaces(source, &frames(|pair| pair.source as u32), order.is_none());
+        let targets = spaces(target, &frames(|pair| pair.target), order.is_none());
+        let sources: Vec<Space> = match &order {
+            Some(order) => order.iter().map(|&part| own[part].clone()).collect(),
+            None => own,
+        };
+        if sources.iter().all(|space| space.width() == 0) {
+            return Err(TransferError::Still("source"));
+        }
+        if targets.iter().all(|space| space.width() == 0) {
+            return Err(TransferError::Still("target"));
+        }
+        let x: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers_at(source, &sources, pair.source)).collect();
+        let y: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect();
+        job.tell("learning to move", 1, 2)?;
+        let floor = FLOOR * f64::from(target.size);
+        let regression = RegressionOptions { kernel: options.kernel, floor, steps: STEPS };
+        let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
+        let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(source, pair.source, x));
+        let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
+        let displacement = Displacement::fit(source, target, pairs, &learned, floor);
+        let weights: Vec<&[f32]> = match order {
+            Some(_) => (0..target.parts.count()).map(|part| target.parts.weights(part)).collect(),
+            None => Vec::new(),
+        };
+        let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, target)), &weights)
+            .map_err(|error| TransferError::Surface(error.to_string()))?;
+        Ok(Self {
+            source,
+            target,
+            sources,
+            maps,
+            targets,
+            displacement,
+            rebuilder,
+            stance: if options.hold { Stance::of(source, target) } else { None },
+            learned: chosen.len(),
+        })
+    }
+
+    /// Number of parts.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.maps.len()
+    }
+
+    /// What a metre of the source's way is for the target.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.displacement.ratio
+    }
+
+    /// Whether soles are held: both actors have the same number of feet.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.stance.is_some()
+    }
+
+    /// Times of the source, in frames of the whole capture, of the frames that a sequence of it becomes.
+    #[must_use]
+    pub fn times(&self, sequence: &Sequence) -> Vec<f64> {
+        let step = f64::from(self.source.timeline.fps() / self.target.timeline.fps());
+        let last = f64::from(sequence.frame_count - 1);
+        let count = (last / step + 1e-4) as u32 + 1;
+        (0..count).map(|k| f64::from(sequence.first_frame) + (f64::from(k) * step).min(last)).collect()
+    }
+
+    /// The target as the source is at these times, one after another: a frame each, in metres. The number of threads changes nothing.
+    ///
+    /// # Errors
+    /// Being asked to stop, or a surface that cannot be solved for.
+    pub fn frames(&self, times: &[f64], job: &Job<'_>) -> Result<Vec<Vec<Vec3>>, TransferError> {
+        job.begin("moving the target")?;
+        let made = AtomicU64::new(0);
+        let frame = |&time: &f64| -> Result<Vec<Vec3>, TransferError> {
+            job.tell("moving the target", made.fetch_add(1, Ordering::Relaxed), times.len() as u64)?;
+            self.still(time)
+        };
+        let mut poses = times.par_iter().map(frame).collect::<Result<Vec<_>, TransferError>>()?;
+        if let Some(stance) = &self.stance {
+            stance.hold(self.target, self.source, times, &mut poses);
+        }
+        Ok(poses)
+    }
+
+    /// How far the target's soles move from frame to frame while the source's stand, in metres, on average: of `poses` at `times`.
+    #[must_use]
+    pub fn slide(&self, times: &[f64], poses: &[Vec<Vec3>]) -> Option<f32> {
+        let stance = Stance::of(self.source, self.target)?;
+        Some(stance.slide(self.target, self.source, times, poses))
+    }
+
+    /// The target as the source is at a time, alone: no sole is held.
+    ///
+    /// # Errors
+    /// A surface that cannot be solved for.
+    pub fn still(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
+        let inputs = numbers_at(self.source, &self.sources, time);
+        let root = self.displacement.at(&self.source.root_at(time), &pose(self.source, time, &inputs));
+        let body = root.body();
+        Ok(self.shape_of(&inputs)?.into_iter().map(|point| body.place(point)).collect())
+    }
+
+    /// The target's shape in its body's own frame, as the source is at a time.
+    ///
+    /// # Errors
+    /// A surface that cannot be solved for.
+    pub fn shape(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
+        self.shape_of(&numbers_at(self.source, &self.sources, time))
+    }
+
+    fn shape_of(&self, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
+        let parts: Vec<(&[u32], Vec<Vec3>)> = self
+            .targets
+            .iter()
+            .zip(self.maps.iter().zip(inputs))
+            .map(|(space, (map, input))| (space.vertices.as_slice(), space.shape(&map.predict(input))))
+            .collect();
+        self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))
+    }
+}
+
+/// All numbers of a pose that may tell where the body is: those of its parts, its height and its tilt, all in metres.
+fn pose(subject: &Subject, time: f64, parts: &[Vec<f64>]) -> Vec<f64> {
+    let root = subject.root_at(time);
+    let tilt = root.tilt * (LEVER * subject.size);
+    parts.iter().flatten().copied().chain([root.centre.y, tilt.x, tilt.y, tilt.z].map(f64::from)).collect()
+}
+
+/// The numbers of a subject between two frames of one sequence.
+fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
+    let before = (time as u32).min(subject.poses.len() as u32 - 1);
+    let share = time - f64::from(before);
+    let first = numbers(subject, spaces, before);
+    let goes_on = subject.timeline.sequence_index(before + 1) == subject.timeline.sequence_index(before);
+    if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
+}
+
+fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions) -> Map {
+    let rows = |of: &[Vec<Vec<f64>>]| Matrix::from_fn(of.len(), of[0][part].len(), |row, k| of[row][part][k]);
+    Map::learn(&rows(x), &rows(y), options)
+}
+
+/// The frame of the target that is nearest to its mean shape: triangles of the mean itself may have shrunk to nothing.
+fn middle(spaces: &[Space], pairs: &[Pair], target: &Subject) -> u32 {
+    let far = |frame: u32| numbers(target, spaces, frame).iter().flatten().map(|number| number * number).sum::<f64>();
+    let stride = pairs.len().div_ceil(100).max(1);
+    let frames = pairs.iter().step_by(stride).map(|pair| (far(pair.target), pair.target));
+    frames.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, frame)| frame)
+}
+
+fn check(source: &Subject, target: &Subject, pairs: &[Pair]) -> Result<(), TransferError> {
+    for pair in pairs {
+        let ends = [("source", pair.source as u32, source), ("target", pair.target, target)];
+        for (which, frame, subject) in ends {
+            let count = subject.timeline.frame_count();
+            if frame >= count {
+                return Err(TransferError::Frame { which, frame, count });
+            }
+        }
+    }
+    Ok(())
+}
