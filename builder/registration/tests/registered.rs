@@ -97,33 +97,32 @@ fn figures(source: &Deregistered, options: &RegisterOptions) -> (usize, Register
 #[test]
 #[ignore = "reads ../shared/data"]
 fn crane_and_jumping_are_registered() {
-    for (name, count) in [("crane", 60), ("jumping", 30)] {
-        for colour in [1.0, 0.0] {
-            let mut options = RegisterOptions::default();
-            options.track = TrackOptions { colour };
-            let start = std::time::Instant::now();
-            let (root, registered, errors) = figures(&Deregistered(name, count), &options);
-            let seconds = start.elapsed().as_secs_f64();
-            let mean = |k: usize| errors.iter().map(|e| e[k]).sum::<f32>() / errors.len() as f32;
-            let worst = |k: usize| errors.iter().map(|e| e[k]).fold(0.0, f32::max);
-            let fits = || registered.tracked.iter().map(|tracked| tracked.fit);
-            let uncovered = fits().map(|fit| fit.uncovered).fold(0.0, f64::max);
-            let backward = fits().map(|fit| fit.rms_backward).fold(0.0, f64::max);
-            println!(
-                "{name}, colour {colour}: root {root}, lost {}, mean {:.1} (worst {:.1}), p95 {:.1} (worst {:.1}) mm, \
-                 uncovered {:.2} %, backward {:.1} mm, {seconds:.0} s",
-                registered.lost.len(),
-                mean(0),
-                worst(0),
-                mean(1),
-                worst(1),
-                100.0 * uncovered,
-                1000.0 * backward
-            );
-            assert!(registered.lost.is_empty(), "{:?}", registered.lost);
-            assert!(uncovered <= 0.015 && backward <= 0.0035);
-            assert!(mean(0) < if colour > 0.0 { 6.5 } else { 15.0 });
-        }
+    // All of one capture with its colours, and the faster half of the other one by its geometry alone.
+    for (name, count, colour) in [("crane", 60, 1.0), ("jumping", 20, 0.0)] {
+        let mut options = RegisterOptions::default();
+        options.track = TrackOptions { colour };
+        let start = std::time::Instant::now();
+        let (root, registered, errors) = figures(&Deregistered(name, count), &options);
+        let seconds = start.elapsed().as_secs_f64();
+        let mean = |k: usize| errors.iter().map(|e| e[k]).sum::<f32>() / errors.len() as f32;
+        let worst = |k: usize| errors.iter().map(|e| e[k]).fold(0.0, f32::max);
+        let fits = || registered.tracked.iter().map(|tracked| tracked.fit);
+        let uncovered = fits().map(|fit| fit.uncovered).fold(0.0, f64::max);
+        let backward = fits().map(|fit| fit.rms_backward).fold(0.0, f64::max);
+        println!(
+            "{name}, colour {colour}: root {root}, lost {}, mean {:.1} (worst {:.1}), p95 {:.1} (worst {:.1}) mm, \
+             uncovered {:.2} %, backward {:.1} mm, {seconds:.0} s",
+            registered.lost.len(),
+            mean(0),
+            worst(0),
+            mean(1),
+            worst(1),
+            100.0 * uncovered,
+            1000.0 * backward
+        );
+        assert!(registered.lost.is_empty(), "{:?}", registered.lost);
+        assert!(uncovered <= 0.015 && backward <= 0.0035);
+        assert!(mean(0) < if colour > 0.0 { 6.5 } else { 15.0 });
     }
 }
 

@@ -134,14 +134,11 @@ mod tests {
             if i < end.0 && j < end.1 {
                 on(costs, (i + 1, j + 1), (0, 0), sum + 2.0 * costs[(i + 1, j + 1)], left, best);
             }
-            if i < end.0 && straight.1 == 0 && straight.0 < STRAIGHT && (i, j) != (0, 0)
-                || i < end.0 && (i, j) == (0, 0)
-            {
+            // At the start both counts are 0: any step may be the first.
+            if i < end.0 && straight.1 == 0 && straight.0 < STRAIGHT {
                 on(costs, (i + 1, j), (straight.0 + 1, 0), sum + costs[(i + 1, j)], left, best);
             }
-            if j < end.1 && straight.0 == 0 && straight.1 < STRAIGHT && (i, j) != (0, 0)
-                || j < end.1 && (i, j) == (0, 0)
-            {
+            if j < end.1 && straight.0 == 0 && straight.1 < STRAIGHT {
                 on(costs, (i, j + 1), (0, straight.1 + 1), sum + costs[(i, j + 1)], left, best);
             }
         }

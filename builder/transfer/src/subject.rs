@@ -98,7 +98,7 @@ fn roots(bodies: &[BodyFrame], facings: &[f32], timeline: &Timeline) -> Vec<Root
     for (frame, (body, &facing)) in bodies.iter().zip(facings).enumerate() {
         let turn = body.rotation.inverse() * Quat::from_rotation_y(facing);
         like = if frame == 0 { turn } else { like };
-        sum = sum + if turn.dot(like) < 0.0 { -turn } else { turn };
+        sum += if turn.dot(like) < 0.0 { -turn } else { turn };
     }
     let upright = if sum.length() > 1e-3 { sum.normalize() } else { Quat::IDENTITY };
     let mut roots: Vec<Root> = Vec::with_capacity(bodies.len());

@@ -45,14 +45,14 @@ pub fn section(seed: u64, job: &Job) -> Result<SectionReport, EvaluateError> {
     let there = Both { target: &man, subjects: [&source, &target] };
     let back = Both { target: &woman, subjects: [&target, &source] };
     let directions = [("woman to man", &there), ("man to woman", &back)];
-    let mut section = SectionReport::default();
-    section.text = vec![
+    let text = vec![
         "The woman and the man do the same at the same times: the man is the woman with other bones, clothes, mesh and habits of arms and \
          trunk. Walk, run, jump, kick and duck are learned from (takes 1); other takes of these, and idle, turns, wave and dance, are not. \
          Errors are roots of mean squares over vertices and frames, in millimetres, once a pose is turned about the vertical and moved \
          along the ground onto the truth."
             .into(),
     ];
+    let mut section = SectionReport { text, ..SectionReport::default() };
     let kernels = kernels(&directions, job)?;
     section.agreements = agreements(&kernels);
     section.tables = vec![
