@@ -84,7 +84,7 @@ proptest! {
         let reader = BundleReader::from_bytes(&bytes).unwrap();
         prop_assert_eq!(reader.file_faces().unwrap(), files.faces);
         prop_assert_eq!(reader.file_place(), files.place);
-        prop_assert_eq!(reader.header().unwrap().minor, 4);
+        prop_assert_eq!(reader.header().unwrap().minor, 9);
         prop_assert!(validate(&bytes).iter().all(|finding| finding.code == "no-order"));
     }
 
