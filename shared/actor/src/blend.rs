@@ -6,7 +6,7 @@ use glam::Vec2;
 use super::ground::{Ground, Next, recorded_step};
 use crate::contacts::{Contact, Contacts};
 use crate::graph::{EssentialGraph, Transition};
-use crate::hold::carried;
+use crate::hold::{Stance, carried};
 use crate::pose_source::PoseError;
 pub use crate::temporal_warp::ease;
 use crate::temporal_warp::{PLACES_A_FRAME, Pace, TemporalWarp};
@@ -235,7 +235,7 @@ impl Blend {
     }
 
     /// A part of one side, between frames.
-    pub(crate) fn contact(&self, side: usize, part: usize, contacts: &Contacts) -> Contact {
+    fn contact(&self, side: usize, part: usize, contacts: &Contacts) -> Contact {
         let of = |frame: u32| contacts.of(frame).get(part).copied().unwrap_or_default();
         let (here, next) = (of(self.frames[side]), self.next[side]);
         if next.share <= 0.0 {
@@ -279,9 +279,27 @@ pub fn transition_placement(
     }
     let mut placement = nodes[nodes.len() - 1].placements[1];
     if contacts.steers() {
-        placement.translation += carried(&nodes, timeline.fps(), contacts);
+        placement.translation += carried(&stances(&nodes, contacts), timeline.fps());
     }
     Ok(Placement { heading: half_turn(placement.heading), ..placement })
+}
+
+/// How each part stands in a transition of these nodes: in the source, played on alone, and in the destination, played alone
+/// into where the nodes lead.
+fn stances(nodes: &[Blend], contacts: &Contacts) -> Vec<Stance> {
+    let mut stances = vec![Stance::default(); contacts.parts()];
+    let Some(last) = nodes.last() else { return stances };
+    let destination = last.placements[1].after(&last.alone[1].inverse());
+    for (part, stance) in stances.iter_mut().enumerate() {
+        for node in nodes {
+            let alone = [node.alone[0], destination.after(&node.alone[1])];
+            for side in 0..2 {
+                let contact = node.contact(side, part, contacts);
+                stance.see(side, contact.weight, ground_point(alone[side], contact.point));
+            }
+        }
+    }
+    stances
 }
 
 /// Placement of the last frame of `legs`, the actor standing at `start` on their first one. Reads no pose but at the wraps of

@@ -4,11 +4,7 @@
 //! that foot has to go there. One that is in the air for a while in both takes its step then. One that never is would slide,
 //! or hop: for the one of these that stands most, the body goes where it is needed instead, as smoothly as the blend itself.
 
-use glam::{Vec2, Vec3, Vec3Swizzles};
-
-use crate::blend::Blend;
-use crate::contacts::Contacts;
-use kernels::align::Placement;
+use glam::Vec2;
 
 /// How long a step takes, in seconds.
 const STEP: f32 = 0.2;
@@ -19,7 +15,7 @@ const LEAST: f32 = 1.0;
 
 /// How a part of the surface stands in a transition.
 #[derive(Clone, Debug, Default)]
-struct Stance {
+pub(crate) struct Stance {
     /// For each side how firmly it stands at each node.
     weights: [Vec<f32>; 2],
     /// For each side the sum of its places, each counting as firmly as it stands.
@@ -27,6 +23,12 @@ struct Stance {
 }
 
 impl Stance {
+    /// At the next node a side has it at `place`, in metres along (X, Z), where it stands so firmly.
+    pub fn see(&mut self, side: usize, weight: f32, place: Vec2) {
+        self.weights[side].push(weight);
+        self.sums[side] += weight * place;
+    }
+
     fn total(&self, side: usize) -> f32 {
         self.weights[side].iter().sum()
     }
@@ -44,29 +46,13 @@ impl Stance {
     }
 }
 
-/// How far the destination has to be carried along (X, Z), in metres, from where a transition of these `nodes` leads.
-pub(crate) fn carried(nodes: &[Blend], fps: f32, contacts: &Contacts) -> Vec2 {
-    let Some(last) = nodes.last() else { return Vec2::ZERO };
-    // Where the destination's first frame stands once the last one stands where the transition leads.
-    let destination = last.placements[1].after(&last.alone[1].inverse());
+/// How far the destination has to be carried along (X, Z), in metres, so that the part stays that has least time to step.
+pub(crate) fn carried(stances: &[Stance], fps: f32) -> Vec2 {
     let width = ((STEP * fps).round() as usize).max(1);
-    let stances = (0..contacts.parts()).map(|part| stance(nodes, destination, part, contacts));
     let held = stances
+        .iter()
         .filter(|stance| stance.total(0) >= LEAST && stance.total(1) >= LEAST)
         .map(|stance| (stance.in_the_way(width), stance.total(0).min(stance.total(1)), stance.apart()))
         .max_by(|a, b| (a.0 * a.1).total_cmp(&(b.0 * b.1)));
     held.map_or(Vec2::ZERO, |(hold, _, apart)| hold * apart.clamp_length_max(FURTHEST))
-}
-
-fn stance(nodes: &[Blend], destination: Placement, part: usize, contacts: &Contacts) -> Stance {
-    let mut stance = Stance::default();
-    for node in nodes {
-        for side in 0..2 {
-            let contact = node.contact(side, part, contacts);
-            let alone = if side == 0 { node.alone[0] } else { destination.after(&node.alone[1]) };
-            stance.weights[side].push(contact.weight);
-            stance.sums[side] += contact.weight * alone.apply(Vec3::new(contact.point.x, 0.0, contact.point.y)).xz();
-        }
-    }
-    stance
 }
