@@ -102,7 +102,8 @@ impl Blend {
         if contacts.steers() {
             let mut alone = Placement::IDENTITY;
             let mut frame = blend.frames[1];
-            while frame != transition.to {
+            // Counted: a segment may go round a short loop more than once.
+            for _ in 1..warp.lengths().1 {
                 let (next, step) = recorded_step(timeline, ground, frame)?.ok_or(PoseError::OutOfRange(frame))?;
                 (frame, alone) = (next, alone.after(&step));
             }

@@ -139,3 +139,30 @@ fn actors_packed_before_hold_all_alike() {
     let ways = [0, 1].map(|foot| moved(&transition, &feet[foot]));
     assert!((ways[0] - ways[1]).abs() < 1e-3 && ways[0] > 0.02, "{ways:?}");
 }
+
+#[test]
+fn a_segment_may_go_round_a_loop_more_than_once() {
+    let sequence = |name: &str, first_frame, frame_count, cyclic| Sequence {
+        name: name.into(),
+        labels: vec![],
+        first_frame,
+        frame_count,
+        cyclic,
+    };
+    let timeline = Timeline::new(FPS, vec![sequence("a", 0, 16, false), sequence("loop", 16, 5, true)]).unwrap();
+    let centres = (0..21).map(|frame| Vec3::new(0.03 * frame as f32, 1.0, 0.01 * frame as f32)).collect();
+    // Each round of the loop goes on by 15 cm.
+    let wrap = Placement { heading: 0.0, translation: Vec2::new(0.15, 0.05) };
+    let motion = Motion { centres, facings: vec![0.0; 21], wraps: vec![Placement::IDENTITY, wrap] };
+    let contact = |frame: u32| Contact::rounded(Vec2::new(0.03 * frame as f32, 0.1), 1.0);
+    let contacts = Contacts::new(1, (0..21).map(contact).collect(), &timeline).unwrap();
+    let (ends, warp) = ((0, 18), TemporalWarp::new(vec![Move::Both; 12]));
+    let mut ground = &motion;
+    let placement = transition_placement(&timeline, &mut ground, ends, &warp, &contacts).unwrap();
+    let transition = Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement };
+    let mut blend = Blend::of(&timeline, &mut ground, &transition, Placement::IDENTITY, &contacts).unwrap();
+    while let Some(next) = blend.next(&timeline, &mut ground, &transition.warp, &contacts).unwrap() {
+        blend = next;
+    }
+    assert!(blend.placements[1].translation.distance(placement.translation) < 1e-4, "{blend:?}");
+}
