@@ -1,6 +1,6 @@
 //! Curves that the actor is asked to follow: polylines and splines, by arc length.
 
-use glam::{Vec3, Vec3Swizzles};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Points of a spline's segment before it is measured.
 const SPLINE_PIECES: usize = 32;
@@ -124,6 +124,20 @@ impl Curve {
         let last = self.points.len() - 1;
         let window = index(length - 2.0).min(last)..=index(length + 2.0).min(last);
         self.points[window].iter().map(|&other| self.gap(point, other)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The arc length, between `from` and `to`, of the stored point that is nearest to `place` on the ground.
+    #[must_use]
+    pub(super) fn nearest_length(&self, place: Vec2, from: f64, to: f64) -> f64 {
+        if self.spacing <= 0.0 {
+            return 0.0;
+        }
+        let last = self.points.len() - 1;
+        let index = |length: f64| ((length / self.spacing).max(0.0) as usize).min(last);
+        let (first, end) = (index(from), index(to));
+        let away = |index: usize| self.points[index].xz().distance_squared(place);
+        let nearest = (first..=end).min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(first);
+        (nearest as f64 * self.spacing).clamp(from, to)
     }
 
     fn gap(&self, point: Vec3, other: Vec3) -> f64 {

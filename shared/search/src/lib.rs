@@ -37,6 +37,7 @@ mod request;
 mod scene;
 mod search_graph;
 mod shortest;
+mod steer;
 mod tail;
 mod task;
 mod wander;

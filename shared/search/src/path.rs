@@ -7,6 +7,7 @@ use super::bend::Bend;
 use super::curve::Curve;
 use super::ground_pose::{GroundPose, half_turn};
 use super::search_graph::{SAMPLE_STRIDE, SearchGraph};
+use super::steer::Steering;
 use super::task::{Found, LEAST_STEP_COST, Outlook, State, Task, cell_of};
 
 /// Metre-seconds that each metre costs by which a walk ends before the path does.
@@ -15,6 +16,9 @@ const LEFT_OVER: f64 = 20.0;
 const AT_THE_END: f64 = 1.0;
 /// What a frame that shows another behaviour than the one demanded costs: as much as being this many metres off.
 const WRONG_BEHAVIOUR: f64 = 3.0;
+/// Metres off the path that are hard to bend back, and how many times more what is above it counts.
+const NEARLY: f64 = 0.1;
+const LOST: f64 = 5.0;
 /// A walk gives up when it has been under way for as long as it takes at this speed, in metres a second, and
 /// [`PATIENCE`] seconds more.
 const SLOWEST: f64 = 0.1;
@@ -61,7 +65,7 @@ pub struct PathTask {
     pub starts: Vec<State>,
     /// Weight of the graph's cost against metre-seconds of deviation.
     pub realism: f64,
-    /// How far the walk is bent onto the path, from 0 (not at all) to 1. Searches do not depend on it.
+    /// How far the walk may be bent onto the path, from 0 (not at all) to 1: searches count on it.
     pub exactness: f64,
     seconds_per_step: f64,
     step_cost: f64,
@@ -127,6 +131,11 @@ impl PathTask {
         travelled
     }
 
+    /// What searches count on; `None` where the walk is not bent.
+    fn steering(&self, search_graph: &SearchGraph) -> Option<Steering> {
+        (self.exactness > 0.0).then(|| Steering::new(self.exactness, search_graph.fps))
+    }
+
     /// How a walk that was found is bent onto the path.
     pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> Bend {
         if self.exactness <= 0.0 {
@@ -148,10 +157,11 @@ impl PathTask {
         let mut report =
             PathReport { length: self.curve.length(), curve, flat: self.curve.is_flat(), ..PathReport::default() };
         let (mut steps, mut demanded, mut kept) = (0_u32, 0_u32, 0_u32);
-        let states = found.states(self, search_graph);
+        // Where it leads by itself: searches that count on a bend take it to lead elsewhere.
+        let mut state = found.start;
         let (mut before, mut way) = (None, 0.0);
-        for (state, &edge) in states.iter().zip(&found.edges) {
-            let planned = self.along(search_graph, state, edge, |travelled, point, weight, frame| {
+        for &edge in &found.edges {
+            let planned = self.along(search_graph, &state, edge, |travelled, point, weight, frame| {
                 let mut travelled = travelled;
                 let mut point = point;
                 if let Some(pose) = bend.0.get((steps + weight) as usize) {
@@ -175,6 +185,13 @@ impl PathTask {
                 }
             });
             report.travelled = if bend.0.is_empty() { planned } else { way };
+            let taken = search_graph.edge(edge);
+            state = State {
+                frame: taken.to,
+                ground_pose: state.ground_pose.after(&taken.ground_pose),
+                travelled: planned,
+                ..state
+            };
         }
         report.mean /= f64::from(steps.max(1));
         report.mean_aside /= f64::from(steps.max(1));
@@ -218,20 +235,28 @@ impl Task for PathTask {
         let mut error = 0.0;
         let travelled = self.along(search_graph, from, index, |travelled, point, steps, frame| {
             let wrong = if self.is_wrong(search_graph, travelled, frame) { WRONG_BEHAVIOUR } else { 0.0 };
-            error += f64::from(steps) * (self.curve.distance(point, travelled) + wrong);
+            let off = self.curve.distance(point, travelled);
+            // No bend brings that onto the path.
+            let lost = if self.exactness > 0.0 { LOST * (off - NEARLY).max(0.0) } else { 0.0 };
+            error += f64::from(steps) * (off + lost + wrong);
         });
         let graph = (self.realism * edge.cost).max(self.step_cost * f64::from(edge.steps));
-        Some(State {
+        let mut next = State {
             frame: edge.to,
             ground_pose: from.ground_pose.after(&edge.ground_pose),
             travelled,
             steps: from.steps + edge.steps,
             cost: from.cost + error * self.seconds_per_step + graph,
-        })
+        };
+        if let Some(steering) = self.steering(search_graph) {
+            let way = (travelled - from.travelled) as f32;
+            next.cost += steering.apply(&self.curve, search_graph, &mut next, way, edge.steps);
+        }
+        Some(next)
     }
 
     /// The rest of the path takes time even at the best speed v, and a distance d to the path shrinks by 2 v a step at
-    /// most: actor and point both move. Or the walk ends early, for a price.
+    /// most: actor and point both move; and by what a bend may move it. Or the walk ends early, for a price.
     fn remaining(&self, search_graph: &SearchGraph, state: &State) -> f64 {
         let left = self.curve.length() - state.travelled;
         let speed = search_graph.best_speed;
@@ -241,8 +266,9 @@ impl Task for PathTask {
         let steps = left / speed;
         let off = self.curve.distance(search_graph.point_at(state.frame, state.ground_pose), state.travelled);
         // Samples are taken at the ends of up to SAMPLE_STRIDE steps: sums from below by the integral from there on.
-        let area = |step: f64| step * (off - speed * step);
-        let (from, to) = (f64::from(SAMPLE_STRIDE), steps.min(off / (2.0 * speed)));
+        let nearer = 2.0 * speed + self.steering(search_graph).map_or(0.0, |steering| steering.shift());
+        let area = |step: f64| step * (off - nearer / 2.0 * step);
+        let (from, to) = (f64::from(SAMPLE_STRIDE), steps.min(off / nearer));
         let error = if to > from { area(to) - area(from) } else { 0.0 };
         let walked = steps * self.step_cost + error * self.seconds_per_step;
         // Between those ends the sum is least where the error begins to count, or at an end.

@@ -1,0 +1,110 @@
+//! Walks that are bent onto their path: no walk through the graph lies on a drawn curve; small turns and stretches of stride,
+//! spread over it, bring it there.
+//!
+//! Not in the papers. A walk is taken to go on as it does, seen from the body: its steps are rolled off along the curve. What its
+//! way turns more or less than the curve is added to its heading; what is then missing to the curve is added to its stride, and
+//! the sway of its middle is taken off. All of it is rigid, one placement a step: what stands meanwhile is the player's to keep
+//! (`shared/synthesis/src/bend.rs`). No step is changed by more than [`MOST_TURN`] and [`MOST_STRIDE`]; what that is not
+//! enough for stays.
+
+mod band;
+mod fit;
+mod way;
+
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use kernels::align::Placement;
+
+use super::curve::Curve;
+use super::ground_pose::{GroundPose, turn_of};
+use fit::{Fitted, fit};
+pub(super) use way::WALKS;
+use way::{Way, smooth};
+
+/// A step of the body is taken to last so many seconds.
+pub(super) const STEP: f32 = 0.5;
+/// Radians by which a step may be turned: 10 degrees.
+pub(super) const MOST_TURN: f32 = 0.1745;
+/// Metres by which a step may be moved.
+pub(super) const MOST_STRIDE: f32 = 0.1;
+/// Seconds over which a body's middle is smooth.
+const MIDDLE: f32 = 0.06;
+/// Metres before and after a place of the curve that its direction is taken from.
+const TANGENT: f64 = 0.08;
+
+/// How a walk is bent: where the frame after each step is put, in the world; the first one where the walk begins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Bend(pub Vec<GroundPose>);
+
+impl Bend {
+    /// As a walk keeps it.
+    pub fn placements(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
+        self.0.iter().map(|pose| {
+            let Placement { heading, translation } = (*pose).into();
+            [heading, translation.x, translation.y]
+        })
+    }
+
+    /// Bends a walk whose middle is at `track` after each step, `fps` steps a second, onto `curve`, by the share `exactness`. Where
+    /// it `is_free`, it may begin elsewhere.
+    pub fn onto(curve: &Curve, track: &[Vec3], fps: f32, exactness: f32, is_free: bool) -> Self {
+        if track.len() < 2 || exactness <= 0.0 {
+            return Self::default();
+        }
+        let track: Vec<Vec2> = track.iter().map(|point| point.xz()).collect();
+        let way = Way::of(&track, fps);
+        let Fitted { places, turns, lengths } = fit(&way, curve, is_free);
+        let middle = smooth(&track, MIDDLE * fps);
+        let pose = |step: usize| {
+            let turn = GroundPose { turn: turn_of(turns[step]), shift: Vec2::ZERO };
+            // Sway along the way is how the body walks; what leads aside is taken off, once it is under way.
+            let sway = turn.rotate(middle[step] - way.points[step]);
+            let along = tangent(curve, lengths[step]);
+            let aside = sway - along * sway.dot(along);
+            let begun = if is_free { 1.0 } else { way.budget[step].min(1.0) };
+            let aim = places[step] + sway - aside.clamp_length_max(MOST_STRIDE) * begun;
+            moved(exactness * turns[step], middle[step], middle[step].lerp(aim, exactness))
+        };
+        Self((0..track.len()).map(pose).collect())
+    }
+
+    /// Where it puts the walk's beginning; from now on it begins there.
+    pub fn begin(&mut self) -> GroundPose {
+        let Some(&first) = self.0.first() else { return GroundPose::IDENTITY };
+        let back = first.inverse();
+        self.0.iter_mut().for_each(|pose| *pose = pose.after(&back));
+        first
+    }
+
+    /// Bends a walk so that it ends at `place`, turned by `turn` more than it would be.
+    pub fn to_place(place: Vec2, turn: f32, track: &[Vec3], fps: f32, exactness: f32) -> Self {
+        if track.len() < 2 || exactness <= 0.0 {
+            return Self::default();
+        }
+        let track: Vec<Vec2> = track.iter().map(|point| point.xz()).collect();
+        let way = Way::of(&track, fps);
+        let last = track.len() - 1;
+        let steps = way.budget[last];
+        let turn = exactness * turn.clamp(-MOST_TURN * steps, MOST_TURN * steps);
+        // Turned evenly, step by step; then what is missing, as evenly.
+        let share = |step: usize| way.budget[step] / steps.max(1e-6);
+        let turns: Vec<f32> = (0..=last).map(|step| turn * share(step)).collect();
+        let own = Way { steps: track.windows(2).map(|pair| pair[1] - pair[0]).collect(), points: track.clone(), ..way };
+        let rolled = own.rolled(&turns);
+        let wanted = track[last].lerp(place, exactness);
+        let missing = (wanted - rolled[last]).clamp_length_max(MOST_STRIDE * steps);
+        let share = |step: usize| own.budget[step] / steps.max(1e-6);
+        let pose = |step: usize| moved(turns[step], track[step], rolled[step] + missing * share(step));
+        Self((0..=last).map(pose).collect())
+    }
+}
+
+/// A turn by `turn` about `from`, which is then at `to`.
+fn moved(turn: f32, from: Vec2, to: Vec2) -> GroundPose {
+    let turned = GroundPose { turn: turn_of(turn), shift: Vec2::ZERO };
+    GroundPose { shift: to - turned.rotate(from), ..turned }
+}
+
+/// Which way a curve leads at an arc length: a unit vector.
+fn tangent(curve: &Curve, length: f64) -> Vec2 {
+    (curve.at(length + TANGENT) - curve.at(length - TANGENT)).xz().normalize_or(Vec2::Y)
+}
