@@ -250,29 +250,29 @@ fn performed() -> Actor {
 fn the_performer_keeps_to_paths() {
     let mut actor = performed();
     let sums = all(&mut actor, &named(standard()));
-    assert!(sums.kept >= 4, "{sums:?}");
+    assert_eq!(sums.kept, 6, "{sums:?}");
     assert!(sums.distance[1] < 0.01, "{sums:?}");
     assert!(sums.heading[1] < sums.heading[0] + 1.0, "{sums:?}");
     assert!(sums.slide[1] < 1.5, "{sums:?}");
     let drawn: Vec<_> = (0..10).map(|seed| (format!("drawn {seed}"), drawn(seed))).collect();
     let sums = all(&mut actor, &drawn);
-    // The mark is nine.
-    assert!(sums.kept >= 4, "{sums:?}");
+    assert!(sums.kept >= 9, "{sums:?}");
+    assert!(sums.slide[1] < 1.5, "{sums:?}");
 }
 
 #[test]
-fn a_walk_without_exactness_is_what_the_search_found() {
+fn walks_are_bent_as_far_as_they_may_be() {
     let mut actor = performed();
     let points = &standard()[5].1;
-    let (_, plain, answer) = follow(&mut actor, points, 0.0);
+    let (plain, _, answer) = follow(&mut actor, points, 0.0);
     assert!(answer.walk.bend.is_empty());
-    let (_, half, bent) = follow(&mut actor, points, 0.5);
-    assert_eq!(answer.walk.legs, bent.walk.legs);
+    let (half, ..) = follow(&mut actor, points, 0.5);
+    let (whole, _, bent) = follow(&mut actor, points, 1.0);
     assert_eq!(bent.walk.bend.len(), bent.steps as usize + 1);
-    let (_, whole, _) = follow(&mut actor, points, 1.0);
-    // Half as exact is half way between.
-    for ((plain, half), whole) in plain.centres.iter().zip(&half.centres).zip(&whole.centres).skip(20) {
-        assert!(half.distance(plain.lerp(*whole, 0.5)) < 0.5 * plain.distance(*whole) + 0.02);
+    assert!(whole.mean < half.mean && half.mean < plain.mean, "{whole:?} {half:?} {plain:?}");
+    // Over any half second, but for what the weights of limits give way.
+    for pair in bent.walk.bend.windows(26) {
+        assert!((pair[25][0] - pair[0][0]).abs() < 1.25 * 10_f32.to_radians(), "{pair:?}");
     }
 }
 
@@ -345,7 +345,6 @@ fn a_captured_actor_keeps_to_paths() {
     options.import.fps = Some(25.0);
     let mut actor = Actor::of(&pack(&inputs, &options, &Job::silent()).unwrap().0);
     let sums = all(&mut actor, &named(standard()));
-    // The mark is all of them to a centimetre on average and to four at most: this walks sideways and hops.
-    assert!(sums.distance[1] < 0.01, "{sums:?}");
+    assert_eq!(sums.kept, 6, "{sums:?}");
     assert!(sums.slide[1] < 1.5, "{sums:?}");
 }

@@ -26,13 +26,19 @@ const PASSED_OVER: u32 = 16;
 /// Cells that are remembered in a pass.
 const CELLS: usize = 1 << 17;
 
+/// States that a patient search expands without finding a better walk before it ends, and as a multiple of those it took to
+/// find the best.
+const PATIENCE: u64 = 100_000;
+const PATIENCE_SHARE: u64 = 2;
+
 /// How far a search is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Progress {
     /// There may be a better answer.
     Running,
-    /// The widest pass is through: there may be a better answer, but this search will not find it.
+    /// The widest pass is through, or for long nothing better was found: there may be a better answer, but this search will not
+    /// find it.
     Ended,
     /// There is no better answer.
     Proven,
@@ -58,6 +64,9 @@ pub struct Anytime {
     best: Option<Found>,
     progress: Progress,
     expanded: u64,
+    /// States expanded when the best walk was found, and whether the search ends when that is long ago.
+    found_at: u64,
+    has_patience: bool,
     serial: u32,
 }
 
@@ -115,10 +124,19 @@ impl Anytime {
             best: None,
             progress: Progress::Running,
             expanded: 0,
+            found_at: 0,
+            has_patience: false,
             serial: 0,
         };
         search.begin_pass(task, search_graph);
         search
+    }
+
+    /// The same, which ends when for long it has found nothing better.
+    #[must_use]
+    pub fn with_patience(mut self) -> Self {
+        self.has_patience = true;
+        self
     }
 
     /// Expands up to `budget` states, or passes over many more: 1 to 2 microseconds each in early passes, up to 20 in the
@@ -129,6 +147,10 @@ impl Anytime {
             let cost = match self.next_open(task, search_graph) {
                 Next::Open(open) => {
                     self.expand(task, search_graph, &open);
+                    let patience = PATIENCE.max(PATIENCE_SHARE * self.found_at);
+                    if self.has_patience && self.best.is_some() && self.expanded > self.found_at + patience {
+                        self.end(Progress::Ended);
+                    }
                     PASSED_OVER
                 }
                 Next::PassedOver => 1,
@@ -195,19 +217,22 @@ impl Anytime {
         self.expanded_by_crowd.fill(0);
     }
 
-    fn end_pass(&mut self, task: &impl Task, search_graph: &SearchGraph) {
-        if !self.left_out {
-            self.progress = Progress::Proven;
-        } else if self.width() >= LAST_WIDTH {
-            self.progress = Progress::Ended;
-        } else {
-            self.pass += 1;
-            self.begin_pass(task, search_graph);
-            return;
-        }
+    fn end(&mut self, progress: Progress) {
+        self.progress = progress;
         self.layers = Vec::new();
         self.trail = Vec::new();
         self.open = Vec::new();
+    }
+
+    fn end_pass(&mut self, task: &impl Task, search_graph: &SearchGraph) {
+        if !self.left_out {
+            self.end(Progress::Proven);
+        } else if self.width() >= LAST_WIDTH {
+            self.end(Progress::Ended);
+        } else {
+            self.pass += 1;
+            self.begin_pass(task, search_graph);
+        }
     }
 
     /// Takes the next state of this layer.
@@ -280,6 +305,7 @@ impl Anytime {
             let cost = state.cost + ending;
             if !self.is_hopeless(cost) {
                 self.best = Some(self.trace(cost, state, before, edge));
+                self.found_at = self.expanded;
             }
         }
         if task.halts(search_graph, &state) {

@@ -6,6 +6,8 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 const SPLINE_PIECES: usize = 32;
 /// Distance in metres between two stored points of a curve, unless it is too long for that.
 const SPACING: f64 = 0.01;
+/// Metres before and after a place that its direction is taken from.
+const TANGENT: f64 = 0.08;
 /// Most stored points.
 const MOST_POINTS: usize = 1 << 16;
 
@@ -142,6 +144,12 @@ impl Curve {
 
     fn gap(&self, point: Vec3, other: Vec3) -> f64 {
         f64::from(if self.flat { point.xz().distance(other.xz()) } else { point.distance(other) })
+    }
+
+    /// Which way it leads at an arc length: a unit vector along (X, Z), taken from some centimetres before and after.
+    #[must_use]
+    pub fn direction(&self, length: f64) -> Vec2 {
+        (self.at(length + TANGENT) - self.at(length - TANGENT)).xz().normalize_or(Vec2::Y)
     }
 
     /// The direction in which it begins: heading in radians about +Y from +Z, over its first tenth of a metre.

@@ -19,6 +19,8 @@ const WRONG_BEHAVIOUR: f64 = 3.0;
 /// Metres off the path that are hard to bend back, and how many times more what is above it counts.
 const NEARLY: f64 = 0.1;
 const LOST: f64 = 5.0;
+/// Metres off the path that facing aside counts as, facing back twice as many.
+const ASIDE: f64 = 0.2;
 /// A walk gives up when it has been under way for as long as it takes at this speed, in metres a second, and
 /// [`PATIENCE`] seconds more.
 const SLOWEST: f64 = 0.1;
@@ -136,13 +138,18 @@ impl PathTask {
         (self.exactness > 0.0).then(|| Steering::new(self.exactness, search_graph.fps))
     }
 
-    /// How a walk that was found is bent onto the path.
-    pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> Bend {
+    /// How a walk that was found is bent onto the path, and how well it follows it then. A walk that has little to do with the
+    /// path can be led away from it by limits: that one stays as it is.
+    pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> (Bend, PathReport) {
+        let plain = self.judge(search_graph, found);
         if self.exactness <= 0.0 {
-            return Bend::default();
+            return (Bend::default(), plain);
         }
         let (track, fps) = (found.track(search_graph), search_graph.fps as f32);
-        Bend::onto(&self.curve, &track, fps, self.exactness as f32, is_free)
+        let bend = Bend::onto(&self.curve, &track, fps, self.exactness as f32, is_free);
+        let bent = self.judge_bent(search_graph, found, &bend);
+        let is_led_away = bent.mean_aside > plain.mean_aside && bent.max_aside > plain.max_aside;
+        if !is_led_away { (bend, bent) } else { (Bend::default(), plain) }
     }
 
     /// How well a walk that was found follows the path as it is.
@@ -152,7 +159,7 @@ impl PathTask {
     }
 
     /// The same once it is bent.
-    pub(super) fn judge_bent(&self, search_graph: &SearchGraph, found: &Found, bend: &Bend) -> PathReport {
+    fn judge_bent(&self, search_graph: &SearchGraph, found: &Found, bend: &Bend) -> PathReport {
         let curve = self.curve.polyline(0.05).iter().map(|point| point.to_array()).collect();
         let mut report =
             PathReport { length: self.curve.length(), curve, flat: self.curve.is_flat(), ..PathReport::default() };
@@ -249,6 +256,9 @@ impl Task for PathTask {
             cost: from.cost + error * self.seconds_per_step + graph,
         };
         if let Some(steering) = self.steering(search_graph) {
+            let face = search_graph.face_at(next.frame, next.ground_pose);
+            let away = f64::from(1.0 - face.dot(self.curve.direction(travelled)));
+            next.cost += ASIDE * away * f64::from(edge.steps) * self.seconds_per_step;
             let way = (travelled - from.travelled) as f32;
             next.cost += steering.apply(&self.curve, search_graph, &mut next, way, edge.steps);
         }

@@ -102,8 +102,7 @@ impl Work {
             Self::Path(work) => {
                 let (task, search, notes) = work.as_ref();
                 let Some(found) = search.best() else { return };
-                let mut bend = task.bend(scene.search_graph, found, is_free);
-                let report = task.judge_bent(scene.search_graph, found, &bend);
+                let (mut bend, report) = task.bend(scene.search_graph, found, is_free);
                 if is_free {
                     let ground_pose = bend.begin().after(&found.start.ground_pose);
                     *start = Start { frame: found.start.frame, placement: ground_pose.into() };
@@ -247,7 +246,7 @@ fn place_work(scene: &Scene, done: &Done, request: &PlaceRequest) -> Result<Work
         }
         notes.extend(shown.filter(|&shown| shown != frame).map(|shown| substitute_note(frame, shown)));
     }
-    let search = Anytime::new(&task, scene.search_graph);
+    let search = Anytime::new(&task, scene.search_graph).with_patience();
     Ok(Work::Place(Box::new((task, search, notes))))
 }
 
@@ -275,7 +274,7 @@ fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -
     };
     let mut task = PathTask::new(search_graph, curve, demands, starts, request.realism);
     task.exactness = request.exactness;
-    let search = Anytime::new(&task, search_graph);
+    let search = Anytime::new(&task, search_graph).with_patience();
     Ok(Work::Path(Box::new((task, search, notes))))
 }
 

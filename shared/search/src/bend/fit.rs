@@ -9,7 +9,7 @@ use glam::{DVec2, Vec2, Vec3Swizzles};
 
 use super::band::Band;
 use super::way::Way;
-use super::{MOST_STRIDE, MOST_TURN, tangent};
+use super::{MOST_STRIDE, MOST_TURN};
 use crate::curve::Curve;
 use crate::ground_pose::turn_of;
 
@@ -38,9 +38,10 @@ pub(super) struct Fitted {
     pub lengths: Vec<f64>,
 }
 
-/// Fits `way` onto `curve`; where it is not `is_free`, it begins as it does.
-pub(super) fn fit(way: &Way, curve: &Curve, is_free: bool) -> Fitted {
-    let mut fit = Fit::new(way, curve, is_free);
+/// Fits `way` onto `curve` by the share `exactness` of what steps may be changed by; where it is not `is_free`, it begins as
+/// it does.
+pub(super) fn fit(way: &Way, curve: &Curve, exactness: f32, is_free: bool) -> Fitted {
+    let mut fit = Fit::new(way, curve, exactness, is_free);
     for _ in 0..PASSES {
         fit.project();
         fit.solve();
@@ -67,7 +68,7 @@ struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
-    fn new(way: &'a Way, curve: &'a Curve, is_free: bool) -> Self {
+    fn new(way: &'a Way, curve: &'a Curve, exactness: f32, is_free: bool) -> Self {
         let gone: Vec<f64> = way
             .steps
             .iter()
@@ -87,7 +88,7 @@ impl<'a> Fit<'a> {
             places: way.points.iter().map(|point| point.as_dvec2()).collect(),
             turns: vec![0.0; way.points.len()],
             lengths,
-            rooms: way.budget.windows(2).map(|pair| f64::from((pair[1] - pair[0]).max(least))).collect(),
+            rooms: way.budget.windows(2).map(|pair| f64::from(exactness * (pair[1] - pair[0]).max(least))).collect(),
             weights: vec![[1.0; 2]; way.steps.len()],
         }
     }
@@ -120,7 +121,7 @@ impl<'a> Fit<'a> {
         let soft = SOFT * f64::from(self.way.fps);
         let mut band = Band::<9>::new(3 * count);
         for at in 0..count {
-            let along = tangent(self.curve, self.lengths[at]).as_dvec2();
+            let along = self.curve.direction(self.lengths[at]).as_dvec2();
             let off = self.places[at] - self.curve.at(self.lengths[at]).xz().as_dvec2();
             let aside = along.perp();
             band.add(3 * at, &[aside.x, aside.y, 0.0], aside.dot(off), 1.0 / OFF);
@@ -134,10 +135,13 @@ impl<'a> Fit<'a> {
             }
         }
         if !self.is_free {
-            for (unknown, residual) in
-                [self.places[0].x - f64::from(self.way.points[0].x), self.places[0].y - f64::from(self.way.points[0].y), self.turns[0]]
-                    .into_iter()
-                    .enumerate()
+            for (unknown, residual) in [
+                self.places[0].x - f64::from(self.way.points[0].x),
+                self.places[0].y - f64::from(self.way.points[0].y),
+                self.turns[0],
+            ]
+            .into_iter()
+            .enumerate()
             {
                 band.add(unknown, &[1.0], residual, FIXED);
             }

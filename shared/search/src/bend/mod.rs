@@ -1,11 +1,10 @@
 //! Walks that are bent onto their path: no walk through the graph lies on a drawn curve; small turns and stretches of stride,
 //! spread over it, bring it there.
 //!
-//! Not in the papers. A walk is taken to go on as it does, seen from the body: its steps are rolled off along the curve. What its
-//! way turns more or less than the curve is added to its heading; what is then missing to the curve is added to its stride, and
-//! the sway of its middle is taken off. All of it is rigid, one placement a step: what stands meanwhile is the player's to keep
-//! (`shared/synthesis/src/bend.rs`). No step is changed by more than [`MOST_TURN`] and [`MOST_STRIDE`]; what that is not
-//! enough for stays.
+//! Not in the papers. Each step of a walk is turned and moved as little as brings the walk onto its curve ([`mod@fit`]), and the
+//! sway of its middle is taken off. All of it is rigid, one placement a step: what stands meanwhile is the player's to keep
+//! (`shared/synthesis/src/bend.rs`). Hardly a step is changed by more than [`MOST_TURN`] and [`MOST_STRIDE`]; what that is not
+//! enough for stays. Searches look for walks that can be bent ([`super::steer`]).
 
 mod band;
 mod fit;
@@ -28,8 +27,6 @@ pub(super) const MOST_TURN: f32 = 0.1745;
 pub(super) const MOST_STRIDE: f32 = 0.1;
 /// Seconds over which a body's middle is smooth.
 const MIDDLE: f32 = 0.06;
-/// Metres before and after a place of the curve that its direction is taken from.
-const TANGENT: f64 = 0.08;
 
 /// How a walk is bent: where the frame after each step is put, in the world; the first one where the walk begins.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,25 +41,25 @@ impl Bend {
         })
     }
 
-    /// Bends a walk whose middle is at `track` after each step, `fps` steps a second, onto `curve`, by the share `exactness`. Where
-    /// it `is_free`, it may begin elsewhere.
+    /// Bends a walk whose middle is at `track` after each step, `fps` steps a second, onto `curve`, by the share `exactness` of
+    /// what may be. Where it `is_free`, it may begin elsewhere.
     pub fn onto(curve: &Curve, track: &[Vec3], fps: f32, exactness: f32, is_free: bool) -> Self {
         if track.len() < 2 || exactness <= 0.0 {
             return Self::default();
         }
         let track: Vec<Vec2> = track.iter().map(|point| point.xz()).collect();
         let way = Way::of(&track, fps);
-        let Fitted { places, turns, lengths } = fit(&way, curve, is_free);
+        let Fitted { places, turns, lengths } = fit(&way, curve, exactness, is_free);
         let middle = smooth(&track, MIDDLE * fps);
         let pose = |step: usize| {
             let turn = GroundPose { turn: turn_of(turns[step]), shift: Vec2::ZERO };
             // Sway along the way is how the body walks; what leads aside is taken off, once it is under way.
             let sway = turn.rotate(middle[step] - way.points[step]);
-            let along = tangent(curve, lengths[step]);
+            let along = curve.direction(lengths[step]);
             let aside = sway - along * sway.dot(along);
             let begun = if is_free { 1.0 } else { way.budget[step].min(1.0) };
-            let aim = places[step] + sway - aside.clamp_length_max(MOST_STRIDE) * begun;
-            moved(exactness * turns[step], middle[step], middle[step].lerp(aim, exactness))
+            let aim = places[step] + sway - aside.clamp_length_max(MOST_STRIDE) * begun * exactness;
+            moved(turns[step], middle[step], aim)
         };
         Self((0..track.len()).map(pose).collect())
     }
@@ -104,7 +101,59 @@ fn moved(turn: f32, from: Vec2, to: Vec2) -> GroundPose {
     GroundPose { shift: to - turned.rotate(from), ..turned }
 }
 
-/// Which way a curve leads at an arc length: a unit vector.
-fn tangent(curve: &Curve, length: f64) -> Vec2 {
-    (curve.at(length + TANGENT) - curve.at(length - TANGENT)).xz().normalize_or(Vec2::Y)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::Shape;
+    use fixtures::Random;
+
+    /// A way that turns now and then, stands now and then, and sways.
+    fn random_track(random: &mut Random, fps: f32) -> Vec<Vec3> {
+        let (mut place, mut heading, mut track) = (Vec2::ZERO, random.range(-0.5, 0.5), Vec::new());
+        for _ in 0..3 + random.below(5) {
+            let (turn, speed) = (random.range(-2.0, 2.0), random.range(-0.5, 1.8_f32).max(0.0));
+            for _ in 0..(random.range(0.3, 1.5) * fps) as usize {
+                heading += turn / fps;
+                place += Vec2::new(heading.sin(), heading.cos()) * (speed / fps);
+                let sway = 0.02 * (track.len() as f32 / fps * 12.0).sin();
+                let aside = Vec2::new(heading.cos(), -heading.sin()) * sway;
+                track.push(Vec3::new(place.x + aside.x, 1.0, place.y + aside.y));
+            }
+        }
+        track
+    }
+
+    /// Root of the mean square of distances, which is what is made least.
+    fn off(curve: &Curve, points: impl Iterator<Item = Vec3>) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for point in points {
+            let length = curve.nearest_length(point.xz(), 0.0, curve.length());
+            let off = curve.distance(point, length);
+            (sum, count) = (sum + off * off, count + 1);
+        }
+        (sum / f64::from(count)).sqrt()
+    }
+
+    #[test]
+    fn no_walk_is_bent_away_from_its_path() {
+        let mut random = Random::new(11);
+        for case in 0..60 {
+            let track = random_track(&mut random, 50.0);
+            // The way with corners cut.
+            let corners: Vec<Vec3> = track
+                .iter()
+                .step_by(40)
+                .map(|point| *point + Vec3::new(random.range(-0.15, 0.15), 0.0, random.range(-0.15, 0.15)))
+                .collect();
+            let shape = if case % 2 == 0 { Shape::Polyline } else { Shape::Spline };
+            let curve = Curve::new(&corners, shape, true, None);
+            for is_free in [false, true] {
+                let bend = Bend::onto(&curve, &track, 50.0, 1.0, is_free);
+                let before = off(&curve, track.iter().copied());
+                let after = off(&curve, track.iter().zip(&bend.0).map(|(point, pose)| pose.apply(*point)));
+                assert!(after < before + 0.002, "case {case}: {before:?} before, {after:?} after");
+                assert!(bend.0.iter().all(|pose| pose.shift.is_finite() && pose.turn.is_finite()));
+            }
+        }
+    }
 }

@@ -15,7 +15,7 @@ use actor::timeline::Timeline;
 /// Share of a stretch at either end that need not be shown, where better transitions arrive after it or leave before it.
 const SLACK: f64 = 0.03;
 /// Seconds of a stretch that is too short to be worth an ear of its own.
-const SHORT: f64 = 0.2;
+const SHORT: f64 = 0.1;
 /// Seconds within which both ends of two transitions must not lie (20 frames of 30 a second in the paper).
 const APART: f64 = 0.66;
 /// Seconds of recorded frames for each transition of the graph, and for each that is added whatever connects.

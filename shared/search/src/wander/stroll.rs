@@ -29,6 +29,10 @@ const TOO_OFTEN: f64 = 1.0;
 const AIM: f64 = 0.5;
 /// By how much chance raises the worth of an aim at most.
 const CHANCE: f64 = 0.5;
+/// Rounds that a segment lags behind, beside those counted, for as long as it was never shown.
+const NEVER: f64 = 4.0;
+/// How often a segment is shown at least, as a share of how often the one of its sequence is that is shown most.
+const BEHIND: f64 = 0.7;
 /// Seconds that a transition costs beside its own, that was taken just now.
 const SAME: f64 = 8.0;
 
@@ -38,6 +42,8 @@ pub(super) struct Stroll {
     /// How often each segment is to be shown, and how often it was, over that: its rounds.
     wanted: Vec<f64>,
     rounds: Vec<f64>,
+    /// The sequence of each segment.
+    sequences: Vec<u32>,
     /// Step at which each segment was shown last.
     shown: Vec<Option<u32>>,
     /// Step at which each edge was taken last.
@@ -73,7 +79,10 @@ impl Stroll {
         let steps = |seconds: f64| (seconds * fps).ceil() as u32;
         let wanted = segments.optimiser.wanted();
         let mean = wanted.iter().sum::<f64>() / wanted.len().max(1) as f64;
+        let sequence =
+            |frame: u32| timeline.sequences().partition_point(|sequence| sequence.end_frame() <= frame) as u32;
         Self {
+            sequences: segments.segments.iter().map(|segment| sequence(segment.first)).collect(),
             wanted: wanted.iter().map(|wanted| wanted / mean).collect(),
             rounds: wanted.iter().map(|_| random()).collect(),
             shown: vec![None; wanted.len()],
@@ -135,13 +144,14 @@ impl Stroll {
     /// Finds the way to the next aim, from the end of `state`.
     fn aim(&mut self, graph: &EssentialGraph, segments: &Segments, state: usize, random: &mut dyn FnMut() -> f64) {
         let ways = self.ways(graph, segments, state);
-        let level = self.level(segments);
+        let levels = self.levels(segments);
         let worth: Vec<f64> = ways
             .iter()
             .zip(&segments.segments)
             .enumerate()
             .map(|(to, (way, segment))| {
-                let lags = (level + 1.0 - self.rounds[to]).max(0.0);
+                let never = if self.shown[to].is_none() { NEVER } else { 0.0 };
+                let lags = (levels[self.sequences[to] as usize] + 1.0 + never - self.rounds[to]).max(0.0);
                 let seconds = f64::from(segment.last + 1 - segment.first) / self.fps;
                 if way.cost.is_finite() { seconds * self.wanted[to] * lags * lags / (AIM + way.cost) } else { 0.0 }
             })
@@ -174,6 +184,17 @@ impl Stroll {
             weight += wanted;
         }
         sum / weight
+    }
+
+    /// How many rounds the segments of each sequence are to be at: as many as all; more where others of the sequence were shown
+    /// more often, for ways to everything lead through them.
+    fn levels(&self, segments: &Segments) -> Vec<f64> {
+        let mut levels = vec![self.level(segments); self.sequences.last().map_or(0, |&last| last as usize + 1)];
+        for (&rounds, &sequence) in self.rounds.iter().zip(&self.sequences) {
+            let level = &mut levels[sequence as usize];
+            *level = level.max(rounds * BEHIND);
+        }
+        levels
     }
 
     /// How fresh the memory of a step will be in some `steps`: 1 just after it, 0 where it is forgotten.
