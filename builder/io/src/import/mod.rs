@@ -80,6 +80,7 @@ mod polygon;
 mod read;
 mod scans;
 mod scratch;
+mod sheet;
 mod stills;
 mod text;
 mod textures;
@@ -100,8 +101,9 @@ pub use self::error::ImportError;
 #[cfg(all(feature = "gltf", feature = "mocap"))]
 pub(crate) use self::gltf::Skeleton;
 pub use self::manifest::UpAxis;
-pub use self::scans::{ScannedFrame, ScannedSequence, ScannedTexture, Scans, scans};
+pub use self::scans::{ScannedFrame, ScannedSequence, Scans, scans};
 pub use self::scratch::Scratch;
+pub use self::sheet::ScannedTexture;
 pub use self::warning::Warning;
 use job::Job;
 

@@ -1,15 +1,14 @@
 //! Frames that each have their own mesh: read one by one, whenever they are asked for, and never held against each other.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use actor::surface::Material;
 use glam::{DVec3, Vec2, Vec3};
-use image::DynamicImage;
 
 use super::ImportOptions;
 use super::error::ImportError;
 use super::frames::{Axes, First, check_area, place, shared_mesh};
 use super::gltf::GltfFile;
-use super::images::read_file;
 use super::inputs::Source;
 use super::layers::TextureLayer;
 use super::mesh::{FileMesh, FileTriangle};
@@ -17,6 +16,7 @@ use super::nearby;
 use super::pairing;
 use super::places::{offset_of, recentred};
 use super::plan::{Plan, PlannedSequence, plan};
+use super::sheet::{Cell, Picture, ScannedTexture, Sheet};
 use super::warning::Warning;
 use super::worn::NamedTexture;
 
@@ -64,11 +64,8 @@ enum Outside {
 impl Outside {
     fn read(&self) -> Result<ScannedTexture, ImportError> {
         match self {
-            Self::Image(path) => ScannedTexture::read(path),
-            Self::Layer(layer) => {
-                let (path, layer) = (layer.path().to_owned(), Some(layer).cloned());
-                Ok(ScannedTexture { bytes: read_file(&path)?, path, layer })
-            }
+            Self::Image(path) => Ok(Picture::read(path)?.into()),
+            Self::Layer(layer) => Ok(Picture { layer: Some(layer.clone()), ..Picture::read(layer.path())? }.into()),
         }
     }
 }
@@ -84,39 +81,8 @@ pub struct ScannedFrame {
     pub uvs: Vec<[Vec2; 3]>,
     /// sRGB colours of the vertices; empty where there are none.
     pub colours: Vec<[u8; 4]>,
-    /// The texture of the first material that has one.
+    /// Its texture: those of all materials side by side, where they are several.
     pub texture: Option<ScannedTexture>,
-}
-
-/// A texture that is not decoded yet.
-#[derive(Clone, Debug)]
-pub struct ScannedTexture {
-    path: PathBuf,
-    bytes: Vec<u8>,
-    /// Which picture of the file, where it holds several.
-    layer: Option<TextureLayer>,
-}
-
-impl ScannedTexture {
-    /// Width, height and texels in sRGB, row by row from the top.
-    ///
-    /// # Errors
-    /// A file that is no image that is read.
-    pub fn decoded(&self) -> Result<(usize, usize, Vec<[u8; 3]>), ImportError> {
-        let image = match &self.layer {
-            Some(layer) => DynamicImage::from(layer.decoded(&self.bytes)?),
-            // The decoder's default limits bound the memory that a header can ask for.
-            None => image::load_from_memory(&self.bytes)
-                .map_err(|cause| ImportError::Image { path: self.path.clone(), reason: cause.to_string() })?,
-        };
-        let image = image.into_rgb8();
-        let texels = image.pixels().map(|pixel| pixel.0).collect();
-        Ok((image.width() as usize, image.height() as usize, texels))
-    }
-
-    fn read(path: &Path) -> Result<Self, ImportError> {
-        Ok(Self { path: path.to_owned(), bytes: read_file(path)?, layer: None })
-    }
 }
 
 /// Finds the scanned frames of `inputs`, as [`import`](super::import) finds those of one mesh.
@@ -219,7 +185,7 @@ impl Scans {
         let Some((sequence, number)) = self.place_of(frame) else { return Err(ImportError::NoInput) };
         let of = &self.sequences[sequence];
         let path = &of.files[number];
-        let (mesh, recorded, own) = self.file(sequence, number)?;
+        let (mesh, recorded, sheet) = self.file(sequence, number)?;
         let mut positions = vec![Vec3::ZERO; recorded.len()];
         place(&recorded, path, number, self.axes, &mut positions)?;
         check_area(&mesh.faces, path, number, &positions)?;
@@ -229,12 +195,15 @@ impl Scans {
             Vec::new()
         } else {
             let moved = |material: u32| mesh.uv_transforms.get(material as usize).copied().unwrap_or_default();
-            let of = |t: &FileTriangle| t.corners.map(|corner| moved(t.material).apply(mesh.uvs[corner]).into());
+            let of = |t: &FileTriangle| {
+                let corners = t.corners.map(|corner| moved(t.material).apply(mesh.uvs[corner]).into());
+                sheet.as_ref().map_or(corners, |sheet| sheet.place(t.material, corners))
+            };
             triangles.iter().map(of).collect()
         };
         let texture = match of.textures.get(number) {
             Some(Some(outside)) => Some(outside.read()?),
-            _ => own,
+            _ => sheet.map(|sheet| sheet.texture),
         };
         let triangles = triangles.iter().map(|t| t.corners.map(|corner| corners[corner])).collect();
         Ok(ScannedFrame { positions, triangles, uvs, colours: mesh.colours, texture })
@@ -254,33 +223,53 @@ impl Scans {
         Ok(None)
     }
 
-    /// Mesh, positions as they are recorded, and texture of a frame.
-    fn file(
-        &self,
-        sequence: usize,
-        number: usize,
-    ) -> Result<(FileMesh, Vec<DVec3>, Option<ScannedTexture>), ImportError> {
+    /// Mesh, positions as they are recorded, and the textures of a frame, where its own file says them.
+    fn file(&self, sequence: usize, number: usize) -> Result<(FileMesh, Vec<DVec3>, Option<Sheet>), ImportError> {
         let (of, path) = (&self.sequences[sequence], &self.sequences[sequence].files[number]);
         if of.still {
             let file = GltfFile::open(path)?;
             let pose = file.pose(0, 1.0, 0)?.iter().map(|p| p.as_dvec3()).collect();
             let mesh = file.mesh().clone();
-            let image = mesh.materials.iter().find_map(|material| material.image);
-            let image = image.and_then(|image| mesh.images.get(image as usize));
-            let texture =
-                image.map(|image| ScannedTexture { path: path.clone(), bytes: image.bytes.clone(), layer: None });
-            return Ok((mesh, pose, texture));
+            let picture = |material: &Material| {
+                let image = material.image.and_then(|image| mesh.images.get(image as usize))?;
+                Some(Picture { path: path.clone(), bytes: image.bytes.clone(), layer: None })
+            };
+            let looks = looks(&mesh, |number| Ok(mesh.materials.get(number).and_then(picture)))?;
+            return Ok((mesh, pose, Sheet::of(looks)));
         }
         let first = First::read(path)?;
         let mesh = shared_mesh(&first, path)?;
-        let named = of.textures.is_empty().then(|| first.named()).flatten();
-        let image = match named {
-            Some(NamedTexture::Found(path)) => Some(ScannedTexture::read(&path)?),
-            Some(NamedTexture::Missing(texture)) => {
-                return Err(ImportError::TextureMissing { path: path.clone(), texture });
-            }
-            None => None,
-        };
-        Ok((mesh, first.frame.positions, image))
+        if !of.textures.is_empty() {
+            return Ok((mesh, first.frame.positions, None));
+        }
+        let looks = looks(&mesh, |number| match mesh.textures.get(number).cloned().flatten() {
+            Some(NamedTexture::Found(path)) => Picture::read(&path).map(Some),
+            Some(NamedTexture::Missing(texture)) => Err(ImportError::TextureMissing { path: path.clone(), texture }),
+            None => Ok(None),
+        })?;
+        Ok((mesh, first.frame.positions, Sheet::of(looks)))
     }
+}
+
+/// What each material of a mesh looks like; those that no face has are taken to look like the first one that one has.
+fn looks(
+    mesh: &FileMesh,
+    picture: impl Fn(usize) -> Result<Option<Picture>, ImportError>,
+) -> Result<Vec<Cell>, ImportError> {
+    let count = mesh.materials.len().max(1);
+    let mut used = vec![mesh.material_of_face.is_empty(); count];
+    for &material in &mesh.material_of_face {
+        if let Some(used) = used.get_mut(material as usize) {
+            *used = true;
+        }
+    }
+    let mut looks = Vec::with_capacity(count);
+    for number in 0..count {
+        let [red, green, blue, _] = mesh.materials.get(number).map_or([1.0; 4], |material| material.base_colour);
+        let tint = [red, green, blue];
+        let picture = used[number].then(|| picture(number)).transpose()?;
+        looks.push(picture.map(|picture| Cell { picture, tint }));
+    }
+    let first = looks.iter().flatten().next().cloned();
+    Ok(looks.into_iter().filter_map(|look| look.or_else(|| first.clone())).collect())
 }
