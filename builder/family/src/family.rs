@@ -42,6 +42,8 @@ pub struct Family<'a> {
     table: Vec<(f32, f32)>,
     /// What is seen of each member's ends: how far they are apart, in metres.
     apart: Vec<f32>,
+    /// How far members are from each other at the same phase, at most, in metres.
+    unlike: f32,
     order: Vec<u32>,
 }
 
@@ -51,32 +53,11 @@ impl<'a> Family<'a> {
     /// # Errors
     /// See [`FamilyError`].
     pub fn new(recorded: Recorded<'a>, wanted: &Wanted, job: &Job) -> Result<Self, FamilyError> {
-        if recorded.feet.count() == 0 {
-            return Err(FamilyError::NoContacts);
-        }
-        if wanted.sequences.len() < 2 {
-            return Err(FamilyError::TooFew(wanted.sequences.len()));
-        }
-        check_frames(&recorded, wanted)?;
         job.begin("cycles")?;
         let mut poisson = PoissonInterpolator::new(recorded.topology, None)?;
         let order = poisson.elimination_order().to_vec();
-        let cut = if wanted.parameter.is_of_jumps() {
-            cut_jumps(&recorded, wanted)?.into_iter().map(|member| (member, 0.0)).collect()
-        } else {
-            cut_cycles(&recorded, wanted, &mut poisson)?
-        };
+        let (cut, unlike) = cut(&recorded, wanted, &mut poisson)?;
         let name = |member: &Member| recorded.timeline.sequences()[member.sequence].name.clone();
-        let mut cut: Vec<(Member, f32)> = cut;
-        if let Some((first, others)) = cut.split_first_mut() {
-            for (other, _) in others {
-                face(&recorded, &first.0, other).map_err(|why| FamilyError::Unlike {
-                    one: name(&first.0),
-                    other: name(other),
-                    why,
-                })?;
-            }
-        }
         let mut valued = Vec::new();
         for (member, apart) in cut {
             let own = Pair::new([&member, &member]).map_err(|why| FamilyError::NoCycle { name: name(&member), why })?;
@@ -93,7 +74,8 @@ impl<'a> Family<'a> {
         }
         let apart = valued.iter().map(|valued| valued.2).collect();
         let members = valued.into_iter().map(|valued| valued.1).collect();
-        let mut family = Self { recorded, parameter: wanted.parameter, members, table: Vec::new(), apart, order };
+        let mut family =
+            Self { recorded, parameter: wanted.parameter, members, table: Vec::new(), apart, unlike, order };
         family.table = family.measure(job)?;
         Ok(family)
     }
@@ -107,6 +89,13 @@ impl<'a> Family<'a> {
     /// Its members in the order of the parameter, and how far the ends of each are apart, in metres.
     pub fn members(&self) -> impl Iterator<Item = (&Member, f32)> {
         self.members.iter().zip(self.apart.iter().copied())
+    }
+
+    /// How far members are from the first one at the same phase, once they face one way: root of the mean square over vertices and
+    /// phases, of the one that is least like it, in metres.
+    #[must_use]
+    pub fn unlike(&self) -> f32 {
+        self.unlike
     }
 
     /// The table: weights, counted on from member to member, and the parameter that was measured there.
@@ -215,6 +204,48 @@ impl<'a> Family<'a> {
         };
         self.table.windows(2).find(between).map_or_else(nearest, |pair| (pair[0], pair[1]))
     }
+}
+
+/// The members of a family with how far their ends are apart, facing one way, and how unlike they are, in metres.
+fn cut(
+    recorded: &Recorded,
+    wanted: &Wanted,
+    poisson: &mut PoissonInterpolator,
+) -> Result<(Vec<(Member, f32)>, f32), FamilyError> {
+    if recorded.feet.count() == 0 {
+        return Err(FamilyError::NoContacts);
+    }
+    if wanted.sequences.len() < 2 {
+        return Err(FamilyError::TooFew(wanted.sequences.len()));
+    }
+    check_frames(recorded, wanted)?;
+    let mut cut: Vec<(Member, f32)> = if wanted.parameter.is_of_jumps() {
+        cut_jumps(recorded, wanted)?.into_iter().map(|member| (member, 0.0)).collect()
+    } else {
+        cut_cycles(recorded, wanted, poisson)?
+    };
+    let name = |member: &Member| recorded.timeline.sequences()[member.sequence].name.clone();
+    let mut unlike = 0.0_f32;
+    if let Some((first, others)) = cut.split_first_mut() {
+        for (other, _) in others {
+            let apart = face(recorded, &first.0, other).map_err(|why| FamilyError::Unlike {
+                one: name(&first.0),
+                other: name(other),
+                why,
+            })?;
+            unlike = unlike.max(apart);
+        }
+    }
+    Ok((cut, unlike))
+}
+
+/// How unlike the members of a family would be, as [`Family::unlike`] has it.
+///
+/// # Errors
+/// As [`Family::new`].
+pub(crate) fn how_unlike(recorded: &Recorded, wanted: &Wanted) -> Result<f32, FamilyError> {
+    let mut poisson = PoissonInterpolator::new(recorded.topology, None)?;
+    cut(recorded, wanted, &mut poisson).map(|cut| cut.1)
 }
 
 /// Frames that are named have to be there.

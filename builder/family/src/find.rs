@@ -4,13 +4,15 @@ use glam::Vec3;
 use kernels::align::centre_of_mass;
 
 use crate::cycle::Cycle;
-use crate::family::{Wanted, best_cycle};
+use crate::family::{Wanted, best_cycle, how_unlike};
 use crate::jump::jumps;
 use crate::parameter::Parameter;
 use crate::recorded::{Recorded, Track};
 
 /// Ends of a cycle further apart than this meet badly, in body heights: 9 cm of 1.8 m.
 pub const MEETS: f32 = 0.05;
+/// Members further from each other than this at the same phase do something else, in body heights: 22 cm of 1.8 m.
+pub const UNLIKE: f32 = 0.12;
 /// A cycle that turns less than this goes straight on, in radians.
 const STRAIGHT: f32 = 0.35;
 /// A cycle whose way is shorter is a step on the spot, in body heights.
@@ -135,8 +137,9 @@ pub fn proposals(recorded: &Recorded, found: &[Found]) -> Vec<Proposal> {
     ];
     let made = candidates.into_iter().zip(SPANS);
     made.filter_map(|((name, parameter, list), span)| {
-        let sequences = spread(recorded, list, parameter, span);
-        (sequences.len() > 1).then(|| Proposal { name, wanted: Wanted { parameter, sequences } })
+        let wanted = Wanted { parameter, sequences: spread(recorded, list, parameter, span) };
+        let alike = |wanted: &Wanted| how_unlike(recorded, wanted).is_ok_and(|far| far < UNLIKE * recorded.body());
+        (wanted.sequences.len() > 1 && alike(&wanted)).then_some(Proposal { name, wanted })
     })
     .collect()
 }

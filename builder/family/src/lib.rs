@@ -29,7 +29,7 @@ mod twist;
 
 pub use error::FamilyError;
 pub use family::{Family, Wanted};
-pub use find::{Found, MEETS, Proposal, found, proposals};
+pub use find::{Found, MEETS, Proposal, UNLIKE, found, proposals};
 pub use member::{Event, Member};
 pub use parameter::Parameter;
 pub use recorded::{Recorded, Track};

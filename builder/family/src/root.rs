@@ -91,32 +91,21 @@ fn slip(
     if total > 0.0 { (sum / total, touch(low / 2.0, body) * firmest) } else { (Vec2::ZERO, 0.0) }
 }
 
-/// What is not known goes from the last known to the next one; nothing is known: zeros.
+/// What is not known: of what repeats it goes from the last known to the next one, for a step is carried through its flight; a jump
+/// flies as both do on average. Nothing is known: zeros.
 fn filled(wanted: &[Option<(Vec2, f32)>], cyclic: bool) -> Vec<Vec2> {
     let count = wanted.len();
     let known: Vec<usize> = (0..count).filter(|&k| wanted[k].is_some()).collect();
-    if known.is_empty() {
-        return vec![Vec2::ZERO; count];
-    }
-    let value = |k: usize| wanted[k].map_or(Vec2::ZERO, |(value, _)| value);
+    let value = |k: usize| wanted[k % count].map_or(Vec2::ZERO, |(value, _)| value);
+    let (Some(&first), Some(&last), true) = (known.first(), known.last(), cyclic) else {
+        return (0..count).map(value).collect();
+    };
     let fill = |k: usize| {
-        let after = known.partition_point(|&other| other < k);
-        let (before, after) = (after.checked_sub(1), (after < known.len()).then_some(after));
-        let (first, last) = match (before, after) {
-            (Some(before), Some(after)) => ((known[before], known[before]), (known[after], known[after])),
-            // Around the end; as counted from there.
-            _ if cyclic => {
-                let (last, first) = (known[known.len() - 1], known[0]);
-                let k_is_behind = k > last;
-                ((last, if k_is_behind { last } else { 0 }), (first, if k_is_behind { count + first } else { first }))
-            }
-            (Some(before), None) => return value(known[before]),
-            (None, Some(after)) => return value(known[after]),
-            (None, None) => return Vec2::ZERO,
-        };
-        let start = if cyclic && before.is_none() { first.0 as f32 - count as f32 } else { first.1 as f32 };
-        let share = (k as f32 - start) / (last.1 as f32 - start).max(1.0);
-        value(first.0).lerp(value(last.0), share)
+        let next = known.partition_point(|&other| other < k);
+        // Frames before the first known one lie behind the last one of the round before.
+        let (before, k) = if next > 0 { (known[next - 1], k) } else { (last, k + count) };
+        let after = known.get(next).map_or(first + count, |&after| if k >= count { after + count } else { after });
+        value(before).lerp(value(after), (k - before) as f32 / (after - before) as f32)
     };
     (0..count).map(|k| if wanted[k].is_some() { value(k) } else { fill(k) }).collect()
 }
@@ -129,4 +118,27 @@ pub(crate) fn smoothed(values: &[Vec2], deviation: f32, cyclic: bool) -> Vec<Vec
     let weight = |beside: i64| (-0.5 * (beside as f32 / deviation.max(1e-3)).powi(2)).exp();
     let total: f32 = (-reach..=reach).map(weight).sum();
     (0..count).map(|k| (-reach..=reach).map(|beside| at(k + beside) * weight(beside)).sum::<Vec2>() / total).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_goes_on_around_the_end() {
+        let known = |x: f32| Some((Vec2::new(x, 0.0), 1.0));
+        let wanted = [None, known(1.0), None, None, known(4.0), None];
+        for (cyclic, expected) in [(true, [2.0, 1.0, 2.0, 3.0, 4.0, 3.0]), (false, [0.0, 1.0, 0.0, 0.0, 4.0, 0.0])] {
+            let filled = filled(&wanted, cyclic);
+            assert!(filled.iter().zip(expected).all(|(value, x)| (value.x - x).abs() < 1e-5), "{filled:?}");
+        }
+        assert_eq!(filled(&[None, None], true), [Vec2::ZERO; 2]);
+    }
+
+    #[test]
+    fn means_keep_what_is_even() {
+        let even = vec![Vec2::ONE; 9];
+        let means = smoothed(&even, 1.5, false);
+        assert!(means.iter().all(|mean| mean.distance(Vec2::ONE) < 1e-6));
+    }
 }

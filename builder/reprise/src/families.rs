@@ -6,7 +6,7 @@ use actor::capture::{Capture, Poses};
 use actor::feet::Feet;
 use actor::timeline::{Sequence, Timeline};
 use capture_io::import::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, Imported, ManifestFamily, Warning};
-use family::{Family, FamilyError, MEETS, Measured, Parameter, Recorded, Sample, Wanted};
+use family::{Family, FamilyError, MEETS, Measured, Parameter, Recorded, Sample, UNLIKE, Wanted};
 use glam::Vec3;
 use job::Job;
 use serde::Serialize;
@@ -64,6 +64,8 @@ pub struct FamilySummary {
     pub unit: &'static str,
     /// Its members, in the order of the parameter.
     pub members: Vec<MemberSummary>,
+    /// How far members are from the first one at the same phase, at most: root of the mean square, in millimetres.
+    pub unlike_mm: f32,
     /// Weights, counted on from member to member, and the parameter measured there.
     pub table: Vec<(f32, f32)>,
     /// Its samples.
@@ -184,6 +186,15 @@ fn doubts(recorded: &Recorded, asked: &ManifestFamily, family: &Family) -> Vec<W
             warnings.push(Warning::new("W_FAMILY_SEAM", message));
         }
     }
+    if family.unlike() > UNLIKE * recorded.body() {
+        let message = format!(
+            "family \"{}\": its members are {:.0} mm from each other at the same phase: they do not do the same, and what lies between \
+             may lose volume or do neither; look at it",
+            asked.name,
+            family.unlike() * 1e3
+        );
+        warnings.push(Warning::new("W_FAMILY_UNLIKE", message));
+    }
     if !family.is_monotone() {
         let message = format!(
             "family \"{}\": the {} does not grow all the way from the first cycle to the last; of several weights that give one \
@@ -280,6 +291,7 @@ fn samples(
         },
         unit: parameter.unit(),
         members: members.collect(),
+        unlike_mm: family.unlike() * 1e3,
         table: family.table().to_vec(),
         samples: summaries,
     };

@@ -119,3 +119,56 @@ pub(super) fn contradiction(families: &[ManifestFamily], sequences: &[&String]) 
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<ManifestFamily, String> {
+        let family: ManifestFamily = toml::from_str(text).map_err(|error| error.to_string())?;
+        family.check().map(|()| family)
+    }
+
+    #[test]
+    fn a_family_says_what_it_is_made_of() {
+        let family = read(
+            "name = 'gait'\nparameter = 'speed'\nsequences = ['walk', 'run']\nsamples = [1.5, 2]\nframes = [[], [3, 40]]",
+        );
+        let family = family.unwrap();
+        assert_eq!(family.parameter, FamilyParameter::Speed);
+        assert_eq!(family.samples, Some(FamilySamples::At(vec![1.5, 2.0])));
+        assert_eq!([family.frames_of(0), family.frames_of(1), family.frames_of(2)], [None, Some((3, 40)), None]);
+        let counted = "name = 'gait'\nparameter = 'turn'\nsequences = ['a', 'b']\nsamples = 5";
+        assert_eq!(read(counted).unwrap().samples, Some(FamilySamples::Count(5)));
+    }
+
+    #[test]
+    fn nonsense_is_a_sentence() {
+        let gait = "name = 'gait'\nparameter = 'speed'\n";
+        let told = |rest: &str| read(&format!("{gait}{rest}")).unwrap_err();
+        let two = "sequences = ['walk', 'run']\n";
+        assert!(told("sequences = ['walk']").contains("two sequences at least, and names 1"));
+        assert!(told("sequences = ['walk', 'walk']").contains("names sequence \"walk\" twice"));
+        assert!(told(&format!("{two}samples = 0")).contains("1 to 64, not 0"));
+        assert!(told(&format!("{two}samples = []")).contains("1 to 64 values"));
+        assert!(told(&format!("{two}samples = [nan]")).contains("finite"));
+        assert!(told(&format!("{two}samples = 'many'")).contains("samples"));
+        assert!(told(&format!("{two}frames = [[1, 2]]")).contains("1 entries for 2 sequences"));
+        assert!(told(&format!("{two}frames = [[5, 2], []]")).contains("pairs"));
+        assert!(told(&format!("{two}step = 0.1")).contains("unknown field"));
+        assert!(read("name = 'x'\nparameter = 'colour'\nsequences = ['a', 'b']").unwrap_err().contains("speed"));
+        assert!(read("name = ' '\nparameter = 'speed'\nsequences = ['a', 'b']").unwrap_err().contains("name"));
+    }
+
+    #[test]
+    fn names_that_contradict_each_other_are_told() {
+        let family =
+            |name: &str| read(&format!("name = '{name}'\nparameter = 'speed'\nsequences = ['walk', 'run']")).unwrap();
+        let (walk, run, jog) = ("walk".to_owned(), "run".to_owned(), "jog".to_owned());
+        assert_eq!(contradiction(&[family("a"), family("b")], &[&walk, &run]), None);
+        let twice = contradiction(&[family("a"), family("a")], &[&walk, &run]).unwrap();
+        assert!(twice.contains("two families are named \"a\""));
+        let missing = contradiction(&[family("a")], &[&walk, &jog]).unwrap();
+        assert!(missing.contains("no sequence \"run\"; there are: walk, jog"));
+    }
+}
