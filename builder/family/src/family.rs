@@ -22,14 +22,17 @@ const QUARTERS: usize = 4;
 const ROUNDS: usize = 4;
 const MET: f32 = 0.004;
 
+/// A sequence of the capture, by its number, and the frames within which its cycle or jump is looked for, where that is said: the first
+/// one and the last one, from 0.
+pub type Part = (usize, Option<(u32, u32)>);
+
 /// What is made a family.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     /// By which number.
     pub parameter: Parameter,
-    /// Sequences of the capture, by their numbers, and the frames of each within which its cycle or jump is looked for, where
-    /// that is said: the first one and the last one, from 0.
-    pub sequences: Vec<(usize, Option<(u32, u32)>)>,
+    /// Where its members are.
+    pub sequences: Vec<Part>,
 }
 
 /// A family.
@@ -268,7 +271,7 @@ fn cut_cycles(
 ) -> Result<Vec<(Member, f32)>, FamilyError> {
     let tracks: Vec<Track> = wanted.sequences.iter().map(|&(sequence, _)| recorded.track(sequence)).collect();
     let by_foot = |foot: usize| -> Vec<Result<Cycle, FamilyError>> {
-        let best = |(track, &(sequence, frames)): (&Track, &(usize, Option<(u32, u32)>))| {
+        let best = |(track, &(sequence, frames)): (&Track, &Part)| {
             best_cycle(recorded, track, foot, wanted.parameter, frames).ok_or_else(|| no_cycle(recorded, sequence))
         };
         tracks.iter().zip(&wanted.sequences).map(best).collect()
@@ -324,7 +327,7 @@ fn no_cycle(recorded: &Recorded, sequence: usize) -> FamilyError {
 /// The highest jump of each sequence, all cut as long as the shortest allows.
 fn cut_jumps(recorded: &Recorded, wanted: &Wanted) -> Result<Vec<Member>, FamilyError> {
     let tracks: Vec<Track> = wanted.sequences.iter().map(|&(sequence, _)| recorded.track(sequence)).collect();
-    let highest = |(track, &(sequence, frames)): (&Track, &(usize, Option<(u32, u32)>))| {
+    let highest = |(track, &(sequence, frames)): (&Track, &Part)| {
         let first = track.own().start;
         let within = |jump: &Jump| {
             frames.is_none_or(|(from, to)| first + from as usize <= jump.off && jump.land <= first + to as usize)

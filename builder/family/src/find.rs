@@ -4,7 +4,7 @@ use glam::Vec3;
 use kernels::align::centre_of_mass;
 
 use crate::cycle::Cycle;
-use crate::family::{Wanted, best_cycle, how_unlike};
+use crate::family::{Part, Wanted, best_cycle, how_unlike};
 use crate::jump::jumps;
 use crate::parameter::Parameter;
 use crate::recorded::{Recorded, Track};
@@ -154,12 +154,7 @@ fn value(one: &Found, parameter: Parameter) -> f32 {
 }
 
 /// Of what is about as large only what meets best, in order; of steps one a sequence.
-fn spread(
-    recorded: &Recorded,
-    mut list: Vec<Found>,
-    parameter: Parameter,
-    span: f32,
-) -> Vec<(usize, Option<(u32, u32)>)> {
+fn spread(recorded: &Recorded, mut list: Vec<Found>, parameter: Parameter, span: f32) -> Vec<Part> {
     list.sort_by(|a, b| value(a, parameter).total_cmp(&value(b, parameter)));
     let mut kept: Vec<Found> = Vec::new();
     for one in list {

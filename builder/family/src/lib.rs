@@ -28,7 +28,7 @@ mod times;
 mod twist;
 
 pub use error::FamilyError;
-pub use family::{Family, Wanted};
+pub use family::{Family, Part, Wanted};
 pub use find::{Found, MEETS, Proposal, UNLIKE, found, proposals};
 pub use member::{Event, Member};
 pub use parameter::Parameter;

@@ -6,7 +6,7 @@ use actor::capture::{Capture, Poses};
 use actor::feet::Feet;
 use actor::timeline::{Sequence, Timeline};
 use capture_io::import::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, Imported, ManifestFamily, Warning};
-use family::{Family, FamilyError, MEETS, Measured, Parameter, Recorded, Sample, UNLIKE, Wanted};
+use family::{Family, FamilyError, MEETS, Measured, Parameter, Part, Recorded, Sample, UNLIKE, Wanted};
 use glam::Vec3;
 use job::Job;
 use serde::Serialize;
@@ -113,8 +113,7 @@ pub fn proposed(recorded: &Recorded, found: &[family::Found]) -> Vec<ManifestFam
         .map(|proposal| {
             let Wanted { parameter, sequences } = proposal.wanted;
             let named = sequences.iter().any(|(_, frames)| frames.is_some());
-            let frames =
-                |(_, frames): &(usize, Option<(u32, u32)>)| frames.map_or_else(Vec::new, |(from, to)| vec![from, to]);
+            let frames = |(_, frames): &Part| frames.map_or_else(Vec::new, |(from, to)| vec![from, to]);
             ManifestFamily {
                 name: proposal.name.into(),
                 parameter: match parameter {
@@ -155,7 +154,8 @@ pub fn make(
 }
 
 /// A family by the numbers of its sequences; import has seen that they are there.
-fn resolved(recorded: &Recorded, asked: &ManifestFamily) -> Wanted {
+#[must_use]
+pub fn resolved(recorded: &Recorded, asked: &ManifestFamily) -> Wanted {
     let number = |name: &String| recorded.timeline.sequences().iter().position(|one| one.name == *name);
     let sequences = asked.sequences.iter().enumerate();
     Wanted {
@@ -313,7 +313,7 @@ fn missed(asked: &ManifestFamily, family: &Family, value: f32, found: f32) -> Op
         );
         return Some(Warning::new("W_FAMILY_RANGE", message));
     }
-    (!((found - value).abs() <= slack)).then(|| {
+    ((found - value).abs() > slack).then(|| {
         let message = format!("family \"{}\": asked for {told}, its sample has {got}", asked.name);
         Warning::new("W_FAMILY_MISSED", message)
     })

@@ -1,6 +1,6 @@
 //! Section 12: families of cycles and what lies between them (Tejera, Casas and Hilton 2013, section IV, figures 7 and 8).
 //!
-//! On the capture under evaluation as far as it has cycles, and on steady steps and jumps of the built-in performer, of which one
+//! On the capture under evaluation as far as its manifest asks for families or it has cycles, and on steady steps and jumps of the built-in performer, of which one
 //! that lies between is the truth.
 
 mod measure;
@@ -14,7 +14,7 @@ use job::Job;
 use kernels::align::{align_heading, centre_of_mass, rotate};
 use performer::Kind;
 use rayon::prelude::*;
-use reprise::families::Ground;
+use reprise::families::{Ground, resolved};
 
 use self::measure::{Measures, Motion};
 use self::performed::{HIGH, JOG, LEFT, LOW, MIDDLE, RIGHT, RUN, WALK, performed};
@@ -61,13 +61,10 @@ pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateEr
     let mut worst = Worst { lowest: f64::INFINITY, ..Worst::default() };
     let ground = Ground::of(&subject.capture);
     let recorded = ground.recorded(&subject.capture);
-    let found = family::found(&recorded);
-    for proposal in family::proposals(&recorded, &found) {
-        let name = format!("{}: {}", subject.capture.name, proposal.name);
-        match Family::new(recorded, &proposal.wanted, job) {
-            Ok(family) => {
-                of_family(&recorded, (&name, &family), &mut section, &mut worst, job)?;
-            }
+    for (name, wanted) in wanted(subject, &recorded) {
+        let name = format!("{}: {name}", subject.capture.name);
+        match Family::new(recorded, &wanted, job) {
+            Ok(family) => of_family(&recorded, (&name, &family), &mut section, &mut worst, job)?,
             Err(FamilyError::Stopped(stopped)) => return Err(stopped.into()),
             Err(error) => section.text.push(format!("{name}: no family, for {error}.")),
         }
@@ -79,6 +76,16 @@ pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateEr
     of_performer(&steady, &mut section, &mut worst, job)?;
     section.agreements = agreements(&worst);
     Ok(section)
+}
+
+/// The families of the manifest, or else those that are found.
+fn wanted(subject: &Subject, recorded: &Recorded) -> Vec<(String, Wanted)> {
+    if subject.families.is_empty() {
+        let found = family::found(recorded);
+        let proposals = family::proposals(recorded, &found).into_iter();
+        return proposals.map(|proposal| (proposal.name.to_owned(), proposal.wanted)).collect();
+    }
+    subject.families.iter().map(|family| (family.name.clone(), resolved(recorded, family))).collect()
 }
 
 fn members_table() -> Table {
