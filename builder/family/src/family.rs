@@ -173,23 +173,27 @@ impl<'a> Family<'a> {
         let mut best = self.at(weight_between(low, high))?;
         let mut weight = weight_between(low, high);
         let near = MET * value.abs().max(self.parameter.grain());
+        let mut found = best.measured.value(self.parameter);
         for _ in 0..ROUNDS {
             if off(&best) < near {
                 break;
             }
-            let found = (weight, best.measured.value(self.parameter));
-            if (found.1 < value) == (low.1 < high.1) {
-                low = found
+            if (found < value) == (low.1 < high.1) {
+                low = (weight, found)
             } else {
-                high = found
+                high = (weight, found)
             }
-            // Steps of whole frames make it uneven: halves are as good as slopes.
-            weight = weight_between(low, high).clamp(low.0.min(high.0), low.0.max(high.0));
-            let next = self.at(weight)?;
-            if off(&next) >= off(&best) {
+            let next = weight_between(low, high);
+            // Durations are whole frames: where one is gained or lost, the parameter leaps, and there is nothing nearer.
+            if (next - weight).abs() < 1e-4 {
                 break;
             }
-            best = next;
+            weight = next;
+            let sample = self.at(weight)?;
+            found = sample.measured.value(self.parameter);
+            if off(&sample) < off(&best) {
+                best = sample;
+            }
         }
         Ok(best)
     }
