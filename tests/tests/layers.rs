@@ -22,7 +22,7 @@ const FLOORS: [&[&str]; 16] = [
         "builder/motion",
         "builder/registration",
     ],
-    &["shared/mocap", "builder/drive"],
+    &["shared/mocap", "builder/drive", "builder/family"],
     &["builder/pipeline", "builder/appearance", "builder/performer", "builder/io", "builder/transfer"],
     &["builder/reprise"],
     &["builder/evaluate"],

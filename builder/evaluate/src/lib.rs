@@ -16,6 +16,7 @@ pub mod clay;
 mod contacts;
 pub mod document;
 mod escape;
+mod families;
 mod graphs;
 pub mod html;
 mod interpolation;
@@ -76,11 +77,13 @@ pub enum Section {
     Wandering,
     /// 11: transfer, on the built-in performers: only where it is asked for.
     Transfer,
+    /// 12: families of cycles.
+    Families,
 }
 
 impl Section {
     /// All sections about a capture, in order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Poses,
         Self::Transitions,
         Self::Graphs,
@@ -91,6 +94,7 @@ impl Section {
         Self::Appearance,
         Self::Motion,
         Self::Wandering,
+        Self::Families,
     ];
 
     /// Its number.
@@ -114,6 +118,7 @@ impl Section {
             Self::Motion => "What walks look like",
             Self::Wandering => "Wandering",
             Self::Transfer => "Transfer between performers",
+            Self::Families => "Families of cycles",
         }
     }
 }
@@ -193,6 +198,9 @@ pub enum EvaluateError {
     /// Performers could not be made to move as each other: a fault of ours.
     #[error("performers cannot be transferred: {0}")]
     Transfer(#[from] transfer::TransferError),
+    /// What the performer does could not be made a family: a fault of ours.
+    #[error("performed cycles are no family: {0}")]
+    Family(family::FamilyError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -206,6 +214,7 @@ impl EvaluateError {
             self,
             Self::Stopped(_)
                 | Self::Transfer(transfer::TransferError::Stopped(_))
+                | Self::Family(family::FamilyError::Stopped(_))
                 | Self::Import(ImportError::Stopped(_))
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Transition(TransitionError::Stopped(_))
@@ -225,6 +234,7 @@ impl EvaluateError {
                 | Self::Picture(_)
                 | Self::Walk(_)
                 | Self::Transfer(_)
+                | Self::Family(_)
                 | Self::Pose(_)
         )
     }
@@ -248,6 +258,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Motion => motion::section(subject, job),
             Section::Wandering => wandering::section(subject, job),
             Section::Transfer => transferred::section(subject.options.seed, job),
+            Section::Families => families::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

@@ -11,7 +11,7 @@ use glam::Vec2;
 
 use super::truth::Truth;
 use super::{EvaluateError, EvaluateOptions};
-use capture_io::import::{ImportOptions, Scratch, import};
+use capture_io::import::{ImportOptions, ManifestFamily, Scratch, import};
 use job::{Job, Stopped};
 use pipeline::distance::{self, DistanceOptions, Measured};
 use pipeline::graph::{GraphOptions, essential_graph};
@@ -27,6 +27,8 @@ pub struct Subject {
     pub masks: Vec<Option<PathBuf>>,
     /// Keeps textures alive that were written out for this capture.
     pub scratch: Option<Scratch>,
+    /// Families that its manifest asks for.
+    pub families: Vec<ManifestFamily>,
     /// Its skeleton's truth, where it came with one.
     pub truth: Option<Truth>,
     /// How it is evaluated.
@@ -55,7 +57,7 @@ impl Subject {
         let truth = Truth::beside(inputs, &imported.capture.timeline)?;
         let subject = Self::new(imported.capture, truth, options, job)?;
         let (textures, masks, scratch) = (imported.frame_textures, imported.frame_masks, imported.scratch);
-        Ok(Self { textures, masks, scratch, ..subject })
+        Ok(Self { textures, masks, scratch, families: imported.families, ..subject })
     }
 
     /// Measures the pose distances of a capture in memory.
@@ -77,6 +79,7 @@ impl Subject {
             textures: None,
             masks: Vec::new(),
             scratch: None,
+            families: Vec::new(),
             truth,
             options,
             measured,

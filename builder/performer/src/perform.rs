@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::figure::Figure;
 use super::hair::Ponytail;
-use super::motion::{self, BEHAVIOURS};
+use super::motion::{self, BEHAVIOURS, Motion};
 use super::skeleton::{BodyState, JOINT_COUNT, solve};
 use kernels::random::mix;
 use rig::Rigid;
@@ -69,18 +69,23 @@ pub fn takes(frames: usize, fps: f32, seed: u64) -> Vec<Take> {
 /// Performs `take` at `fps` frames a second.
 #[must_use]
 pub fn perform(figure: &Figure, take: &Take, fps: f32) -> Vec<PerformedFrame> {
-    let motion = motion::make(take.behaviour, take.seed);
+    perform_motion(figure, &motion::make(take.behaviour, take.seed), take.frames, fps)
+}
+
+/// Performs `count` frames of any motion at `fps` frames a second.
+#[must_use]
+pub fn perform_motion(figure: &Figure, motion: &Motion, count: usize, fps: f32) -> Vec<PerformedFrame> {
     let dt = 1.0 / fps;
     // A sequence longer or shorter than usual gains or loses as much at its beginning as at its end.
-    let start = 0.5 * (motion.seconds - take.frames as f32 * dt);
+    let start = 0.5 * (motion.seconds - count as f32 * dt);
     let lead_in = (LEAD_IN * fps).round() as i64;
     let time = |frame: i64| start + frame as f32 * dt;
     let kind = figure.build.kind();
     let first = solve(&kind.carried((motion.at)(time(-lead_in)).0));
     let mut tail = Ponytail::new(&first);
     let mut skirt = figure.skirt.start(&first);
-    let mut frames = Vec::with_capacity(take.frames);
-    for index in -lead_in..take.frames as i64 {
+    let mut frames = Vec::with_capacity(count);
+    for index in -lead_in..count as i64 {
         let (state, planted) = (motion.at)(time(index));
         let state = kind.carried(state);
         let mut joints = solve(&state);

@@ -51,6 +51,12 @@ pub fn uneven_floor(timeline: &Timeline, poses: &Poses) -> Option<Vec<f32>> {
     (high - low > UNEVEN * floor.body).then_some(floor.heights)
 }
 
+/// Height of the ground in metres that each sequence is taken to stand on.
+#[must_use]
+pub fn floors(timeline: &Timeline, poses: &Poses) -> Vec<f32> {
+    Floor::of(timeline, poses).heights
+}
+
 /// The contacts of all frames.
 #[must_use]
 pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Contacts {

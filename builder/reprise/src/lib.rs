@@ -57,6 +57,8 @@
 #[cfg(feature = "mocap")]
 pub mod drive;
 pub mod example;
+mod failure;
+pub mod families;
 #[cfg(feature = "scans")]
 pub mod look;
 mod options;

@@ -3,6 +3,7 @@
 use appearance::{AppearanceError, AppearanceOptions};
 use bundle::EncodeError;
 use capture_io::import::{ImportError, ImportOptions};
+use family::FamilyError;
 use job::Stopped;
 #[cfg(feature = "variations")]
 use motion::vary::VaryOptions;
@@ -12,6 +13,7 @@ use pipeline::transitions::TransitionError;
 use rig::RigFile;
 use thiserror::Error;
 
+use crate::failure::FamilyFailure;
 #[cfg(feature = "scans")]
 use crate::scans::RegisterError;
 
@@ -80,6 +82,9 @@ pub enum PackError {
     /// The textures of the frames cannot become an appearance.
     #[error(transparent)]
     Appearance(#[from] AppearanceError),
+    /// A family that its manifest asks for cannot be made.
+    #[error(transparent)]
+    Family(#[from] FamilyFailure),
     /// The capture cannot be packed, or not with these options: the sentence says what to do.
     #[error("{0}")]
     Option(String),
@@ -116,6 +121,7 @@ impl PackError {
             Self::Stopped(_)
                 | Self::Import(ImportError::Stopped(_))
                 | Self::Appearance(AppearanceError::Stopped(_))
+                | Self::Family(FamilyFailure { cause: FamilyError::Stopped(_), .. })
                 | Self::Distance(DistanceError::Stopped(_))
                 | Self::Graph(GraphError::Stopped(_) | GraphError::Transition(TransitionError::Stopped(_)))
         )
@@ -131,6 +137,7 @@ impl PackError {
             #[cfg(feature = "scans")]
             Self::Register(error) => error.code(),
             Self::Appearance(_) => "E_APPEARANCE",
+            Self::Family(_) => "E_FAMILY",
             Self::Option(_) | Self::Distance(_) | Self::Encode(_) => "E_OPTION",
             Self::Graph(GraphError::Build(_)) => "E_INTERNAL",
             Self::Graph(_) => "E_OPTION",

@@ -20,6 +20,7 @@ use pipeline::graph::{Graphed, essential_graph};
 use serde::Serialize;
 use texture::TextureModel;
 
+use crate::families::{self, FamilySummary};
 #[cfg(feature = "scans")]
 use crate::look::is_scan;
 use crate::options::FIRST_FRAME;
@@ -47,6 +48,9 @@ pub struct PackReport {
     /// What came of the rig, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<RigSummary>,
+    /// Families that were made, and where their samples come from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub families: Vec<FamilySummary>,
     /// What came of the sequences that were varied.
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -143,9 +147,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
         imported => imported?,
     };
     seconds.import = start.elapsed().as_secs_f64();
-    #[cfg(feature = "variations")]
-    #[cfg(feature = "variations")]
     let mut imported = imported;
+    let families = families::add(&mut imported, job)?;
     #[cfg(feature = "variations")]
     let learned = match &options.variations {
         Some(wanted) => {
@@ -191,6 +194,7 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
     pack_report.appearance = summary;
+    pack_report.families = families;
     #[cfg(feature = "variations")]
     {
         let bytes_of = |name: &str| {
@@ -307,6 +311,7 @@ fn pack_with_files(
         graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
         rig: rig_summary,
+        families: Vec::new(),
         #[cfg(feature = "variations")]
         variations: Vec::new(),
         #[cfg(feature = "variations")]

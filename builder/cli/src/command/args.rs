@@ -44,6 +44,9 @@ pub enum Command {
     /// Have an actor do what a clip of motion capture shows, and write its frames, or a capture with them beside the recorded ones.
     #[cfg(feature = "complete")]
     Drive(DriveArguments),
+    /// Find what cycles in a capture, and make what lies between: walks of all speeds between a walk and a run.
+    #[cfg(feature = "complete")]
+    Family(FamilyArguments),
     /// Estimate a rig from how a capture's surface moves: bones, joints and weights.
     Rig(RigArguments),
     /// Tell what a bundle or an input holds.
@@ -566,6 +569,60 @@ pub struct DriveArguments {
     pub json: bool,
 }
 
+/// Arguments of `builder family`.
+#[cfg(feature = "complete")]
+#[derive(Debug, Args)]
+pub struct FamilyArguments {
+    /// A capture, as `pack` takes it: a folder with a capture.toml, a manifest, a file, a pattern.
+    #[arg(value_name = "CAPTURE")]
+    pub capture: String,
+    /// How it is read.
+    #[command(flatten)]
+    pub import: ImportArguments,
+    /// A new folder for a capture that has the samples as further sequences. Without it, what cycles is listed, and families
+    /// are proposed as text for the manifest.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Sequences of one family, instead of those of the manifest or those proposed.
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub sequences: Vec<String>,
+    /// By which number families are asked; all proposals, and speed for --sequences, where not given.
+    #[arg(long, value_enum, value_name = "PARAMETER")]
+    pub by: Option<FamilyKind>,
+    /// Name of the family of --sequences; their names where not given.
+    #[arg(long = "as", value_name = "NAME", requires = "sequences")]
+    pub family: Option<String>,
+    /// So many samples at even distances, from the least value to the greatest.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub samples: Option<u16>,
+    /// Samples at these values.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "VALUES",
+        conflicts_with = "samples",
+        allow_negative_numbers = true
+    )]
+    pub at: Vec<f32>,
+    /// Print an object with what was found and made on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// By which number a family is asked.
+#[cfg(feature = "complete")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FamilyKind {
+    /// Metres a second.
+    Speed,
+    /// Turn in radians per metre of the way; to the left is positive.
+    Turn,
+    /// How far a jump rises, in metres.
+    Height,
+    /// How far a jump leads, in metres.
+    Length,
+}
+
 /// Arguments of `builder rig`.
 #[derive(Debug, Args)]
 pub struct RigArguments {
@@ -701,4 +758,6 @@ pub enum EvaluateSection {
     Wandering,
     /// Transfer between the built-in performers, whatever the capture; only where it is asked for.
     Transfer,
+    /// Families of cycles: asked against measured, soles, acceleration, volume.
+    Families,
 }

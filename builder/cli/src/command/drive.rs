@@ -182,7 +182,7 @@ fn capture(
     // As the recorded frames are, so that texture coordinates have one layout.
     let ending = if super::drive_capture::is_ply(Path::new(&arguments.actor)) { "ply" } else { "obj" };
     let input = format!("frames/%05d.{ending}:0:{last}");
-    let new = NewSequence { name, input, texture, labels: &arguments.labels };
+    let new = NewSequence { name, input, texture, labels: &arguments.labels, cyclic: false };
     let text = manifest(folder, (&arguments.actor, &arguments.import), actor.timeline.fps(), &[new]);
     let text = text.map_err(Failure::Input)?;
     let pattern = folder.join("frames").join(format!("%05d.{ending}"));

@@ -20,6 +20,8 @@ pub struct NewSequence<'a> {
     pub texture: Option<PathBuf>,
     /// Behaviours that it shows.
     pub labels: &'a [String],
+    /// Whether its end meets its beginning.
+    pub cyclic: bool,
 }
 
 /// The manifest of the capture in `folder`: what the input `actor`, read with these arguments, is at `fps` frames a second, and `new`
@@ -74,7 +76,7 @@ pub fn described_sequence(folder: &Path, new: &NewSequence) -> Result<Table> {
     let mut sequence = Table::new();
     sequence.insert("name".into(), new.name.into());
     sequence.insert("input".into(), new.input.clone().into());
-    sequence.insert("cyclic".into(), false.into());
+    sequence.insert("cyclic".into(), new.cyclic.into());
     let labels = new.labels.iter().map(|label| Value::String(label.clone())).collect();
     sequence.insert("labels".into(), Value::Array(labels));
     if let Some(texture) = &new.texture {

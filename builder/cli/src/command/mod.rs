@@ -14,6 +14,8 @@ mod drive_frames;
 #[cfg(feature = "complete")]
 mod evaluate;
 mod failure;
+#[cfg(feature = "complete")]
+mod family;
 mod inspect;
 mod output;
 mod pack;
@@ -83,6 +85,8 @@ fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
         Command::Direct(arguments) => direct::run(arguments, &terminal),
         #[cfg(feature = "complete")]
         Command::Drive(arguments) => drive::run(arguments, &terminal),
+        #[cfg(feature = "complete")]
+        Command::Family(arguments) => family::run(arguments, &terminal),
         Command::Rig(arguments) => rig::run(arguments, &terminal),
         Command::Inspect(arguments) => inspect::run(arguments, &terminal),
         Command::Validate(arguments) => validate::run(arguments, &terminal),

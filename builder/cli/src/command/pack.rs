@@ -173,6 +173,10 @@ fn summary(report: &PackReport) -> String {
             seconds.appearance
         ));
     }
+    for family in &report.families {
+        let values: Vec<String> = family.samples.iter().map(|sample| format!("{:.2}", sample.value)).collect();
+        lines.push(format!("family {}: {} {} {}", family.name, family.parameter, values.join(", "), family.unit));
+    }
     if let Some(rig) = &report.rig {
         let kind = if rig.human { ", a human's" } else { "" };
         let (bones, misfit) = (rig.bones, rig.misfit_mm);

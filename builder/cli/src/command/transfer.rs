@@ -151,6 +151,7 @@ fn write(
             input: format!("{name}/%05d.{ending}:0:{}", one.poses.len() - 1),
             texture: texture(target, one.worn),
             labels: &one.sequence.labels,
+            cyclic: false,
         })
         .collect();
     let fps = target.timeline.fps();
@@ -165,14 +166,14 @@ fn write(
 }
 
 /// The texture of a recorded frame, where frames have their own.
-fn texture(target: &ReadActor, worn: u32) -> Option<std::path::PathBuf> {
+pub(super) fn texture(target: &ReadActor, worn: u32) -> Option<std::path::PathBuf> {
     let Origin::Capture(imported) = &target.origin else { return None };
     imported.frame_textures.as_ref()?.get(worn as usize).cloned()
 }
 
 /// The same manifest with the texture that all frames of a target wear whose textures do not change: each folder of frames names a
 /// copy of its own, and these would be taken for textures that do.
-fn with_texture(text: String, target: &ReadActor, folder: &Path, name: &str) -> anyhow::Result<String> {
+pub(super) fn with_texture(text: String, target: &ReadActor, folder: &Path, name: &str) -> anyhow::Result<String> {
     let changes = matches!(&target.origin, Origin::Capture(imported) if imported.frame_textures.is_some());
     let entries = folder.join(name).read_dir().into_iter().flatten().flatten();
     let images: Vec<String> = entries

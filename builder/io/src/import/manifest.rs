@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::ImportError;
+use super::families::ManifestFamily;
 use super::images::read_file;
 use super::text::utf8_without_mark;
 
@@ -31,6 +32,8 @@ pub(super) struct Manifest {
     pub texture: Option<String>,
     #[serde(rename = "sequence", default)]
     pub sequences: Vec<ManifestSequence>,
+    #[serde(rename = "family", default)]
+    pub families: Vec<ManifestFamily>,
 }
 
 /// One `[[sequence]]` of a manifest.
@@ -72,6 +75,9 @@ impl Manifest {
         names.sort();
         if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(wrong(format!("two sequences are named \"{}\"", twice[0])));
+        }
+        for family in &manifest.families {
+            family.check().map_err(|reason| wrong(format!("family \"{}\": {reason}", family.name)))?;
         }
         Ok(manifest)
     }

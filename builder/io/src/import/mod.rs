@@ -42,6 +42,7 @@ mod draco;
 mod drc;
 mod error;
 mod faces;
+mod families;
 mod folder;
 mod formats;
 mod frames;
@@ -98,6 +99,7 @@ use actor::files::Files;
 use glam::DVec3;
 
 pub use self::error::ImportError;
+pub use self::families::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, ManifestFamily};
 #[cfg(all(feature = "gltf", feature = "mocap"))]
 pub(crate) use self::gltf::Skeleton;
 pub use self::manifest::UpAxis;
@@ -160,6 +162,8 @@ pub struct Imported {
     pub offset: DVec3,
     /// What exports need to know of the files.
     pub files: Files,
+    /// Families that manifests ask for; their samples are not made yet.
+    pub families: Vec<ManifestFamily>,
     /// Keeps those of `frame_textures` alive that were written out of glTF files.
     pub scratch: Option<Scratch>,
 }
@@ -190,7 +194,8 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
     let files = Files { faces, place: plan.place(offset) };
-    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, scratch })
+    let families = plan.families;
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, families, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.

@@ -6,6 +6,7 @@ use actor::files::FilePlace;
 use glam::DVec3;
 
 use super::error::ImportError;
+use super::families::{ManifestFamily, contradiction};
 use super::folder::list;
 use super::formats::unread_image;
 use super::images::is_image;
@@ -25,6 +26,7 @@ pub(super) struct Plan {
     pub unit: f32,
     pub weights: Option<PathBuf>,
     pub sequences: Vec<PlannedSequence>,
+    pub families: Vec<ManifestFamily>,
     pub warnings: Vec<Warning>,
 }
 
@@ -68,6 +70,7 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
     let mut finder = Finder::default();
     let mut sequences = Vec::new();
     let mut settings = Settings::default();
+    let (mut families, mut told_in): (Vec<ManifestFamily>, Option<PathBuf>) = (Vec::new(), None);
     for input in inputs {
         match manifest_of(Path::new(input)) {
             Some(path) => {
@@ -77,6 +80,10 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
                     manifest_sequence((&mut finder, &mut settings), entry, &manifest, &path, folder, &mut sequences)?;
                 }
                 settings.merge(&manifest, folder, &path)?;
+                if !manifest.families.is_empty() {
+                    families.extend(manifest.families);
+                    told_in = Some(path);
+                }
             }
             None => {
                 let found = finder.find(input, Path::new(""))?;
@@ -91,6 +98,10 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
     let name = options.name.clone().or(settings.name).unwrap_or_else(|| default_name(inputs, &sequences));
     let mut warnings = finder.warnings;
     make_names_unique(&mut sequences, &mut warnings);
+    let known: Vec<&String> = sequences.iter().map(|sequence| &sequence.name).collect();
+    if let (Some(path), Some(reason)) = (told_in, contradiction(&families, &known)) {
+        return Err(ImportError::Manifest { path, reason });
+    }
     if let Some(texture) = &options.texture {
         let textures = images_of(texture, Path::new(""))?;
         for sequence in &mut sequences {
@@ -109,7 +120,7 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
     let unit = positive(options.unit.or(settings.unit).unwrap_or(1.0), "the unit (metres per unit)")?;
     let up = options.up.or(settings.up).unwrap_or_default();
     let weights = options.weights.clone().or(settings.weights);
-    Ok(Plan { name, fps, up, unit, weights, sequences, warnings })
+    Ok(Plan { name, fps, up, unit, weights, sequences, families, warnings })
 }
 
 impl PlannedSequence {

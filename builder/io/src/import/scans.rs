@@ -90,7 +90,16 @@ pub struct ScannedFrame {
 /// # Errors
 /// Inputs that are not found, and glTF files with clips, whose frames share one mesh.
 pub fn scans(inputs: &[String], options: &ImportOptions) -> Result<Scans, ImportError> {
-    let Plan { name, fps, up, unit, sequences, mut warnings, .. } = plan(inputs, options)?;
+    let Plan { name, fps, up, unit, sequences, families, mut warnings, .. } = plan(inputs, options)?;
+    if !families.is_empty() {
+        let names: Vec<&str> = families.iter().map(|family| family.name.as_str()).collect();
+        let message = format!(
+            "families ({}) are not made of frames that are brought onto one mesh first: builder register, then write the \
+             [[family]] into the manifest of what it made",
+            names.join(", ")
+        );
+        warnings.push(Warning::new("W_FAMILY_SCAN", message));
+    }
     let axes = Axes { up, unit: unit.to_string().parse().unwrap_or(f64::from(unit)), offset: DVec3::ZERO };
     let sequences = sequences.into_iter().map(|planned| sequence(planned, &mut warnings));
     let sequences: Vec<ScannedSequence> = sequences.collect::<Result<_, _>>()?;

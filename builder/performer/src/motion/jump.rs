@@ -13,8 +13,18 @@ const GRAVITY: f32 = 9.81;
 const EDGE: f32 = 0.035;
 const DISTANCE: f32 = 0.62;
 
+/// The jump of the capture.
 pub(super) fn motion(seed: u64) -> impl Fn(f32) -> (BodyState, [bool; 2]) {
-    let time = DOWN - OFF;
+    leap(seed, DISTANCE, DOWN - OFF)
+}
+
+/// Seconds that the feet of the capture's jump are in the air.
+pub(super) const FLIGHT: f32 = DOWN - OFF;
+
+/// The same so many metres far, the feet `time` seconds in the air.
+pub(super) fn leap(seed: u64, distance: f32, time: f32) -> impl Fn(f32) -> (BodyState, [bool; 2]) {
+    let later = time - (DOWN - OFF);
+    let down = DOWN + later;
     // The feet fly the body's parabola, tucked under it.
     let height: Vec<(f32, f32)> = (0..=12)
         .map(|k| {
@@ -32,7 +42,7 @@ pub(super) fn motion(seed: u64) -> impl Fn(f32) -> (BodyState, [bool; 2]) {
             ..Swing::default()
         };
         let yaw = if side == 0 { 0.12 } else { -0.12 };
-        let landing = stand(side) + Vec3::Z * DISTANCE;
+        let landing = stand(side) + Vec3::Z * distance;
         FootTrack::standing(stand(side), yaw)
             .rolling(&[(100.0 + OFF - 0.24, 0.0), (100.0 + OFF - 0.1, 12.0), (100.0 + OFF, 48.0)])
             .step(OFF, DOWN, landing, yaw, swing)
@@ -67,34 +77,44 @@ pub(super) fn motion(seed: u64) -> impl Fn(f32) -> (BodyState, [bool; 2]) {
     let crouch = Curve::new(&[(0.05, 0.0), (0.56, -0.27), (0.66, -0.27)]);
     let land = Curve::new(&[(1.54, -0.23), (2.1, 0.0)]);
     let forward_after = Curve::new(&[(1.5, 0.02), (2.1, 0.0)]);
+    // Limbs do in the air what they do in the capture's jump, as much faster or slower.
+    let as_keyed = move |t: f32| {
+        if later == 0.0 || t < OFF {
+            t
+        } else if t < down {
+            OFF + (t - OFF) * (DOWN - OFF) / time
+        } else {
+            t - later
+        }
+    };
     move |t| {
-        let (mut state, planted) = keyed.at(t);
+        let (mut state, planted) = keyed.at(as_keyed(t));
         // Speed at take-off: half of the flight's time upwards.
         let rise = 0.5 * GRAVITY * time;
         state.controls[Channel::Up] += if t < 0.66 {
             crouch.at(t)
         } else if t < OFF {
             join(0.66, -0.27, 0.0, OFF, EDGE, rise, t)
-        } else if t < DOWN {
+        } else if t < down {
             let s = t - OFF;
             EDGE + 0.5 * GRAVITY * s * (time - s)
-        } else if t < 1.54 {
-            join(DOWN, EDGE, -rise, 1.54, -0.23, 0.0, t)
+        } else if t < 1.54 + later {
+            join(down, EDGE, -rise, 1.54 + later, -0.23, 0.0, t)
         } else {
-            land.at(t)
+            land.at(t - later)
         };
-        let speed = DISTANCE / time * 0.82;
-        let (push, touch) = (0.03, DISTANCE - 0.075);
+        let speed = distance / time * 0.82;
+        let (push, touch) = (0.03, distance - 0.075);
         state.controls[Channel::Forward] += if t < 0.6 {
             -0.03 * ramp(0.05, 0.6, t)
         } else if t < OFF {
             join(0.6, -0.03, 0.0, OFF, push + 0.05, speed, t)
-        } else if t < DOWN {
+        } else if t < down {
             push + 0.05 + (touch - push - 0.05) * (t - OFF) / time
-        } else if t < 1.6 {
-            join(DOWN, touch, (touch - push - 0.05) / time, 1.6, DISTANCE + 0.02, 0.0, t)
+        } else if t < 1.6 + later {
+            join(down, touch, (touch - push - 0.05) / time, 1.6 + later, distance + 0.02, 0.0, t)
         } else {
-            DISTANCE + forward_after.at(t)
+            distance + forward_after.at(t - later)
         };
         (state, planted)
     }

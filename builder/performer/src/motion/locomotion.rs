@@ -38,6 +38,11 @@ pub(super) fn turn_right(seconds: f32, seed: u64) -> At {
     go(seed, seconds, &speed, &[(0.15, 0.0), (0.8, -84.0), (1.4, -84.0), (2.3, 0.0)], false, true)
 }
 
+/// At one speed in m/s, turning to the left by so many degrees a second.
+pub(super) fn steady(seconds: f32, seed: u64, speed: f32, turn: f32) -> At {
+    go(seed, seconds, &[(0.0, speed)], &[(0.0, turn)], false, false)
+}
+
 fn go(seed: u64, seconds: f32, speed: &[(f32, f32)], turn: &[(f32, f32)], starts: bool, stops: bool) -> At {
     let route = Route { speed: Curve::new(speed), turn: Curve::new(turn), seconds, starts, stops, seed: mix(seed, 42) };
     let gait = Gait::new(&route);

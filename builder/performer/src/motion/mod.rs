@@ -55,6 +55,21 @@ pub fn make(behaviour: usize, seed: u64) -> Motion {
     Motion { name, seconds, at: Box::new(move |t| settle(at(t))) }
 }
 
+/// Steps at one speed in m/s, turning to the left by so many degrees a second: a walk, or a run. No behaviour of the capture,
+/// but what lies between two of them.
+#[must_use]
+pub fn steady(seconds: f32, seed: u64, speed: f32, turn: f32) -> Motion {
+    let at = locomotion::steady(seconds, seed, speed, turn);
+    Motion { name: "steady", seconds, at: Box::new(move |t| settle(at(t))) }
+}
+
+/// A jump so many metres far, the feet `flight` seconds in the air; the capture's lasts 0.48 seconds.
+#[must_use]
+pub fn leap(seed: u64, distance: f32, flight: f32) -> Motion {
+    let at = jump::leap(seed, distance, flight);
+    Motion { name: "leap", seconds: 2.2 + flight - jump::FLIGHT, at: Box::new(move |t| settle(at(t))) }
+}
+
 /// Lowers the pelvis where a leg would not reach its foot.
 fn settle((mut state, planted): (BodyState, [bool; 2])) -> (BodyState, [bool; 2]) {
     use super::skeleton::{Channel, NEUTRAL, ankle_of, joint, solve};

@@ -1,0 +1,14 @@
+//! Why a family cannot be made, with its name.
+
+use family::FamilyError;
+use thiserror::Error;
+
+/// Why there are no samples of a family.
+#[derive(Debug, Error)]
+#[error("family \"{name}\": {cause}")]
+pub struct FamilyFailure {
+    /// The family.
+    pub name: String,
+    /// What is wrong.
+    pub cause: FamilyError,
+}
