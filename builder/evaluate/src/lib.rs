@@ -77,13 +77,13 @@ pub enum Section {
     Wandering,
     /// 11: transfer, on the built-in performers: only where it is asked for.
     Transfer,
-    /// 12: families of cycles.
+    /// 12: families of cycles: only where it is asked for, for it makes performers of its own.
     Families,
 }
 
 impl Section {
     /// All sections about a capture, in order.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::Poses,
         Self::Transitions,
         Self::Graphs,
@@ -94,7 +94,6 @@ impl Section {
         Self::Appearance,
         Self::Motion,
         Self::Wandering,
-        Self::Families,
     ];
 
     /// Its number.
