@@ -73,6 +73,7 @@ mod obj;
 mod pairing;
 mod paths;
 mod pattern;
+mod per_vertex;
 mod places;
 mod plan;
 mod ply;
@@ -96,6 +97,7 @@ use actor::capture::Capture;
 use actor::files::Files;
 use glam::DVec3;
 
+use self::assemble::Assembled;
 pub use self::error::ImportError;
 #[cfg(all(feature = "gltf", feature = "mocap"))]
 pub(crate) use self::gltf::Skeleton;
@@ -158,6 +160,8 @@ pub struct Imported {
     pub offset: DVec3,
     /// What exports need to know of the files.
     pub files: Files,
+    /// The number of each vertex's part of the body, where parts were painted.
+    pub parts: Option<Vec<u8>>,
     /// Keeps those of `frame_textures` alive that were written out of glTF files.
     pub scratch: Option<Scratch>,
 }
@@ -183,12 +187,13 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
     job.tell("welding", 0, 1)?;
     let before = recording.frame_counts.clone();
-    let (capture, faces, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
+    let Assembled { capture, faces, dropped, parts } =
+        assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     job.tell("welding", 1, 1)?;
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
     let files = Files { faces, place: plan.place(offset) };
-    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, scratch })
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, parts, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.
