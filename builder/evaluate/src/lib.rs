@@ -12,6 +12,7 @@
 mod acceleration;
 pub mod arap;
 mod blending;
+mod body;
 pub mod clay;
 mod contacts;
 pub mod document;

@@ -289,6 +289,9 @@ pub struct TransferArguments {
     /// Let feet slide: do not hold soles where the source's stand.
     #[arg(long)]
     pub no_hold: bool,
+    /// Do not correct lengths by the target's recorded poses.
+    #[arg(long)]
+    pub no_correct: bool,
     /// How inputs that are not bundles are read.
     #[command(flatten)]
     pub import: ImportArguments,
