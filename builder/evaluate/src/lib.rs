@@ -36,6 +36,7 @@ mod trajectories;
 mod transferred;
 mod transitions;
 pub mod truth;
+mod variations;
 mod walks;
 mod wandering;
 
@@ -77,6 +78,8 @@ pub enum Section {
     Wandering,
     /// 11: transfer, on the built-in performers: only where it is asked for.
     Transfer,
+    /// 12: variations: only where they are asked for.
+    Variations,
 }
 
 impl Section {
@@ -115,6 +118,7 @@ impl Section {
             Self::Motion => "What walks look like",
             Self::Wandering => "Wandering",
             Self::Transfer => "Transfer between performers",
+            Self::Variations => "Variations",
         }
     }
 }
@@ -194,6 +198,9 @@ pub enum EvaluateError {
     /// Performers could not be made to move as each other: a fault of ours.
     #[error("performers cannot be transferred: {0}")]
     Transfer(#[from] transfer::TransferError),
+    /// The size of a bundle could not be measured: a fault of ours.
+    #[error("a bundle cannot be made: {0}")]
+    Bundle(#[from] bundle::EncodeError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -226,6 +233,7 @@ impl EvaluateError {
                 | Self::Picture(_)
                 | Self::Walk(_)
                 | Self::Transfer(_)
+                | Self::Bundle(_)
                 | Self::Pose(_)
         )
     }
@@ -249,6 +257,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Motion => motion::section(subject, job),
             Section::Wandering => wandering::section(subject, job),
             Section::Transfer => transferred::section(subject.options.seed, job),
+            Section::Variations => variations::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

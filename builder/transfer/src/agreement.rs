@@ -12,7 +12,7 @@ const BLOCKS: usize = 8;
 const FEWEST: usize = 6 * BLOCKS;
 
 /// Numbers of all parts.
-type Row = Vec<Vec<f64>>;
+pub type Row = Vec<Vec<f64>>;
 
 /// How much of what targets vary by is foretold by pairs that are farther off: 1 where all is, 0 or less where the mean pose would do
 /// as well; `None` of too few pairs. `x` and `y` hold the numbers of pairs in their order; the noise has the variance `noise`.

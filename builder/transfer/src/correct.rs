@@ -16,16 +16,14 @@ const KEPT: usize = 60;
 /// So many nearest ones are mixed.
 const NEAREST: usize = 3;
 
-/// A part whose nearest pose is nearer than the first share of how far its poses lie from their mean stays as the map says; beyond the second
-/// one it is stretched as in recorded poses.
-const KNOWN: [f64; 2] = [0.1, 0.5];
+/// A part whose triangles are stretched otherwise than in recorded poses by less than the first (root mean square) stays as the map says; by
+/// more than the second it is stretched as in these.
+const ODD: [f64; 2] = [0.15, 0.35];
 
 /// Recorded poses, as numbers and as stretches of triangles.
 pub struct Examples {
     /// For each pose the numbers of all parts.
     numbers: Vec<Vec<Vec<f64>>>,
-    /// How far poses lie from their mean, part by part.
-    spreads: Vec<f64>,
     /// For each pose how each triangle is stretched.
     stretches: Vec<Vec<Option<Mat3>>>,
     /// For each triangle the part that it belongs to most.
@@ -51,10 +49,8 @@ impl Examples {
             };
             (0..weights.len()).rev().max_by(|&a, &b| share(a).total_cmp(&share(b))).unwrap_or(0)
         };
-        let numbers: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|&frame| numbers(target, spaces, frame)).collect();
         Self {
-            spreads: (0..spaces.len()).map(|part| spread(&numbers, part)).collect(),
-            numbers,
+            numbers: chosen.par_iter().map(|&frame| numbers(target, spaces, frame)).collect(),
             stretches: chosen.par_iter().map(stretches).collect(),
             parts: triangles.clone().into_par_iter().map(part).collect(),
         }
@@ -67,24 +63,37 @@ impl Examples {
         surface: &[glam::Vec3],
         predicted: &[Vec<f64>],
     ) -> Result<Vec<glam::Vec3>, TransferError> {
-        let nearest: Vec<(f64, Vec<(usize, f32)>)> =
+        let nearest: Vec<Vec<(usize, f32)>> =
             predicted.iter().enumerate().map(|(part, own)| self.nearest(part, own)).collect();
-        let stretch = |triangle: usize| -> Option<DMat3> {
-            let (trust, poses) = &nearest[self.parts[triangle]];
-            if *trust == 0.0 {
-                return None;
-            }
+        // Of each triangle: as it is, and as in recorded poses.
+        let both = |(triangle, part): (usize, &usize)| -> Option<[DMat3; 2]> {
             let mut sum = Mat3::ZERO;
-            for &(pose, share) in poses {
+            for &(pose, share) in &nearest[*part] {
                 sum += self.stretches[pose][triangle]? * share;
             }
-            Some(rebuilder.stretch(triangle, surface)? * (1.0 - trust) + sum.as_dmat3() * *trust)
+            Some([rebuilder.stretch(triangle, surface)?, sum.as_dmat3()])
+        };
+        let both: Vec<Option<[DMat3; 2]>> = self.parts.iter().enumerate().map(both).collect();
+        let mut odd = vec![(0.0, 0.0); nearest.len()];
+        for (part, [own, recorded]) in self.parts.iter().zip(&both).filter_map(|(part, both)| Some((part, (*both)?))) {
+            let off = own - recorded;
+            odd[*part].0 += off.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>();
+            odd[*part].1 += 1.0;
+        }
+        let shares: Vec<f64> = odd
+            .iter()
+            .map(|(sum, count)| (((sum / f64::max(*count, 1.0)).sqrt() - ODD[0]) / (ODD[1] - ODD[0])).clamp(0.0, 1.0))
+            .collect();
+        let stretch = |triangle: usize| -> Option<DMat3> {
+            let [own, recorded] = both[triangle]?;
+            let share = shares[self.parts[triangle]];
+            (share > 0.0).then(|| own * (1.0 - share) + recorded * share)
         };
         rebuilder.stretched(surface, stretch).map_err(|error| TransferError::Surface(error.to_string()))
     }
 
-    /// How far a part is to be stretched as in the poses nearest to it, these, and their shares: the nearer the more.
-    fn nearest(&self, part: usize, own: &[f64]) -> (f64, Vec<(usize, f32)>) {
+    /// The poses nearest to a part, and their shares: the nearer the more.
+    fn nearest(&self, part: usize, own: &[f64]) -> Vec<(usize, f32)> {
         let far = |pose: usize| -> f64 {
             self.numbers[pose][part].iter().zip(own).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
         };
@@ -92,19 +101,6 @@ impl Examples {
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         all.truncate(NEAREST);
         let total: f64 = all.iter().map(|(far, _)| 1.0 / (far + 1e-6)).sum();
-        let far = all.first().map_or(0.0, |first| first.0) / self.spreads[part].max(1e-9);
-        let trust = ((far - KNOWN[0]) / (KNOWN[1] - KNOWN[0])).clamp(0.0, 1.0);
-        (trust, all.into_iter().map(|(far, pose)| (pose, (1.0 / (far + 1e-6) / total) as f32)).collect())
+        all.into_iter().map(|(far, pose)| (pose, (1.0 / (far + 1e-6) / total) as f32)).collect()
     }
-}
-
-/// How far the numbers of a part lie from their mean, as the root of the mean square.
-fn spread(numbers: &[Vec<Vec<f64>>], part: usize) -> f64 {
-    let width = numbers.first().map_or(0, |row| row[part].len());
-    let count = numbers.len().max(1) as f64;
-    let variance = |k: usize| {
-        let mean = numbers.iter().map(|row| row[part][k]).sum::<f64>() / count;
-        numbers.iter().map(|row| (row[part][k] - mean).powi(2)).sum::<f64>() / count
-    };
-    (0..width).map(variance).sum::<f64>().sqrt()
 }

@@ -11,7 +11,7 @@ use learn::dense::Matrix;
 use learn::linear_map::LinearMap;
 use rayon::prelude::*;
 
-use crate::agreement::agreement;
+use crate::agreement::{Row, agreement};
 use crate::dtw::{path, rows_of_columns};
 use crate::error::TransferError;
 use crate::limbs::matching;
@@ -164,7 +164,7 @@ fn named(source: &Subject, target: &Subject, keys: [Key; 2], contradict: bool) -
 }
 
 /// Numbers of both sides of all pairs, from the rows of the source that `ways` have for the target's frames (not a number: none).
-fn matched<'a>(stretches: &'a [Stretch], ways: &[Vec<f64>]) -> (Vec<Vec<Vec<f64>>>, Vec<&'a Vec<Vec<f64>>>) {
+fn matched<'a>(stretches: &'a [Stretch], ways: &[Vec<f64>]) -> (Vec<Row>, Vec<&'a Row>) {
     let (mut x, mut y) = (Vec::new(), Vec::new());
     for (stretch, way) in stretches.iter().zip(ways) {
         for (frame, &row) in way.iter().enumerate().filter(|(_, row)| row.is_finite()) {

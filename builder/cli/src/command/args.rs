@@ -704,4 +704,6 @@ pub enum EvaluateSection {
     Wandering,
     /// Transfer between the built-in performers, whatever the capture; only where it is asked for.
     Transfer,
+    /// Variations: how well motion is learned, and what alternatives look like as they are stored; only where they are asked for.
+    Variations,
 }

@@ -67,6 +67,7 @@ fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
             EvaluateSection::Motion => Section::Motion,
             EvaluateSection::Wandering => Section::Wandering,
             EvaluateSection::Transfer => Section::Transfer,
+            EvaluateSection::Variations => Section::Variations,
         })
         .collect();
     sections.sort_unstable();
