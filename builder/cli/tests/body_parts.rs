@@ -38,5 +38,15 @@ fn painted_parts_are_on_the_report() {
     assert_eq!(builder(folder, &["validate", "a.reprise", "-q"]).0, Some(0));
     assert_eq!(builder(folder, &["report", "a.reprise", "-o", "a.html", "-q"]).0, Some(0));
     let page = fs::read_to_string(folder.join("a.html")).unwrap();
+    // What is made of the capture elsewhere still finds the file.
+    let pair = |frame: u32| format!("[[pair]]\nfrom = 'walk'\nfrom_frame = {frame}\nto = 'walk'\nto_frame = {frame}\n");
+    fs::write(folder.join("keys.toml"), [0, 4, 9].map(pair).concat()).unwrap();
+    let transfer = ["transfer", "--from", "a.reprise", "--to", "in", "--keys", "keys.toml", "-o", "out"];
+    let (code, told) = builder(folder, &[&transfer[..], &["--sequences", "walk", "-q"]].concat());
+    assert_eq!(code, Some(0), "{told}");
+    let made = fs::read_to_string(folder.join("out/transfer.json")).unwrap();
+    assert!(made.contains("\"parts\": 2"), "{made}");
+    let (code, told) = builder(folder, &["inspect", "out", "-q"]);
+    assert_eq!(code, Some(0), "{told}");
     assert!(page.contains("Parts of the body") && page.contains("painted 3") && page.contains("painted 5"));
 }

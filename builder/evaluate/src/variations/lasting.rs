@@ -1,11 +1,14 @@
 //! An idle that lasts: what is shown of it in ten minutes, and what of that had been shown before.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use actor::alternatives::Alternatives;
 use actor::timeline::Sequence;
 use synthesis::Varied;
+
+/// What a frame shows: its number, and the stretch and the alternative, where it is not as recorded.
+type Shown = (u32, Option<(usize, usize)>);
 
 /// What ten minutes show.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,21 +30,20 @@ pub fn lasting(all: &Arc<Alternatives>, sequence: &Sequence, fps: f32, seconds: 
     let mut varied = Varied::new(Arc::clone(all), seed, 1.0);
     let total = (seconds * f64::from(fps)) as usize;
     let length = sequence.frame_count as usize;
-    // What each frame shows: its number, the stretch and the alternative.
-    let mut shown: Vec<(u32, Option<(usize, usize)>)> = Vec::with_capacity(total);
+    let mut shown: Vec<Shown> = Vec::with_capacity(total);
     for k in 0..total {
         let frame = sequence.first_frame + (k % length) as u32;
         varied.enters(frame);
         shown.push((frame, varied.present()));
     }
-    let passes: Vec<&[(u32, Option<(usize, usize)>)]> = shown.chunks_exact(length).collect();
+    let passes: Vec<&[Shown]> = shown.chunks_exact(length).collect();
     let mut unlike: Vec<_> = passes.clone();
     unlike.sort_unstable();
     unlike.dedup();
     let window = (10.0 * fps) as usize;
-    let mut seen: HashMap<&[(u32, Option<(usize, usize)>)], ()> = HashMap::new();
+    let mut seen: HashSet<&[Shown]> = HashSet::new();
     let windows = shown.windows(window);
-    let repeated = windows.clone().filter(|window| seen.insert(window, ()).is_some()).count();
+    let repeated = windows.clone().filter(|window| !seen.insert(window)).count();
     Lasting {
         passes: passes.len(),
         different: unlike.len(),
