@@ -21,8 +21,8 @@ fn vertices(file: &Path) -> usize {
 fn painted_parts_are_on_the_report() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let performer = ["performer", "-o", "in", "--vertices", "1200", "--texture-size", "128", "--frames", "150", "-q"];
-    assert_eq!(builder(folder, &performer).0, Some(0));
+    let performer = ["performer", "-o", "in", "--vertices", "1500", "--texture-size", "128", "--frames", "120", "-q"];
+    assert_eq!(builder(folder, &[&performer[..], &["--rate", "10"]].concat()).0, Some(0));
     let walk = folder.join("in/walk");
     let first = fs::read_dir(&walk).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
     let count = vertices(&first);
