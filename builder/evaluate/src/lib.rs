@@ -12,6 +12,7 @@
 mod acceleration;
 pub mod arap;
 mod blending;
+mod body;
 pub mod clay;
 mod contacts;
 pub mod document;
@@ -36,6 +37,7 @@ mod trajectories;
 mod transferred;
 mod transitions;
 pub mod truth;
+mod variations;
 mod walks;
 mod wandering;
 
@@ -79,6 +81,8 @@ pub enum Section {
     Transfer,
     /// 12: families of cycles: only where it is asked for, for it makes performers of its own.
     Families,
+    /// 13: variations: only where they are asked for.
+    Variations,
 }
 
 impl Section {
@@ -118,6 +122,7 @@ impl Section {
             Self::Wandering => "Wandering",
             Self::Transfer => "Transfer between performers",
             Self::Families => "Families of cycles",
+            Self::Variations => "Variations",
         }
     }
 }
@@ -200,6 +205,9 @@ pub enum EvaluateError {
     /// What the performer does could not be made a family: a fault of ours.
     #[error("performed cycles are no family: {0}")]
     Family(family::FamilyError),
+    /// The size of a bundle could not be measured: a fault of ours.
+    #[error("a bundle cannot be made: {0}")]
+    Bundle(#[from] bundle::EncodeError),
     /// A frame could not be placed: a fault of ours.
     #[error("a transition cannot be placed: {0}")]
     Pose(#[from] actor::pose_source::PoseError),
@@ -234,6 +242,7 @@ impl EvaluateError {
                 | Self::Walk(_)
                 | Self::Transfer(_)
                 | Self::Family(_)
+                | Self::Bundle(_)
                 | Self::Pose(_)
         )
     }
@@ -258,6 +267,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Wandering => wandering::section(subject, job),
             Section::Transfer => transferred::section(subject.options.seed, job),
             Section::Families => families::section(subject, job),
+            Section::Variations => variations::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

@@ -14,6 +14,7 @@ use search::cheapest_walk;
 use thiserror::Error;
 
 use super::EvaluateError;
+use super::body;
 use super::clay::{self, Camera};
 use super::document::{Cell, Document, Picture, SectionReport, Table};
 use super::performance::{Performance, Recordings};
@@ -65,6 +66,8 @@ struct Actor {
     capture: Capture,
     graph: EssentialGraph,
     centres: Vec<Vec2>,
+    /// The number of each vertex's part of the body, where parts were painted.
+    parts: Option<Vec<u8>>,
 }
 
 /// The report on the bundle of `bytes`.
@@ -80,6 +83,7 @@ pub fn report_on(bytes: &[u8], job: &Job) -> Result<Document, ReportError> {
         vec![contents(&actor), quality(&actor, &walks), islands(&actor, &components), seam_section(&actor, job)?];
     let order = elimination_order(&actor.capture.topology);
     sections.push(seen::section(&actor.capture, &order, &actor.graph, job)?);
+    sections.push(body::section(&actor.capture, actor.parts.as_deref())?);
     sections.push(suggestions(&actor, &components, &walks));
     for (index, section) in sections.iter_mut().enumerate() {
         section.number = index as u8 + 1;
@@ -122,7 +126,7 @@ fn read(bytes: &[u8]) -> Result<Actor, ReportError> {
     }
     let centres = poses.ground_centres(topology.weights());
     let capture = Capture::new(name, topology, surface, timeline, poses)?;
-    Ok(Actor { bytes: bytes.len(), capture, graph, centres })
+    Ok(Actor { bytes: bytes.len(), capture, graph, centres, parts: reader.body_parts()? })
 }
 
 impl Actor {

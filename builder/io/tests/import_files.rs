@@ -280,6 +280,34 @@ fn textures_that_are_missing_or_differ_are_named() {
 }
 
 #[test]
+fn parts_of_the_body_may_be_painted() {
+    let folder = tempfile::tempdir().unwrap();
+    let f = folder.path();
+    sequence(f, "data/walk/f_", 0..3);
+    write(f, &[("data/capture.toml", "parts = \"parts.txt\"\n[[sequence]]\ninput = \"walk\"\n")]);
+    let painted = |text: &str| write(f, &[("data/parts.txt", text)]);
+    painted("0 7\n# an arm\n255 0\n7\n");
+    assert_eq!(read_plain(f, &["data"]).parts, Some(vec![0, 7, 255, 0, 7]));
+    assert_eq!(read_plain(f, &["data/walk"]).parts, None);
+    for (text, told) in [
+        ("0 1 2", "3 numbers for 5 vertices"),
+        ("0 1 2 3 4 5", "6 numbers for 5 vertices"),
+        ("0 1\n2.5 3 4", "line 2: a part of the number 2.5"),
+        ("0 1 2 3 256", "number 256"),
+        ("0 1 2 3 -1", "number -1"),
+        ("0 1 2 3 NaN", "number NaN"),
+    ] {
+        painted(text);
+        let (code, message) = refusal(f, &["data"]);
+        assert!(code == "E_PARTS" && message.contains(told) && message.contains("parts.txt"), "{code} {message}");
+    }
+    painted("0 1 left 3 4");
+    assert!(refusal(f, &["data"]).1.contains("left"));
+    std::fs::remove_file(f.join("data/parts.txt")).unwrap();
+    assert_eq!(refusal(f, &["data"]).0, "E_NOT_FOUND");
+}
+
+#[test]
 fn manifests_describe_captures() {
     let folder = tempfile::tempdir().unwrap();
     let f = folder.path();

@@ -12,6 +12,8 @@ use crate::kernel::{Kernel, Parameters};
 const FEW: usize = 120;
 /// Logarithms of parameters stay within this of where they start: else they run away where they mean nothing.
 const BOUNDS: f64 = 9.0;
+/// How firmly the gain of a linear kernel is held back, by the square of its logarithm.
+const STIFF: f64 = 100.0;
 /// The affine map's noise over its signal: nothing but what keeps its matrix regular.
 const REGULAR: f64 = 1e-6;
 
@@ -22,6 +24,9 @@ pub struct RegressionOptions {
     pub kernel: Kernel,
     /// The noise's deviation at least, in the unit of outputs.
     pub floor: f64,
+    /// How much of an output a linear kernel easily makes of a unit of an input: more must be told by many pairs. Other kernels do not
+    /// heed it.
+    pub gain: f64,
     /// Steps of the descent from the best start.
     pub steps: usize,
 }
@@ -57,7 +62,9 @@ impl Regression {
             return None;
         }
         x.values_mut().iter_mut().for_each(|value| *value /= scale);
-        let parameters = best_parameters(&x, &y, options)?;
+        // Inputs are scaled: so is what is made of them.
+        let scaled = RegressionOptions { gain: options.gain * scale, ..*options };
+        let parameters = best_parameters(&x, &y, &scaled)?;
         let products = Products::of(&x);
         let factor = products.factor(options.kernel, &parameters, options.floor)?;
         let answers = factor.solve(&y).transposed();
@@ -193,7 +200,7 @@ impl<'a> Likelihood<'a> {
         Self { products: Products::of(x), outputs: y.clone(), options }
     }
 
-    /// `1/2 tr(Y^T K^-1 Y) + m/2 ln |K| + N m / 2 ln 2 pi`, and its derivatives; `None` where K is not regular.
+    /// `1/2 tr(Y^T K^-1 Y) + m/2 ln |K| + N m / 2 ln 2 pi`, and what too much gain costs, with their derivatives; `None` where K is not regular.
     pub fn at(&self, parameters: &Parameters) -> Option<(f64, [f64; 3])> {
         let RegressionOptions { kernel, floor, .. } = *self.options;
         let [values, slopes] = self.products.kernels(kernel, parameters, floor);
@@ -222,6 +229,13 @@ impl<'a> Likelihood<'a> {
                 }
             }
         }
+        let too_much = match kernel {
+            Kernel::Linear => (parameters.signal - parameters.length - self.options.gain.ln()).max(0.0),
+            _ => 0.0,
+        };
+        let value = value + 0.5 * STIFF * too_much * too_much;
+        slope[0] += STIFF * too_much;
+        slope[1] -= STIFF * too_much;
         value.is_finite().then_some((value, slope))
     }
 }
@@ -240,7 +254,8 @@ mod tests {
         (x, y)
     }
 
-    const OPTIONS: RegressionOptions = RegressionOptions { kernel: Kernel::NeuralNetwork, floor: 0.003, steps: 80 };
+    const OPTIONS: RegressionOptions =
+        RegressionOptions { kernel: Kernel::NeuralNetwork, floor: 0.003, gain: f64::INFINITY, steps: 80 };
 
     #[test]
     fn slopes_of_the_likelihood_are_those_of_differences() {
@@ -267,7 +282,8 @@ mod tests {
     fn the_likelihood_is_that_of_an_explicit_gaussian() {
         let x: [f64; 8] = [-1.7, -1.1, -0.6, -0.1, 0.4, 0.9, 1.3, 1.9];
         let y: [f64; 8] = [0.3, -0.4, -0.9, -0.2, 0.5, 0.8, 0.6, -0.7];
-        let options = RegressionOptions { kernel: Kernel::SquaredExponential, floor: 0.1, steps: 0 };
+        let options =
+            RegressionOptions { kernel: Kernel::SquaredExponential, floor: 0.1, gain: f64::INFINITY, steps: 0 };
         let rows = |values: [f64; 8]| Matrix::from_fn(8, 1, |row, _| values[row]);
         let likelihood = Likelihood::new(&rows(x), &rows(y), &options);
         let at = Parameters { signal: 0.7_f64.ln(), length: 0.5_f64.ln(), noise: 0.2_f64.ln() };
@@ -298,7 +314,7 @@ mod tests {
         let (x, _) = pairs(20);
         let y = Matrix::from_fn(20, 1, |row, _| 3.0 * x[(row, 0)] - x[(row, 1)] + 0.7);
         for kernel in [Kernel::Affine, Kernel::Linear] {
-            let options = RegressionOptions { kernel, floor: 1e-5, steps: 80 };
+            let options = RegressionOptions { kernel, floor: 1e-5, gain: f64::INFINITY, steps: 80 };
             let map = Regression::train(&x, &y, &options).unwrap();
             let found = map.predict(&[2.0, -3.0])[0];
             assert!((found - 9.7).abs() < 1e-3, "{kernel:?}: {found}");

@@ -29,18 +29,40 @@ pub struct Limb {
 
 /// The limb of an extremity that ends at `radius` metres from its tip.
 pub fn limb(found: &Extremity, radius: f32, triangles: &[[u32; 3]], body: &Measured) -> Limb {
-    let half = (HALF * body.area.sqrt()).max(EDGES * body.edge);
+    let half = half_band(body);
     // The band must end before another limb begins, and leave something of this one.
     let first = radius.min(found.stop - half).max(1.5 * half);
     let tries = (0..STEPS).map(|step| first - 0.5 * step as f32 * body.edge).take_while(|&r| r >= SHORTEST * first);
     let good = tries.into_iter().find(|&radius| is_good(found, radius, half, triangles));
     let hinge = good.unwrap_or(first);
-    let weight = |&distance: &f32| {
-        let t = ((hinge + half - distance) / (2.0 * half)).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    };
-    let weights = found.distances.iter().map(weight).collect();
+    let weights = found.distances.iter().map(|distance| smooth_step(hinge - distance, half)).collect();
     Limb { tip: found.tip, hinge, half_band: half, weights, is_disc: good.is_some() }
+}
+
+/// Half of a band's width on a body, in metres.
+pub fn half_band(body: &Measured) -> f32 {
+    (HALF * body.area.sqrt()).max(EDGES * body.edge)
+}
+
+/// How far what lies `within` metres inside of a part's border belongs to it: from 0 to 1 over the band.
+pub fn smooth_step(within: f32, half: f32) -> f32 {
+    let t = ((half + within) / (2.0 * half)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+impl Limb {
+    /// The shapes of all that belongs to the limb, and of its band.
+    #[must_use]
+    pub fn shapes(&self, triangles: &[[u32; 3]]) -> [Shape; 2] {
+        let within = |most: f32| -> Vec<[u32; 3]> {
+            let inside = |&vertex: &u32| {
+                let weight = self.weights[vertex as usize];
+                weight > 0.0 && weight < most
+            };
+            triangles.iter().filter(|corners| corners.iter().all(inside)).copied().collect()
+        };
+        [f32::INFINITY, 1.0].map(|most| shape_of(&within(most)))
+    }
 }
 
 /// Whether limb and band are what they should be.

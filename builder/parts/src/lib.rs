@@ -6,13 +6,14 @@
 //!
 //! Thesis section 5.4.2 paints five parts by hand; here nothing is known of the body. A limb is a disc and the band in which it
 //! overlaps the torso a cylinder, wherever the mesh allows it. The highest extremity, the head, stays with the torso, as in the thesis. A
-//! body without limbs has one part. Knows no file.
+//! body without limbs has one part. Parts may also be painted, as many as one likes. Knows no file.
 
 mod band;
 mod body;
 mod extremities;
 mod hinge;
 mod measured;
+mod painted;
 mod shape;
 
 pub use crate::band::Limb;

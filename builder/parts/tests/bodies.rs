@@ -90,6 +90,35 @@ fn the_figures_parts_are_those_of_their_skeletons() {
 }
 
 #[test]
+fn painted_parts_are_as_painted_and_overlap() {
+    let (figure, topology, poses) = performed(Kind::Man, 2000);
+    let truth = truth(&figure);
+    // Any numbers will do; the lowest is the torso's. Hands are parts of their own, beside arms.
+    let height = |v: usize| poses.frame(0)[v].y;
+    let lowest = (0..truth.len()).filter(|&v| truth[v] == 1).map(height).fold(f32::INFINITY, f32::min);
+    let hand = |v: usize| truth[v] == 1 && height(v) < lowest + 0.2;
+    let numbers: Vec<u8> = (0..truth.len()).map(|v| if hand(v) { 90 } else { 7 + 3 * truth[v] as u8 }).collect();
+    let parts = Parts::of_painted(&topology, &poses, &numbers);
+    assert_eq!(parts.painted, [7, 10, 13, 16, 19, 90]);
+    assert_eq!(parts.count(), 6);
+    for (vertex, number) in numbers.iter().enumerate() {
+        let weights: Vec<f32> = (0..6).map(|part| parts.weights(part)[vertex]).collect();
+        assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|w| *w >= 0.0));
+        assert_eq!(parts.painted[parts.of_vertices()[vertex]], *number, "{vertex}: {weights:?}");
+    }
+    // A hand's band is shared with its arm alone, and the hand is a disc.
+    let hand = &parts.limbs[4];
+    assert!(hand.is_disc, "{:?}", hand.shapes(topology.triangles()));
+    let shared = hand.weights.iter().zip(&parts.limbs[0].weights).filter(|(hand, _)| **hand > 0.0 && **hand < 1.0);
+    assert!(shared.clone().count() > 10);
+    shared.for_each(|(hand, arm)| assert!((hand + arm - 1.0).abs() < 1e-5));
+
+    let one = Parts::of_painted(&topology, &poses, &vec![3; truth.len()]);
+    assert!(one.limbs.is_empty() && one.torso.iter().all(|w| *w == 1.0));
+    assert_eq!(Parts::of_painted(&topology, &poses, &[1, 2]).count(), 1);
+}
+
+#[test]
 fn what_has_no_limbs_is_one_part() {
     let ring = |k: u32| (0..12).map(move |j| (k, j)).collect::<Vec<_>>();
     let at = |(k, j): (u32, u32)| {

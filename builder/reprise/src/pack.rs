@@ -189,7 +189,8 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     };
     #[cfg(not(feature = "variations"))]
     let stored = None;
-    let besides = Besides { files: &imported.files, alternatives: stored.as_ref() };
+    let besides =
+        Besides { files: &imported.files, alternatives: stored.as_ref(), body_parts: imported.parts.as_deref() };
     let (bytes, mut pack_report) = pack_with_files(&imported.capture, besides, looks, options, job)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
@@ -268,7 +269,13 @@ pub fn pack_with_looks(
     job: &Job,
 ) -> Result<(Vec<u8>, PackReport), PackError> {
     let files = Files::default();
-    pack_with_files(capture, Besides { files: &files, alternatives: None }, (models, quality), options, job)
+    pack_with_files(
+        capture,
+        Besides { files: &files, alternatives: None, body_parts: None },
+        (models, quality),
+        options,
+        job,
+    )
 }
 
 /// What goes into a bundle besides a capture.
@@ -277,6 +284,8 @@ struct Besides<'a> {
     /// What exports need to know of the capture's files.
     files: &'a Files,
     alternatives: Option<&'a Alternatives>,
+    /// The part of the body that each vertex belongs to, as it was painted.
+    body_parts: Option<&'a [u8]>,
 }
 
 /// As [`pack_with_looks`], with what goes into the bundle besides.
@@ -371,7 +380,7 @@ fn encode(
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
     let mut extras = Extras::default();
-    (extras.rig, extras.alternatives) = (rig, besides.alternatives);
+    (extras.rig, extras.alternatives, extras.body_parts) = (rig, besides.alternatives, besides.body_parts);
     Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
 }
 

@@ -14,6 +14,9 @@ use thiserror::Error;
 use transfer::{Dense, Key, Model, Subject};
 pub use transfer::{Kernel, TransferError, TransferOptions};
 
+/// Where pairs agree less than this, source and target share little.
+const LEAST_AGREEMENT: f64 = 0.3;
+
 /// Who does it, or whom it is done like.
 #[derive(Clone, Copy, Debug)]
 pub struct TransferActor<'a> {
@@ -23,6 +26,8 @@ pub struct TransferActor<'a> {
     pub timeline: &'a Timeline,
     /// What was recorded.
     pub poses: &'a Poses,
+    /// The number of each vertex's part of the body, where parts were painted.
+    pub parts: Option<&'a [u8]>,
 }
 
 /// A file of key poses: `keys.toml` (docs/transfer.md).
@@ -46,6 +51,9 @@ pub struct KeyPair {
     pub to: String,
     /// Frame in it, from 0.
     pub to_frame: u32,
+    /// A name of the stretch that it belongs to: frames are matched between keys of one stretch, not from one to the next.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<String>,
 }
 
 /// Why nothing was transferred.
@@ -138,6 +146,9 @@ pub struct TransferSummary {
     pub parts: usize,
     /// What a metre of the source's way is for the target.
     pub ratio: f64,
+    /// How much of the target's poses some pairs foretell of others: 1 for all, 0 where the mean pose would do as well; none of too
+    /// few pairs.
+    pub agreement: Option<f64>,
     /// Keys that look wrong.
     pub doubts: Vec<DoubtedKey>,
 }
@@ -169,7 +180,7 @@ pub fn transfer(
     job.begin("parts of the bodies").map_err(TransferError::from)?;
     let feet = [feet_of(source), feet_of(target)];
     let (source, target) = (subject(source, &feet[0]), subject(target, &feet[1]));
-    let Dense { pairs, doubts } = transfer::densify(&source, &target, &resolved, options, job)?;
+    let Dense { pairs, doubts, agreement } = transfer::densify(&source, &target, &resolved, options, job)?;
     let model = Model::learn(&source, &target, &pairs, options, job)?;
     let doubts: Vec<DoubtedKey> = doubts
         .iter()
@@ -180,6 +191,7 @@ pub fn transfer(
         })
         .collect();
     let mut warnings: Vec<Warning> = doubts.iter().map(doubted).collect();
+    warnings.extend(agreement.and_then(unlike));
     warnings.extend(limits(&source, &target, &model, options));
     let mut sequences = Vec::new();
     for sequence in chosen {
@@ -196,6 +208,7 @@ pub fn transfer(
         learned: model.learned,
         parts: model.parts(),
         ratio: model.ratio(),
+        agreement,
         doubts,
     };
     Ok(Transferred { sequences, summary, warnings })
@@ -206,7 +219,10 @@ fn feet_of(actor: &TransferActor) -> Feet {
 }
 
 fn subject<'a>(actor: &TransferActor<'a>, feet: &'a Feet) -> Subject<'a> {
-    let parts = Parts::find(actor.topology, actor.poses);
+    let parts = match actor.parts {
+        Some(painted) => Parts::of_painted(actor.topology, actor.poses, painted),
+        None => Parts::find(actor.topology, actor.poses),
+    };
     let mut source = actor.poses.clone();
     // Poses in memory can all be read.
     let motion = Motion::measure(actor.timeline, actor.topology.weights(), &mut source);
@@ -236,10 +252,17 @@ fn resolve(keys: &KeyFile, source: &Timeline, target: &Timeline) -> Result<Vec<K
         }
         Ok(sequence.first_frame + frame)
     };
+    // The first pair that names a stretch gives it its number; 0 has no name.
+    let stretch = |pair: &KeyPair| {
+        let first =
+            pair.stretch.as_ref().and_then(|_| keys.pairs.iter().position(|other| other.stretch == pair.stretch));
+        first.map_or(0, |first| first as u32 + 1)
+    };
     let key = |(index, pair): (usize, &KeyPair)| {
         Ok(Key {
             source: frame(index, "source", source, &pair.from, pair.from_frame)?,
             target: frame(index, "target", target, &pair.to, pair.to_frame)?,
+            stretch: stretch(pair),
         })
     };
     keys.pairs.iter().enumerate().map(key).collect()
@@ -270,17 +293,27 @@ fn named(key: &Key, source: &Subject, target: &Subject) -> KeyPair {
         timeline.sequence_of(frame).map_or((String::new(), 0), |s| (s.name.clone(), frame - s.first_frame))
     };
     let ((from, from_frame), (to, to_frame)) = (name(source.timeline, key.source), name(target.timeline, key.target));
-    KeyPair { from, from_frame, to, to_frame }
+    KeyPair { from, from_frame, to, to_frame, stretch: None }
 }
 
 fn doubted(doubt: &DoubtedKey) -> Warning {
-    let KeyPair { from, from_frame, to, to_frame } = &doubt.key;
+    let KeyPair { from, from_frame, to, to_frame, .. } = &doubt.key;
     let message = format!(
         "the key {from} {from_frame} -> {to} {to_frame} looks wrong by {:.1} frames: {to} {to_frame} is more like {from} {:.0}; it was \
          not trusted",
         doubt.off, doubt.better_from_frame
     );
     Warning::new("W_TRANSFER_KEY", message)
+}
+
+/// That what pairs say does not hold for each other.
+fn unlike(agreement: f64) -> Option<Warning> {
+    let message = format!(
+        "source and target seem to share little between the keys: what is learned from most of the matched frames foretells {:.0} % of the \
+         rest; name only stretches in which both do the same",
+        100.0 * agreement.max(0.0)
+    );
+    (agreement < LEAST_AGREEMENT).then(|| Warning::new("W_TRANSFER_SHARE", message))
 }
 
 /// What could not be done as for most bodies.

@@ -11,6 +11,7 @@ use learn::dense::Matrix;
 use learn::linear_map::LinearMap;
 use rayon::prelude::*;
 
+use crate::agreement::{Row, agreement};
 use crate::dtw::{path, rows_of_columns};
 use crate::error::TransferError;
 use crate::limbs::matching;
@@ -45,6 +46,9 @@ pub struct Dense {
     pub pairs: Vec<Pair>,
     /// Keys that look wrong.
     pub doubts: Vec<Doubt>,
+    /// How much of what the target's poses vary by some pairs foretell of others: 1 where all is, 0 or less where the mean pose
+    /// would do as well. `None` of too few pairs.
+    pub agreement: Option<f64>,
 }
 
 /// A stretch of two sequences between its first and its last key.
@@ -102,16 +106,18 @@ pub fn densify(
             .map(|stretch| stretch.way(&maps, held, source, target))
             .collect::<Result<_, TransferError>>()?;
     }
-    let mut dense = Dense { pairs: Vec::new(), doubts: Vec::new() };
+    let (x, y) = matched(&stretches, &ways);
+    let agreement = agreement(&x, &y, noise);
+    let mut dense = Dense { pairs: Vec::new(), doubts: Vec::new(), agreement };
     for (stretch, way) in stretches.iter().zip(&ways) {
         stretch.tell(way, source, target, &mut dense);
     }
     Ok(dense)
 }
 
-/// Keys by sequences, in order, each once.
+/// Keys by sequences and stretches, in order, each once.
 fn groups(source: &Subject, target: &Subject, keys: &[Key]) -> Result<Vec<Vec<Key>>, TransferError> {
-    let mut groups: BTreeMap<(Option<usize>, Option<usize>), Vec<Key>> = BTreeMap::new();
+    let mut groups: BTreeMap<(Option<usize>, Option<usize>, u32), Vec<Key>> = BTreeMap::new();
     for key in keys {
         for (which, subject, frame) in [("source", source, key.source), ("target", target, key.target)] {
             let count = subject.timeline.frame_count();
@@ -120,7 +126,7 @@ fn groups(source: &Subject, target: &Subject, keys: &[Key]) -> Result<Vec<Vec<Ke
             }
         }
         let sequences = (source.timeline.sequence_index(key.source), target.timeline.sequence_index(key.target));
-        groups.entry(sequences).or_default().push(*key);
+        groups.entry((sequences.0, sequences.1, key.stretch)).or_default().push(*key);
     }
     for group in groups.values_mut() {
         group.sort_unstable_by_key(|key| (key.target, key.source));
@@ -157,8 +163,8 @@ fn named(source: &Subject, target: &Subject, keys: [Key; 2], contradict: bool) -
     }
 }
 
-/// The linear maps of all parts, from the rows of the source that `ways` have for the target's frames (not a number: none).
-fn maps(stretches: &[Stretch], ways: &[Vec<f64>], noise: f64) -> Option<Vec<LinearMap>> {
+/// Numbers of both sides of all pairs, from the rows of the source that `ways` have for the target's frames (not a number: none).
+fn matched<'a>(stretches: &'a [Stretch], ways: &[Vec<f64>]) -> (Vec<Row>, Vec<&'a Row>) {
     let (mut x, mut y) = (Vec::new(), Vec::new());
     for (stretch, way) in stretches.iter().zip(ways) {
         for (frame, &row) in way.iter().enumerate().filter(|(_, row)| row.is_finite()) {
@@ -166,6 +172,12 @@ fn maps(stretches: &[Stretch], ways: &[Vec<f64>], noise: f64) -> Option<Vec<Line
             y.push(&stretch.target[frame]);
         }
     }
+    (x, y)
+}
+
+/// The linear maps of all parts, from all pairs.
+fn maps(stretches: &[Stretch], ways: &[Vec<f64>], noise: f64) -> Option<Vec<LinearMap>> {
+    let (x, y) = matched(stretches, ways);
     let map = |part: usize| {
         let inputs = Matrix::from_fn(x.len(), x[0][part].len(), |row, k| x[row][part][k]);
         let outputs = Matrix::from_fn(y.len(), y[0][part].len(), |row, k| y[row][part][k]);

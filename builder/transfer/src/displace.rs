@@ -92,7 +92,8 @@ impl Displacement {
         let left = own.left_over(target, pairs, &roots);
         let inputs = Matrix::from_fn(learned.len(), learned[0].1.len(), |row, k| learned[row].1[k]);
         let outputs = Matrix::from_fn(learned.len(), 7, |row, k| left[learned[row].0][k]);
-        let options = RegressionOptions { kernel: Kernel::SquaredExponential, floor, steps: STEPS };
+        let options =
+            RegressionOptions { kernel: Kernel::SquaredExponential, floor, gain: f64::INFINITY, steps: STEPS };
         own.rest = Regression::train(&inputs, &outputs, &options);
         own.range = std::array::from_fn(|k| {
             let column = || left.iter().map(|row| row[k] as f32);
@@ -176,7 +177,8 @@ fn ratio(source: &Subject, target: &Subject, pairs: &[Pair], roots: &[(Root, Roo
     for end in 0..pairs.len() {
         let is_one = |a: usize, b: usize| {
             let sequence = |frame: u32| target.timeline.sequence_index(frame);
-            pairs[b].target > pairs[a].target && sequence(pairs[a].target) == sequence(pairs[b].target)
+            pairs[b].target == pairs[a].target + (b - a) as u32
+                && sequence(pairs[a].target) == sequence(pairs[b].target)
         };
         while begin < end && (!is_one(begin, end) || pairs[end].target - pairs[begin].target > window) {
             begin += 1;

@@ -7,11 +7,15 @@
 //!
 //! Thesis chapter 5, with what it takes to work (docs/transfer.md). Knows no file.
 
+mod agreement;
+mod correct;
 mod densify;
 mod displace;
 mod dtw;
 mod error;
+mod front;
 mod limbs;
+mod map;
 mod model;
 mod pair;
 mod rebuild;

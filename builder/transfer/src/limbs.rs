@@ -11,9 +11,12 @@ const MOST: usize = 6;
 const LOOKED_AT: usize = 60;
 
 /// For each part of the target the part of the source that is the same (0: the torso), or `None` where the bodies have other
-/// numbers of limbs, or too many to tell.
+/// numbers of limbs, or too many to tell. Parts that were painted with the same numbers are the same.
 pub fn matching(source: &Subject, target: &Subject, pairs: &[Pair]) -> Option<Vec<usize>> {
     let count = target.parts.limbs.len();
+    if count > 0 && source.parts.painted == target.parts.painted && !target.parts.painted.is_empty() {
+        return Some((0..=count).collect());
+    }
     if count == 0 || count > MOST || source.parts.limbs.len() != count {
         return None;
     }

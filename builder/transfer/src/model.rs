@@ -6,13 +6,14 @@ use actor::timeline::Sequence;
 use glam::Vec3;
 use job::Job;
 use learn::dense::Matrix;
-use learn::kernel::Kernel;
-use learn::regression::{Regression, RegressionOptions};
+use learn::regression::RegressionOptions;
 use rayon::prelude::*;
 
+use crate::correct::Examples;
 use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
 use crate::limbs::matching;
+use crate::map::Map;
 use crate::pair::{Pair, TransferOptions};
 use crate::rebuild::Rebuilder;
 use crate::space::{Space, between, numbers, spaces};
@@ -34,46 +35,11 @@ pub struct Model<'a> {
     targets: Vec<Space>,
     displacement: Displacement,
     rebuilder: Rebuilder,
+    /// Poses by whose lengths shapes are corrected.
+    examples: Option<Examples>,
     stance: Option<Stance>,
     /// Pairs that were learned from.
     pub learned: usize,
-}
-
-/// From numbers of one part to those of the other.
-enum Map {
-    /// What a linear map says, and what it leaves over.
-    Learned(Box<Regression>, Option<Box<Regression>>),
-    /// A part that does not move.
-    Still(Vec<f64>),
-}
-
-impl Map {
-    /// Learns a part. A process whose kernel is not linear learns what a linear one leaves over: far from what was seen it says
-    /// nothing, and the linear one goes on.
-    fn learn(inputs: &Matrix, outputs: &Matrix, options: &RegressionOptions) -> Self {
-        let linear = |kernel| Regression::train(inputs, outputs, &RegressionOptions { kernel, ..*options });
-        let is_linear = matches!(options.kernel, Kernel::Linear | Kernel::Affine);
-        let Some(first) = linear(if is_linear { options.kernel } else { Kernel::Linear }) else {
-            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
-            return Self::Still((0..outputs.columns()).map(mean).collect());
-        };
-        if is_linear {
-            return Self::Learned(Box::new(first), None);
-        }
-        let guesses: Vec<Vec<f64>> = (0..inputs.rows()).map(|row| first.predict(inputs.row(row))).collect();
-        let left = Matrix::from_fn(outputs.rows(), outputs.columns(), |row, k| outputs[(row, k)] - guesses[row][k]);
-        Self::Learned(Box::new(first), Regression::train(inputs, &left, options).map(Box::new))
-    }
-
-    fn predict(&self, input: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Learned(linear, None) => linear.predict(input),
-            Self::Learned(linear, Some(rest)) => {
-                linear.predict(input).iter().zip(rest.predict(input)).map(|(a, b)| a + b).collect()
-            }
-            Self::Still(output) => output.clone(),
-        }
-    }
 }
 
 impl<'a> Model<'a> {
@@ -114,7 +80,8 @@ impl<'a> Model<'a> {
         let y: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect();
         job.tell("learning to move", 1, 2)?;
         let floor = FLOOR * f64::from(target.size);
-        let regression = RegressionOptions { kernel: options.kernel, floor, steps: STEPS };
+        let gain = f64::from(target.size / source.size.max(f32::MIN_POSITIVE));
+        let regression = RegressionOptions { kernel: options.kernel, floor, gain, steps: STEPS };
         let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
         let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(source, pair.source, x));
         let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
@@ -125,6 +92,8 @@ impl<'a> Model<'a> {
         };
         let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, target)), &weights)
             .map_err(|error| TransferError::Surface(error.to_string()))?;
+        let examples = || Examples::of(target, &frames(|pair| pair.target), &targets, &rebuilder, &weights);
+        let examples = options.correct.then(examples);
         Ok(Self {
             source,
             target,
@@ -133,6 +102,7 @@ impl<'a> Model<'a> {
             targets,
             displacement,
             rebuilder,
+            examples,
             stance: if options.hold { Stance::of(source, target) } else { None },
             learned: chosen.len(),
         })
@@ -210,13 +180,18 @@ impl<'a> Model<'a> {
     }
 
     fn shape_of(&self, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
+        let predicted: Vec<Vec<f64>> = self.maps.iter().zip(inputs).map(|(map, input)| map.predict(input)).collect();
         let parts: Vec<(&[u32], Vec<Vec3>)> = self
             .targets
             .iter()
-            .zip(self.maps.iter().zip(inputs))
-            .map(|(space, (map, input))| (space.vertices.as_slice(), space.shape(&map.predict(input))))
+            .zip(&predicted)
+            .map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)))
             .collect();
-        self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))
+        let surface = self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))?;
+        match &self.examples {
+            Some(examples) => examples.correct(&self.rebuilder, &surface, &predicted),
+            None => Ok(surface),
+        }
     }
 }
 

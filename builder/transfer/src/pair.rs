@@ -9,6 +9,8 @@ pub struct Key {
     pub source: u32,
     /// Frame of the target.
     pub target: u32,
+    /// Which stretch it belongs to: frames are matched between keys of one stretch alone.
+    pub stretch: u32,
 }
 
 /// Two poses that mean the same.
@@ -40,10 +42,12 @@ pub struct TransferOptions {
     pub pairs: usize,
     /// Hold soles where the source's stand.
     pub hold: bool,
+    /// Stretch triangles as in the target's recorded poses.
+    pub correct: bool,
 }
 
 impl Default for TransferOptions {
     fn default() -> Self {
-        Self { kernel: Kernel::NeuralNetwork, whole: false, pairs: 350, hold: true }
+        Self { kernel: Kernel::NeuralNetwork, whole: false, pairs: 350, hold: true, correct: true }
     }
 }

@@ -22,20 +22,27 @@ pub struct Rebuilder {
     vertex_count: usize,
     /// For each part the weight of each vertex; none where the body is one part.
     weights: Vec<Vec<f32>>,
+    triangles: Vec<Rest>,
     /// Triangles in bands.
     bands: Vec<Band>,
     symbolic: Symbolic,
     factor: Factor<f64>,
 }
 
-/// A triangle that several parts share.
-struct Band {
+/// A triangle of the rest pose.
+struct Rest {
     corners: [u32; 3],
     /// Half cotangents at its corners.
     cotangents: [f64; 3],
     /// Edges and normal of the rest pose, and their inverse.
     rest: DMat3,
     inverse: DMat3,
+}
+
+/// A triangle that several parts share.
+struct Band {
+    /// Its number.
+    triangle: usize,
     /// Parts that have all its corners, and their shares.
     shares: Vec<(usize, f64)>,
 }
@@ -50,8 +57,8 @@ impl Rebuilder {
         let pattern = SymmetricPattern::from_triangles(topology.vertex_count(), topology.triangles())?;
         let mut matrix = SymmetricMatrix::zeros(&pattern);
         matrix.diagonal_mut().fill(ANCHOR);
-        let mut bands = Vec::new();
-        for &corners in topology.triangles() {
+        let (mut triangles, mut bands) = (Vec::new(), Vec::new());
+        for (triangle, &corners) in topology.triangles().iter().enumerate() {
             let at = corners.map(|vertex| rest[vertex as usize].as_dvec3());
             let cotangents = half_cotangents(at);
             for (k, &cotangent) in cotangents.iter().enumerate() {
@@ -66,13 +73,14 @@ impl Rebuilder {
             let rest = frame(at);
             let inverse = rest.inverse();
             if shares.len() > 1 && inverse.is_finite() {
-                bands.push(Band { corners, cotangents, rest, inverse, shares });
+                bands.push(Band { triangle, shares });
             }
+            triangles.push(Rest { corners, cotangents, rest, inverse });
         }
         let symbolic = Symbolic::new(&pattern, &EliminationOrder::minimum_degree(&pattern))?;
         let factor = symbolic.factorise(&matrix, &mut Workspace::default())?;
         let weights = weights.iter().map(|own| own.to_vec()).collect();
-        Ok(Self { vertex_count: topology.vertex_count(), weights, bands, symbolic, factor })
+        Ok(Self { vertex_count: topology.vertex_count(), weights, triangles, bands, symbolic, factor })
     }
 
     /// The surface of parts, given as their vertices and the places of these.
@@ -95,37 +103,81 @@ impl Rebuilder {
         let mut surface: Vec<Vec3> = (0..self.vertex_count).map(mean).collect();
         let mut missing = vec![DVec3::ZERO; self.vertex_count];
         for band in &self.bands {
-            band.miss(&places, &surface, &mut missing);
+            let rest = &self.triangles[band.triangle];
+            if let Some(wanted) = band.wanted(rest, &places) {
+                rest.miss(wanted, &surface, &mut missing);
+            }
         }
+        self.add(&missing, &mut surface)?;
+        Ok(surface)
+    }
+
+    /// The same surface, its triangles turned as they are, but stretched from the rest pose as `stretch` says of each; those of which
+    /// it says nothing stay.
+    ///
+    /// # Errors
+    /// Places that are not finite.
+    pub fn stretched(
+        &self,
+        surface: &[Vec3],
+        stretch: impl Fn(usize) -> Option<DMat3>,
+    ) -> Result<Vec<Vec3>, CholeskyError> {
+        let mut missing = vec![DVec3::ZERO; self.vertex_count];
+        for (triangle, rest) in self.triangles.iter().enumerate() {
+            if let (Some(stretch), Some((rotation, _))) = (stretch(triangle), rest.apart(surface)) {
+                rest.miss(rotation * stretch * rest.rest, surface, &mut missing);
+            }
+        }
+        let mut surface = surface.to_vec();
+        self.add(&missing, &mut surface)?;
+        Ok(surface)
+    }
+
+    /// How a triangle is stretched from the rest pose in another one; `None` where either is degenerate.
+    #[must_use]
+    pub fn stretch(&self, triangle: usize, pose: &[Vec3]) -> Option<DMat3> {
+        self.triangles[triangle].apart(pose).map(|(_, stretch)| stretch)
+    }
+
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The corners of a triangle.
+    #[must_use]
+    pub fn corners(&self, triangle: usize) -> [u32; 3] {
+        self.triangles[triangle].corners
+    }
+
+    /// Moves the surface so that what was missing is there.
+    fn add(&self, missing: &[DVec3], surface: &mut [Vec3]) -> Result<(), CholeskyError> {
         if missing.iter().any(|own| *own != DVec3::ZERO) {
             let mut x: Vec<f64> = missing.iter().flat_map(|own| own.to_array()).collect();
             self.symbolic.solve(&self.factor, &mut x, 3, &mut SolveScratch::default())?;
             surface.iter_mut().zip(x.chunks_exact(3)).for_each(|(point, by)| *point += DVec3::from_slice(by).as_vec3());
         }
-        Ok(surface)
+        Ok(())
     }
 }
 
-impl Band {
+impl Rest {
+    fn at(&self, pose: &[Vec3]) -> [DVec3; 3] {
+        self.corners.map(|vertex| pose[vertex as usize].as_dvec3())
+    }
+
+    /// How the triangle is turned and stretched in a pose.
+    fn apart(&self, pose: &[Vec3]) -> Option<(DMat3, DMat3)> {
+        let gradient = frame(self.at(pose)) * self.inverse;
+        let rotation = DMat3::from_quat(best_rotation(&gradient));
+        let stretch = rotation.transpose() * gradient;
+        stretch.is_finite().then_some((rotation, stretch))
+    }
+
     /// Adds what the triangle's edges miss in `surface`, times their weights.
-    fn miss(&self, places: &[Vec<Vec3>], surface: &[Vec3], missing: &mut [DVec3]) {
-        let at = |pose: &[Vec3]| self.corners.map(|vertex| pose[vertex as usize].as_dvec3());
-        let (mut turns, mut stretch) = (DMat3::ZERO, DMat3::ZERO);
-        let (mut first, mut alike) = (DMat3::ZERO, true);
-        for (k, &(part, share)) in self.shares.iter().enumerate() {
-            let edges = frame(at(&places[part]));
-            alike &= k == 0 || edges == first;
-            first = edges;
-            let gradient = edges * self.inverse;
-            let rotation = DMat3::from_quat(best_rotation(&gradient));
-            turns += rotation * share;
-            stretch += rotation.transpose() * gradient * share;
-        }
-        if alike {
-            return;
-        }
-        let wanted = DMat3::from_quat(best_rotation(&turns)) * stretch * self.rest;
-        let own = at(surface);
+    fn miss(&self, wanted: DMat3, surface: &[Vec3], missing: &mut [DVec3]) {
+        let own = self.at(surface);
         let edge = |k: usize| wanted.col(k);
         // From the first corner to the second, from the second to the third, and back.
         let wanted = [edge(0), edge(1) - edge(0), -edge(1)];
@@ -135,6 +187,24 @@ impl Band {
             missing[self.corners[to] as usize] += pull;
             missing[self.corners[from] as usize] -= pull;
         }
+    }
+}
+
+impl Band {
+    /// Edges and normal that the parts make together; `None` where they agree.
+    fn wanted(&self, rest: &Rest, places: &[Vec<Vec3>]) -> Option<DMat3> {
+        let (mut turns, mut stretch) = (DMat3::ZERO, DMat3::ZERO);
+        let (mut first, mut alike) = (DMat3::ZERO, true);
+        for (k, &(part, share)) in self.shares.iter().enumerate() {
+            let edges = frame(rest.at(&places[part]));
+            alike &= k == 0 || edges == first;
+            first = edges;
+            let gradient = edges * rest.inverse;
+            let rotation = DMat3::from_quat(best_rotation(&gradient));
+            turns += rotation * share;
+            stretch += rotation.transpose() * gradient * share;
+        }
+        (!alike).then(|| DMat3::from_quat(best_rotation(&turns)) * stretch * rest.rest)
     }
 }
 

@@ -1,5 +1,6 @@
 //! An actor as transfer sees it: where its body is in each frame, and its shape in the body's own frame.
 
+use crate::front::toes;
 use actor::capture::Poses;
 use actor::feet::Feet;
 use actor::motion::Motion;
@@ -9,6 +10,10 @@ use kernels::topology::Topology;
 use motion::body::{BodyFrame, body_frames, body_size};
 use parts::Parts;
 use std::f32::consts::TAU;
+
+/// A body whose toes point farther than this from where it goes, in radians, goes aside or backwards: it faces as they do. Less is
+/// how anybody stands.
+const AWRY: f32 = 0.6;
 
 /// An actor.
 pub struct Subject<'a> {
@@ -67,7 +72,13 @@ impl<'a> Subject<'a> {
         let areas = topology.weights();
         let size = body_size(poses, &frames);
         let bodies = body_frames(poses, &frames, areas, size);
-        let roots = roots(&bodies, &motion.facings, timeline);
+        let mut roots = faced(&bodies, &motion.facings, timeline);
+        let frames: Vec<BodyFrame> = roots.iter().map(Root::body).collect();
+        let toes = toes(poses, &frames, &parts, size);
+        if let Some(toes) = toes.filter(|toes| toes.abs() > AWRY) {
+            let facings: Vec<f32> = motion.facings.iter().map(|facing| facing + toes).collect();
+            roots = faced(&bodies, &facings, timeline);
+        }
         Self { topology, timeline, poses, feet, parts, size, roots }
     }
 
@@ -92,7 +103,7 @@ impl<'a> Subject<'a> {
 }
 
 /// Bodies as roots: turned so that they face +Z and stand upright on average.
-fn roots(bodies: &[BodyFrame], facings: &[f32], timeline: &Timeline) -> Vec<Root> {
+fn faced(bodies: &[BodyFrame], facings: &[f32], timeline: &Timeline) -> Vec<Root> {
     // From the frame that faces forwards to the body's own, averaged over all frames.
     let (mut sum, mut like) = (Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), Quat::IDENTITY);
     for (frame, (body, &facing)) in bodies.iter().zip(facings).enumerate() {

@@ -80,7 +80,7 @@ fn tube(tall: f32, around: u32, lengths: &[u32], fps: f32) -> Body {
 }
 
 fn keys(pairs: &[(u32, u32)]) -> Vec<Key> {
-    pairs.iter().map(|&(source, target)| Key { source, target }).collect()
+    pairs.iter().map(|&(source, target)| Key { source, target, stretch: 0 }).collect()
 }
 
 fn matched(source: &Body, target: &Body, pairs: &[(u32, u32)]) -> Result<Dense, TransferError> {
@@ -90,9 +90,10 @@ fn matched(source: &Body, target: &Body, pairs: &[(u32, u32)]) -> Result<Dense, 
 #[test]
 fn a_body_of_other_size_mesh_and_rate_does_the_same() {
     let (source, target) = (tube(1.8, 8, &[60, 50], 25.0), tube(1.2, 11, &[120, 100], 50.0));
-    let Dense { pairs, doubts } =
+    let Dense { pairs, doubts, agreement } =
         matched(&source, &target, &[(0, 0), (15, 30), (30, 60), (45, 90), (59, 118)]).unwrap();
     assert_eq!((pairs.len(), doubts.len()), (119, 0));
+    assert!(agreement.unwrap() > 0.9, "{agreement:?}");
     let late = pairs.iter().map(|pair| (2.0 * pair.source - f64::from(pair.target)).abs()).sum::<f64>() / 119.0;
     assert!(late < 1.5, "{late} frames at 50 a second");
     let (from, to) = (source.subject(), target.subject());
@@ -121,7 +122,7 @@ fn a_body_of_other_size_mesh_and_rate_does_the_same() {
 fn a_key_that_is_wrong_is_named_and_not_trusted() {
     let (source, target) = (tube(1.8, 8, &[80], 25.0), tube(1.2, 11, &[80], 25.0));
     let given = [(0, 0), (16, 16), (32, 32), (53, 48), (64, 64), (79, 79)];
-    let Dense { pairs, doubts } = matched(&source, &target, &given).unwrap();
+    let Dense { pairs, doubts, .. } = matched(&source, &target, &given).unwrap();
     assert_eq!(doubts.iter().map(|doubt| doubt.key.target).collect::<Vec<_>>(), [48], "{doubts:?}");
     assert!((doubts[0].better - 48.0).abs() < 2.0 && doubts[0].off > 2.0, "{doubts:?}");
     let off = |pair: &Pair| (pair.source - f64::from(pair.target)).abs();
@@ -203,4 +204,58 @@ fn the_man_walks_as_the_woman_does() {
     let off = (sum / frames.len() as f32).sqrt();
     assert!(off < 0.02, "{off}");
     assert!(model.slide(&times, &frames).unwrap() < 0.001);
+}
+
+#[test]
+fn stretches_are_matched_apart() {
+    let (source, target) = (tube(1.8, 8, &[60], 25.0), tube(1.2, 11, &[60], 25.0));
+    let key = |source, target, stretch| Key { source, target, stretch };
+    // In one stretch these contradict each other; the first and the last pose alone are the same as any stretch.
+    let given = [key(30, 30, 1), key(45, 45, 1), key(5, 5, 2), key(20, 20, 2), key(58, 3, 3)];
+    let matched =
+        |keys: &[Key]| densify(&source.subject(), &target.subject(), keys, &TransferOptions::default(), &Job::silent());
+    let pairs = matched(&given).unwrap().pairs;
+    assert_eq!(pairs.len(), 16 + 16 + 1);
+    assert_eq!(pairs.last(), Some(&Pair { source: 58.0, target: 3 }));
+    assert!(pairs[..32].iter().all(|pair| (pair.source - f64::from(pair.target)).abs() < 2.0), "{pairs:?}");
+    let as_one: Vec<Key> = given.iter().map(|own| Key { stretch: 0, ..*own }).collect();
+    assert!(matches!(matched(&as_one), Err(TransferError::Contradiction { .. })));
+}
+
+#[test]
+fn few_poses_lead_to_no_wild_frame() {
+    let (woman, man) = (performer(Kind::Woman, 1700), performer(Kind::Man, 1500));
+    let (from, to) = (woman.subject(), man.subject());
+    // Four poses of a walk, and a kick as they have it.
+    let pairs: Vec<Pair> = [2, 9, 12, 15].map(|k| Pair { source: f64::from(k), target: k }).to_vec();
+    let lengths = |correct: bool| {
+        let mut options = TransferOptions::default();
+        options.correct = correct;
+        let model = Model::learn(&from, &to, &pairs, &options, &Job::silent()).unwrap();
+        let frames = model.frames(&model.times(&woman.timeline.sequences()[2]), &Job::silent()).unwrap();
+        let rest = man.poses.frame(0);
+        let change = |frame: &Vec<Vec3>| {
+            let edge = |&[a, b, _]: &[u32; 3]| {
+                let length = |pose: &[Vec3]| pose[a as usize].distance(pose[b as usize]);
+                (length(frame) / length(rest).max(1e-6)).ln().abs()
+            };
+            man.topology.triangles().iter().map(edge).sum::<f32>() / man.topology.triangles().len() as f32
+        };
+        frames.iter().map(change).fold(0.0, f32::max)
+    };
+    let [free, corrected] = [false, true].map(lengths);
+    println!("edges change by {free} and {corrected}");
+    assert!(corrected < 0.2 && corrected < 0.9 * free, "{free} {corrected}");
+}
+
+#[test]
+fn a_body_that_goes_sideways_faces_as_its_toes_do() {
+    let man = performer(Kind::Man, 1500);
+    let mut aside = performer(Kind::Man, 1500);
+    let turned = aside.motion.facings.iter().map(|facing| facing + 1.5).collect();
+    aside.motion.facings = turned;
+    let (own, other) = (man.subject().own(0), aside.subject().own(0));
+    let off = own.iter().zip(&other).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    // Turned by 86 degrees, an arm would be a metre off.
+    assert!(off < 0.25, "{off}");
 }

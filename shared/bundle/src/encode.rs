@@ -14,7 +14,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{alternatives, contacts, feet, files, graph, integers, motion, rig, surface, ties};
+use super::{alternatives, body_parts, contacts, feet, files, graph, integers, motion, rig, surface, ties};
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
@@ -139,7 +139,7 @@ pub fn encode_with_rig(
     files: &Files,
     rig: Option<&StoredRig>,
 ) -> Result<(Vec<u8>, EncodeReport), EncodeError> {
-    encode_with_extras(input, looks, files, &Extras { rig, alternatives: None })
+    encode_with_extras(input, looks, files, &Extras { rig, ..Extras::default() })
 }
 
 /// What a bundle may have besides.
@@ -150,6 +150,8 @@ pub struct Extras<'a> {
     pub rig: Option<&'a StoredRig>,
     /// Motion that differs from recorded stretches.
     pub alternatives: Option<&'a Alternatives>,
+    /// The part of the body that each vertex belongs to, as it was painted.
+    pub body_parts: Option<&'a [u8]>,
 }
 
 /// As [`encode_with_files`], with what a bundle may have besides.
@@ -190,6 +192,7 @@ pub fn encode_with_extras(
     let mut drafts = drafts(input, &meta, geometry)?;
     drafts.extend(extras.rig.map(|rig| rig_draft(rig, capture)).transpose()?);
     drafts.extend(extras.alternatives.map(|all| alternatives_draft(all, capture)).transpose()?.flatten());
+    drafts.extend(extras.body_parts.map(|parts| parts_draft(parts, capture)).transpose()?);
     add_files(&mut drafts, files, capture)?;
     let mut appearance = None;
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
@@ -231,6 +234,13 @@ fn alternatives_draft(all: &Alternatives, capture: &Capture) -> Result<Option<Dr
         return Err(EncodeError::Inconsistent("the alternatives are those of another capture".into()));
     }
     Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all) }))
+}
+
+/// The section of painted parts of this capture.
+fn parts_draft(parts: &[u8], capture: &Capture) -> Result<Draft, EncodeError> {
+    let raw = body_parts::encode(parts, &capture.topology);
+    let raw = raw.ok_or_else(|| EncodeError::Inconsistent("the painted parts are those of another mesh".into()))?;
+    Ok(Draft { kind: SectionKind::BodyParts, ordinal: 0, raw })
 }
 
 /// What the page does not need comes behind what it does.

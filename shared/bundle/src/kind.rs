@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 9;
+pub const VERSION_MINOR: u16 = 10;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,6 +56,8 @@ pub enum SectionKind {
     Rig,
     /// Motion that differs from recorded stretches. Since 1.8.
     Alternatives,
+    /// Which part of the body each vertex belongs to, as it was painted. Since 1.10.
+    BodyParts,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -64,7 +66,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -88,6 +90,7 @@ impl SectionKind {
         Self::Ties,
         Self::Rig,
         Self::Alternatives,
+        Self::BodyParts,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -120,6 +123,7 @@ impl SectionKind {
             Self::Rig => 68,
             Self::Alternatives => 69,
             Self::Contacts => 70,
+            Self::BodyParts => 71,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -158,6 +162,7 @@ impl SectionKind {
             Self::Ties => "ties",
             Self::Rig => "rig",
             Self::Alternatives => "alternatives",
+            Self::BodyParts => "body-parts",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -174,6 +179,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::BodyParts => 10,
             Self::Contacts => 9,
             Self::Alternatives => 8,
             Self::Rig => 7,

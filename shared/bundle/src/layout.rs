@@ -67,6 +67,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Ties
         | SectionKind::Rig
         | SectionKind::Alternatives
+        | SectionKind::BodyParts
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

@@ -9,6 +9,7 @@ pub mod geometry;
 
 mod alternatives;
 mod appearance;
+mod body_parts;
 mod checksum;
 mod contacts;
 mod encode;

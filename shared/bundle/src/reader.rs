@@ -12,8 +12,8 @@ use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
-    AlternativesDecoder, Appearance, Textures, appearance, contacts, feet, files, graph, integers, layout, motion, rig,
-    surface, ties,
+    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, feet, files, graph, integers, layout,
+    motion, rig, surface, ties,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -62,6 +62,8 @@ pub struct BundleReader {
     rig: Option<Vec<u8>>,
     /// The section as it is: it is read in pieces.
     alternatives: Option<Vec<u8>>,
+    /// The section as it is: the page does not want it.
+    body_parts: Option<Vec<u8>>,
     motion: Option<Motion>,
     contacts: Contacts,
     feet: Feet,
@@ -251,6 +253,16 @@ impl BundleReader {
         };
         let stored = rig::decode(bytes, topology.vertex_count(), timeline.frame_count());
         stored.map(Some).map_err(|reason| BundleError::section(SectionKind::Rig, reason))
+    }
+
+    /// The number of the part of the body that each vertex belongs to, as it was painted; `None` also where the bundle does not say.
+    ///
+    /// # Errors
+    /// A section that does not hold parts of this mesh.
+    pub fn body_parts(&self) -> Result<Option<Vec<u8>>, BundleError> {
+        let (Some(bytes), Some(topology)) = (&self.body_parts, &self.topology) else { return Ok(None) };
+        let parts = body_parts::decode(bytes, topology);
+        parts.map(Some).map_err(|reason| BundleError::section(SectionKind::BodyParts, reason))
     }
 
     /// A reader of the alternatives of recorded stretches; `None` also where the bundle has none, or they were taken before.
@@ -481,6 +493,7 @@ impl BundleReader {
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::Rig => self.rig = Some(raw),
             SectionKind::Alternatives => self.alternatives = Some(raw),
+            SectionKind::BodyParts => self.body_parts = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
             | SectionKind::Appearance

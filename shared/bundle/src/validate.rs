@@ -63,8 +63,8 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
-    let alternatives = reader.read_alternatives().err();
-    findings.extend(alternatives.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
+    let damaged = [reader.body_parts().err(), reader.read_alternatives().err()].into_iter().flatten();
+    findings.extend(damaged.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
     findings
 }
 

@@ -155,6 +155,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Feet,
             SectionKind::Ties,
             SectionKind::Rig,
+            SectionKind::BodyParts,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);

@@ -292,6 +292,9 @@ pub struct TransferArguments {
     /// Let feet slide: do not hold soles where the source's stand.
     #[arg(long)]
     pub no_hold: bool,
+    /// Do not correct lengths by the target's recorded poses.
+    #[arg(long)]
+    pub no_correct: bool,
     /// How inputs that are not bundles are read.
     #[command(flatten)]
     pub import: ImportArguments,
@@ -760,4 +763,6 @@ pub enum EvaluateSection {
     Transfer,
     /// Families of cycles: asked against measured, soles, acceleration, volume.
     Families,
+    /// Variations: how well motion is learned, and what alternatives look like as they are stored; only where they are asked for.
+    Variations,
 }

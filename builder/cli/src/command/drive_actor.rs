@@ -41,6 +41,8 @@ pub struct ReadActor {
     pub poses: Poses,
     /// Its sequences.
     pub timeline: Timeline,
+    /// The number of each vertex's part of the body, where parts were painted.
+    pub parts: Option<Vec<u8>>,
 }
 
 /// Reads an actor: a bundle, or a capture as `import` says.
@@ -53,7 +55,8 @@ pub fn read(path: &str, import_arguments: &ImportArguments, terminal: &Terminal)
         };
         let poses = rigged::poses(&mut reader, &timeline, topology.vertex_count())?;
         let order = reader.order().map(<[u32]>::to_vec);
-        return Ok(ReadActor { origin: Origin::Bundle(Box::new(reader)), topology, order, poses, timeline });
+        let parts = reader.body_parts().with_context(|| path.to_owned()).map_err(Failure::Input)?;
+        return Ok(ReadActor { origin: Origin::Bundle(Box::new(reader)), topology, order, poses, timeline, parts });
     }
     let progress = |step| terminal.progress(step);
     let inputs = [path.to_owned()];
@@ -65,7 +68,8 @@ pub fn read(path: &str, import_arguments: &ImportArguments, terminal: &Terminal)
     imported.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     let capture = &imported.capture;
     let (topology, poses, timeline) = (capture.topology.clone(), capture.poses.clone(), capture.timeline.clone());
-    Ok(ReadActor { origin: Origin::Capture(Box::new(imported)), topology, order: None, poses, timeline })
+    let parts = imported.parts.clone();
+    Ok(ReadActor { origin: Origin::Capture(Box::new(imported)), topology, order: None, poses, timeline, parts })
 }
 
 /// The rig of an actor: that of the file, the bundle's own, or estimated.

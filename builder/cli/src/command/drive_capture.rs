@@ -109,6 +109,7 @@ fn described(folder: &Path, file: &Path) -> Result<Table> {
     };
     path(&mut table, "texture")?;
     path(&mut table, "weights")?;
+    path(&mut table, "parts")?;
     if let Some(Value::Array(sequences)) = table.get_mut("sequence") {
         for sequence in sequences {
             if let Value::Table(sequence) = sequence {

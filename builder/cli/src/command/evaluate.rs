@@ -68,6 +68,7 @@ fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
             EvaluateSection::Wandering => Section::Wandering,
             EvaluateSection::Transfer => Section::Transfer,
             EvaluateSection::Families => Section::Families,
+            EvaluateSection::Variations => Section::Variations,
         })
         .collect();
     sections.sort_unstable();

@@ -88,7 +88,12 @@ pub fn run(arguments: &TransferArguments, terminal: &Terminal) -> Result<(), Fai
 }
 
 fn actor(read: &ReadActor) -> TransferActor<'_> {
-    TransferActor { topology: &read.topology, timeline: &read.timeline, poses: &read.poses }
+    TransferActor {
+        topology: &read.topology,
+        timeline: &read.timeline,
+        poses: &read.poses,
+        parts: read.parts.as_deref(),
+    }
 }
 
 fn options(arguments: &TransferArguments) -> TransferOptions {
@@ -102,6 +107,7 @@ fn options(arguments: &TransferArguments) -> TransferOptions {
     options.whole = arguments.whole;
     options.pairs = arguments.pairs.into();
     options.hold = !arguments.no_hold;
+    options.correct = !arguments.no_correct;
     options
 }
 
@@ -229,9 +235,10 @@ fn provenance(arguments: &TransferArguments, keys: KeyFile, done: &Transferred, 
 }
 
 fn told(provenance: &Provenance) -> String {
-    let TransferSummary { keys, pairs, learned, parts, ratio, .. } = &provenance.learned;
+    let TransferSummary { keys, pairs, learned, parts, ratio, agreement, .. } = &provenance.learned;
+    let agreement = agreement.map_or(String::new(), |agreement| format!("; pairs agree by {:.0} %", 100.0 * agreement));
     let mut lines = vec![format!(
-        "{keys} keys, {pairs} pairs of frames found between them, {learned} learned from in {parts} parts; a metre becomes {ratio:.3} m"
+        "{keys} keys, {pairs} pairs of frames found between them, {learned} learned from in {parts} parts; a metre becomes {ratio:.3} m{agreement}"
     )];
     for one in &provenance.sequences {
         let slide = one.slide_mm.map_or("no feet held".into(), |slide| format!("soles slide {slide:.2} mm a frame"));

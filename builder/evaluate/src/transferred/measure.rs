@@ -103,7 +103,8 @@ pub fn keys(source: &Performed, target: &Performed, count: usize, wrong: f64) ->
             let slip = wrong * f64::from(signed(mix(7, u64::from(sequence.first_frame)), u64::from(k)));
             let frame = (time(chosen) + slip).round().clamp(f64::from(next), f64::from(original.frame_count - 1));
             next = frame as u32 + 1;
-            keys.push(Key { source: original.first_frame + frame as u32, target: sequence.first_frame + chosen });
+            let source = original.first_frame + frame as u32;
+            keys.push(Key { source, target: sequence.first_frame + chosen, stretch: 0 });
         }
     }
     keys

@@ -12,12 +12,11 @@ use kernels::topology::{Topology, barycentric_areas};
 
 use super::error::ImportError;
 use super::faces;
-use super::images::read_file;
 use super::loops::{self, Meets};
 use super::mesh::{FileMesh, FileTriangle};
+use super::per_vertex;
 use super::plan::{Plan, PlannedSequence};
 use super::read::Recording;
-use super::text::{Continues, for_each_line, number, without_comment};
 use super::warning::Warning;
 use super::weld::weld;
 
@@ -26,14 +25,24 @@ const WELD_PART: f64 = 1e-5;
 /// The last frame of a cyclic sequence repeats the first where they agree to this part of the body's size.
 const REPEAT_PART: f32 = 1e-3;
 
-/// The capture, the faces of its files where they are not simply the drawn triangles, and for each sequence whether its last
-/// frame was dropped for repeating the first.
+/// What a recording comes to.
+pub(super) struct Assembled {
+    pub capture: Capture,
+    /// The faces of its files where they are not simply the drawn triangles.
+    pub faces: Option<FileFaces>,
+    /// For each sequence whether its last frame was dropped for repeating the first.
+    pub dropped: Vec<bool>,
+    /// The number of each vertex's part of the body, where they were painted.
+    pub parts: Option<Vec<u8>>,
+}
+
+/// The capture, and what comes with it.
 pub(super) fn assemble(
     plan: &Plan,
     recording: Recording,
     weld_tolerance: Option<f32>,
     warnings: &mut Vec<Warning>,
-) -> Result<(Capture, Option<FileFaces>, Vec<bool>), ImportError> {
+) -> Result<Assembled, ImportError> {
     let Recording { mesh, mut positions, frame_counts, .. } = recording;
     let file_vertices = mesh.vertex_count;
     let path = plan.sequences.first().map(|s| s.source.path().to_owned()).unwrap_or_default();
@@ -70,9 +79,10 @@ pub(super) fn assemble(
     keep_vertices(&mut positions, file_vertices, &kept);
     let vertex_count = kept.len();
     let weights = match &plan.weights {
-        Some(file) => read_weights(file, file_vertices, &kept)?,
+        Some(file) => per_vertex::weights(file, file_vertices, &kept)?,
         None => barycentric_areas(&corners, positions.get(..vertex_count).unwrap_or_default()),
     };
+    let parts = plan.parts.as_ref().map(|file| per_vertex::parts(file, file_vertices, &kept)).transpose()?;
     if plan.weights.is_none() && weights.iter().all(|&area| area == 0.0) {
         return Err(ImportError::NoTriangles { path });
     }
@@ -83,7 +93,7 @@ pub(super) fn assemble(
         play(plan, &topology, positions, frame_counts, size, warnings);
     let timeline = timeline(plan, &frame_counts, &cyclic)?;
     let capture = Capture { name: plan.name.clone(), topology, surface, timeline, poses, vertex_of_file_vertex };
-    Ok((capture, faces, dropped))
+    Ok(Assembled { capture, faces, dropped, parts })
 }
 
 /// Diagonal of the box around `pose`.
@@ -227,29 +237,6 @@ fn keep_vertices(positions: &mut Vec<Vec3>, file_vertices: usize, kept: &[u32]) 
     }
     positions.truncate(frames * kept.len());
     positions.shrink_to_fit();
-}
-
-fn read_weights(path: &std::path::Path, file_vertices: usize, kept: &[u32]) -> Result<Vec<f32>, ImportError> {
-    let wrong = |reason: String| ImportError::Weights { path: path.to_owned(), reason };
-    let mut weights = Vec::new();
-    for_each_line(
-        &read_file(path)?,
-        |_| Continues::Always,
-        |line, text| {
-            for word in without_comment(text).split_ascii_whitespace() {
-                let weight = number(path, line, word)? as f32;
-                if !(weight >= 0.0 && weight.is_finite()) {
-                    return Err(wrong(format!("line {line}: a weight of {weight}")));
-                }
-                weights.push(weight);
-            }
-            Ok(())
-        },
-    )?;
-    if weights.len() != file_vertices {
-        return Err(wrong(format!("{} weights for {file_vertices} vertices", weights.len())));
-    }
-    Ok(kept.iter().map(|&v| weights[v as usize]).collect())
 }
 
 fn warn_about_loose_vertices(topology: &Topology, warnings: &mut Vec<Warning>) {

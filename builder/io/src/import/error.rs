@@ -298,6 +298,16 @@ pub enum ImportError {
         /// What is wrong.
         reason: String,
     },
+    /// The painted parts do not fit the mesh.
+    #[error(
+        "{path}: {reason}. Write one whole number from 0 to 255 per vertex of the mesh files, in their order: its part of the body"
+    )]
+    Parts {
+        /// The file of parts.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// The capture is larger than this program handles.
     #[error("{path}: {reason}. Pack fewer sequences, a lower frame rate or a coarser mesh")]
     TooLarge {
@@ -369,6 +379,7 @@ impl ImportError {
             Self::Uvol { .. } => "E_UVOL",
             Self::UnknownSequence { .. } => "E_SEQUENCE_UNKNOWN",
             Self::Weights { .. } => "E_WEIGHTS",
+            Self::Parts { .. } => "E_PARTS",
             Self::TooLarge { .. } => "E_TOO_LARGE",
             Self::Option(_) => "E_OPTION",
             Self::Topology(_) => "E_TOPOLOGY",

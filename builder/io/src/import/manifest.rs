@@ -29,6 +29,7 @@ pub(super) struct Manifest {
     pub up: Option<UpAxis>,
     pub unit: Option<f32>,
     pub weights: Option<PathBuf>,
+    pub parts: Option<PathBuf>,
     pub texture: Option<String>,
     #[serde(rename = "sequence", default)]
     pub sequences: Vec<ManifestSequence>,

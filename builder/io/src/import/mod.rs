@@ -74,6 +74,7 @@ mod obj;
 mod pairing;
 mod paths;
 mod pattern;
+mod per_vertex;
 mod places;
 mod plan;
 mod ply;
@@ -98,6 +99,7 @@ use actor::capture::Capture;
 use actor::files::Files;
 use glam::DVec3;
 
+use self::assemble::Assembled;
 pub use self::error::ImportError;
 pub use self::families::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, ManifestFamily};
 #[cfg(all(feature = "gltf", feature = "mocap"))]
@@ -164,6 +166,8 @@ pub struct Imported {
     pub files: Files,
     /// Families that manifests ask for; their samples are not made yet.
     pub families: Vec<ManifestFamily>,
+    /// The number of each vertex's part of the body, where parts were painted.
+    pub parts: Option<Vec<u8>>,
     /// Keeps those of `frame_textures` alive that were written out of glTF files.
     pub scratch: Option<Scratch>,
 }
@@ -189,13 +193,14 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
     job.tell("welding", 0, 1)?;
     let before = recording.frame_counts.clone();
-    let (capture, faces, dropped) = assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
+    let Assembled { capture, faces, dropped, parts } =
+        assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     job.tell("welding", 1, 1)?;
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
     let files = Files { faces, place: plan.place(offset) };
     let families = plan.families;
-    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, families, scratch })
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, families, parts, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.

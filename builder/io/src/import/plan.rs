@@ -25,6 +25,8 @@ pub(super) struct Plan {
     /// Metres per unit of the input.
     pub unit: f32,
     pub weights: Option<PathBuf>,
+    /// A file with the number of each vertex's part of the body.
+    pub parts: Option<PathBuf>,
     pub sequences: Vec<PlannedSequence>,
     pub families: Vec<ManifestFamily>,
     pub warnings: Vec<Warning>,
@@ -120,7 +122,7 @@ pub(super) fn plan(inputs: &[String], options: &ImportOptions) -> Result<Plan, I
     let unit = positive(options.unit.or(settings.unit).unwrap_or(1.0), "the unit (metres per unit)")?;
     let up = options.up.or(settings.up).unwrap_or_default();
     let weights = options.weights.clone().or(settings.weights);
-    Ok(Plan { name, fps, up, unit, weights, sequences, families, warnings })
+    Ok(Plan { name, fps, up, unit, weights, parts: settings.parts, sequences, families, warnings })
 }
 
 impl PlannedSequence {
@@ -154,6 +156,7 @@ struct Settings {
     up: Option<UpAxis>,
     unit: Option<f32>,
     weights: Option<PathBuf>,
+    parts: Option<PathBuf>,
 }
 
 impl Settings {
@@ -163,6 +166,8 @@ impl Settings {
         merge_one(&mut self.unit, manifest.unit, "unit", path)?;
         let weights = manifest.weights.as_ref().map(|weights| folder.join(weights));
         merge_one(&mut self.weights, weights, "weights", path)?;
+        let parts = manifest.parts.as_ref().map(|parts| folder.join(parts));
+        merge_one(&mut self.parts, parts, "parts", path)?;
         if self.name.is_none() {
             self.name.clone_from(&manifest.name);
         }
