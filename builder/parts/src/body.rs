@@ -6,7 +6,8 @@ use kernels::topology::Topology;
 
 use crate::band::{self, Limb};
 use crate::measured::{MEASURED, Measured, spread};
-use crate::{extremities, hinge, painted};
+use crate::painted::{self, Painted};
+use crate::{extremities, hinge};
 
 /// Poses whose motion is looked at.
 const LOOKED_AT: usize = 60;
@@ -53,7 +54,11 @@ impl Parts {
         let chosen = spread(poses.len(), MEASURED);
         let body = Measured::of(topology, poses, &chosen);
         let graph = surface_graph(topology, poses, &chosen);
-        painted::painted(&graph, topology, &body, of_vertex).unwrap_or_else(|| Self::whole(topology.vertex_count()))
+        let painted = painted::painted(&graph, topology, &body, of_vertex);
+        painted.map_or_else(
+            || Self::whole(topology.vertex_count()),
+            |Painted { limbs, torso, numbers }| Self { limbs, torso, head: None, painted: numbers },
+        )
     }
 
     /// For each vertex the part that it belongs to most; the torso is 0.

@@ -4,12 +4,21 @@ use geometry::geodesic::SurfaceGraph;
 use kernels::topology::Topology;
 
 use crate::band::{Limb, half_band, smooth_step};
-use crate::body::Parts;
 use crate::measured::Measured;
 use crate::shape::Shape;
 
+/// Parts as they were painted.
+pub struct Painted {
+    /// All but the first part.
+    pub limbs: Vec<Limb>,
+    /// How far each vertex is the first part's.
+    pub torso: Vec<f32>,
+    /// The numbers, that of the first part first.
+    pub numbers: Vec<u8>,
+}
+
 /// The parts of these numbers; `None` where there is not one for each vertex.
-pub fn painted(graph: &SurfaceGraph, topology: &Topology, body: &Measured, of_vertex: &[u8]) -> Option<Parts> {
+pub fn painted(graph: &SurfaceGraph, topology: &Topology, body: &Measured, of_vertex: &[u8]) -> Option<Painted> {
     let mut numbers = of_vertex.to_vec();
     numbers.sort_unstable();
     numbers.dedup();
@@ -35,7 +44,7 @@ pub fn painted(graph: &SurfaceGraph, topology: &Topology, body: &Measured, of_ve
         limb
     };
     let limbs = weights.zip(&depths[1..]).map(limb).collect();
-    Some(Parts { limbs, torso, head: None, painted: numbers })
+    Some(Painted { limbs, torso, numbers })
 }
 
 /// How far each vertex is within the part `number`, along the surface, in metres; negative outside. Vertices that no border can be

@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3Swizzles};
 use kernels::scalar::{atan2, sin_cos};
 
-use super::bend::{MOST_STRIDE, MOST_TURN, STEP, WALKS};
+use super::bend::limits::{MOST_STRIDE, MOST_TURN, STEP, WALKS};
 use super::curve::Curve;
 use super::ground_pose::GroundPose;
 use super::search_graph::SearchGraph;

@@ -99,7 +99,6 @@ use actor::capture::Capture;
 use actor::files::Files;
 use glam::DVec3;
 
-use self::assemble::Assembled;
 pub use self::error::ImportError;
 pub use self::families::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, ManifestFamily};
 #[cfg(all(feature = "gltf", feature = "mocap"))]
@@ -193,7 +192,7 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = worn.map(|worn| worn.into_iter().map(|worn| worn.path).collect());
     job.tell("welding", 0, 1)?;
     let before = recording.frame_counts.clone();
-    let Assembled { capture, faces, dropped, parts } =
+    let assemble::Assembled { capture, faces, dropped, parts } =
         assemble::assemble(&plan, recording, options.weld, &mut warnings)?;
     job.tell("welding", 1, 1)?;
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));

@@ -9,6 +9,7 @@ use super::ImportOptions;
 use super::error::ImportError;
 use super::frames::{Axes, First, check_area, place, shared_mesh};
 use super::gltf::GltfFile;
+use super::images::read_file;
 use super::inputs::Source;
 use super::layers::TextureLayer;
 use super::mesh::{FileMesh, FileTriangle};
@@ -65,7 +66,10 @@ impl Outside {
     fn read(&self) -> Result<ScannedTexture, ImportError> {
         match self {
             Self::Image(path) => Ok(Picture::read(path)?.into()),
-            Self::Layer(layer) => Ok(Picture { layer: Some(layer.clone()), ..Picture::read(layer.path())? }.into()),
+            Self::Layer(layer) => {
+                let (path, layer) = (layer.path().to_owned(), Some(layer).cloned());
+                Ok(Picture { bytes: read_file(&path)?, path, layer }.into())
+            }
         }
     }
 }

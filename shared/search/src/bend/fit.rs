@@ -8,8 +8,8 @@
 use glam::{DVec2, Vec2, Vec3Swizzles};
 
 use super::band::Band;
+use super::limits::{MOST_STRIDE, MOST_TURN, STEP};
 use super::way::Way;
-use super::{MOST_STRIDE, MOST_TURN};
 use crate::curve::Curve;
 use crate::ground_pose::turn_of;
 
@@ -80,7 +80,7 @@ impl<'a> Fit<'a> {
         let total = gone.last().copied().unwrap_or(0.0).max(1e-3);
         let stretch = (curve.length() / total).clamp(0.8, 1.25);
         let lengths = std::iter::once(0.0).chain(gone).map(|gone| (gone * stretch).min(curve.length())).collect();
-        let least = STANDING / (super::STEP * way.fps);
+        let least = STANDING / (STEP * way.fps);
         Self {
             way,
             curve,

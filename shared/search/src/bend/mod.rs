@@ -8,6 +8,7 @@
 
 mod band;
 mod fit;
+pub(super) mod limits;
 mod way;
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
@@ -16,15 +17,9 @@ use kernels::align::Placement;
 use super::curve::Curve;
 use super::ground_pose::{GroundPose, turn_of};
 use fit::{Fitted, fit};
-pub(super) use way::WALKS;
+use limits::{MOST_STRIDE, MOST_TURN};
 use way::{Way, smooth};
 
-/// A step of the body is taken to last so many seconds.
-pub(super) const STEP: f32 = 0.5;
-/// Radians by which a step may be turned: 10 degrees.
-pub(super) const MOST_TURN: f32 = 0.1745;
-/// Metres by which a step may be moved.
-pub(super) const MOST_STRIDE: f32 = 0.1;
 /// Seconds over which a body's middle is smooth.
 const MIDDLE: f32 = 0.06;
 

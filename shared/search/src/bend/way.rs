@@ -3,11 +3,9 @@
 use glam::Vec2;
 use kernels::scalar::exp;
 
-use super::STEP;
+use super::limits::{STEP, WALKS};
 use crate::ground_pose::{GroundPose, turn_of};
 
-/// From this speed on, in metres a second, a step may be changed by as much as may be; less at lower speeds.
-pub const WALKS: f32 = 0.5;
 /// Seconds over which sway evens out.
 const SWAY: f32 = 0.3;
 
