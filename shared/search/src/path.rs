@@ -133,9 +133,11 @@ impl PathTask {
         travelled
     }
 
-    /// What searches count on; `None` where the walk is not bent.
+    /// What searches count on; `None` where the walk is not bent, and where it is not the body that follows the path along the
+    /// ground: a hand's way is not the body's, which need not face along it.
     fn steering(&self, search_graph: &SearchGraph) -> Option<Steering> {
-        (self.exactness > 0.0).then(|| Steering::new(self.exactness, search_graph.fps))
+        let is_steered = self.exactness > 0.0 && self.curve.is_flat() && search_graph.group.is_empty();
+        is_steered.then(|| Steering::new(self.exactness, search_graph.fps))
     }
 
     /// How a walk that was found is bent onto the path, and how well it follows it then. A walk that has little to do with the
@@ -240,11 +242,12 @@ impl Task for PathTask {
     fn follow(&self, search_graph: &SearchGraph, from: &State, index: u32) -> Option<State> {
         let edge = search_graph.edge(index);
         let mut error = 0.0;
+        let steering = self.steering(search_graph);
         let travelled = self.along(search_graph, from, index, |travelled, point, steps, frame| {
             let wrong = if self.is_wrong(search_graph, travelled, frame) { WRONG_BEHAVIOUR } else { 0.0 };
             let off = self.curve.distance(point, travelled);
             // No bend brings that onto the path.
-            let lost = if self.exactness > 0.0 { LOST * (off - NEARLY).max(0.0) } else { 0.0 };
+            let lost = if steering.is_some() { LOST * (off - NEARLY).max(0.0) } else { 0.0 };
             error += f64::from(steps) * (off + lost + wrong);
         });
         let graph = (self.realism * edge.cost).max(self.step_cost * f64::from(edge.steps));
@@ -255,7 +258,7 @@ impl Task for PathTask {
             steps: from.steps + edge.steps,
             cost: from.cost + error * self.seconds_per_step + graph,
         };
-        if let Some(steering) = self.steering(search_graph) {
+        if let Some(steering) = steering {
             let face = search_graph.face_at(next.frame, next.ground_pose);
             let away = f64::from(1.0 - face.dot(self.curve.direction(travelled)));
             next.cost += ASIDE * away * f64::from(edge.steps) * self.seconds_per_step;
