@@ -137,8 +137,13 @@ impl Curve {
         let last = self.points.len() - 1;
         let index = |length: f64| ((length / self.spacing).max(0.0) as usize).min(last);
         let (first, end) = (index(from), index(to));
-        let away = |index: usize| self.points[index].xz().distance_squared(place);
-        let nearest = (first..=end).min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(first);
+        let (mut nearest, mut least) = (first, f32::INFINITY);
+        for (index, point) in (first..).zip(&self.points[first..=end.max(first)]) {
+            let away = point.xz().distance_squared(place);
+            if away < least {
+                (nearest, least) = (index, away);
+            }
+        }
         (nearest as f64 * self.spacing).clamp(from, to)
     }
 

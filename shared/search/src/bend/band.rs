@@ -24,8 +24,9 @@ impl<const WIDTH: usize> Band<WIDTH> {
             }
             let scaled = square * a;
             self.right[first + row] -= scaled * residual;
-            for (column, &b) in coefficients[..=row].iter().enumerate() {
-                self.lower[first + row][WIDTH - 1 + column - row] += scaled * b;
+            let lower = &mut self.lower[first + row];
+            for (into, &b) in lower[WIDTH - 1 - row..].iter_mut().zip(&coefficients[..=row]) {
+                *into += scaled * b;
             }
         }
     }

@@ -21,6 +21,8 @@ const OFF: f64 = 0.012;
 const END_OFF: f64 = 0.03;
 /// Metres along the curve to both sides in which the nearest point is looked for.
 const WINDOW: f64 = 0.5;
+/// Metres by which no place moves any more once they are known.
+const ENOUGH: f64 = 5e-4;
 /// Seconds in which changes come and go.
 const SOFT: f64 = 0.12;
 /// Standing bodies are changed by this share of what walking ones are.
@@ -42,9 +44,11 @@ pub(super) struct Fitted {
 /// it does.
 pub(super) fn fit(way: &Way, curve: &Curve, exactness: f32, is_free: bool) -> Fitted {
     let mut fit = Fit::new(way, curve, exactness, is_free);
-    for _ in 0..PASSES {
+    for pass in 0..PASSES {
         fit.project();
-        fit.solve();
+        if fit.solve() < ENOUGH && pass > 2 {
+            break;
+        }
     }
     fit.project();
     Fitted {
@@ -116,7 +120,8 @@ impl<'a> Fit<'a> {
         self.places[step + 1] - self.places[step] - self.turned(step).0
     }
 
-    fn solve(&mut self) {
+    /// One solution; the largest change of a place in metres.
+    fn solve(&mut self) -> f64 {
         let count = self.places.len();
         let soft = SOFT * f64::from(self.way.fps);
         let mut band = Band::<9>::new(3 * count);
@@ -162,8 +167,11 @@ impl<'a> Fit<'a> {
             }
         }
         let found = band.solve();
+        let mut most = 0.0_f64;
         for (at, change) in found.chunks_exact(3).enumerate() {
-            self.places[at] += DVec2::new(change[0], change[1]);
+            let moved = DVec2::new(change[0], change[1]);
+            most = most.max(moved.length_squared());
+            self.places[at] += moved;
             self.turns[at] += change[2];
         }
         for step in 0..count - 1 {
@@ -174,6 +182,7 @@ impl<'a> Fit<'a> {
                 *weight = (*weight * (1.0 + used.powi(STEEP)).min(1e4)).sqrt().max(1.0);
             }
         }
+        most.sqrt()
     }
 
     fn limits(&self, step: usize) -> [f64; 2] {
