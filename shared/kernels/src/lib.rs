@@ -9,6 +9,7 @@
 //! ```
 
 pub mod align;
+pub mod band;
 pub mod cholesky;
 pub mod codec;
 pub mod components;

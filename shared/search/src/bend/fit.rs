@@ -6,8 +6,8 @@
 //! nearest, found anew after each least-squares solution (Gauss and Newton's method, as in the registration of scans).
 
 use glam::{DVec2, Vec2, Vec3Swizzles};
+use kernels::band::Band;
 
-use super::band::Band;
 use super::limits::{MOST_STRIDE, MOST_TURN, STEP};
 use super::way::Way;
 use crate::curve::Curve;
@@ -124,7 +124,7 @@ impl<'a> Fit<'a> {
     fn solve(&mut self) -> f64 {
         let count = self.places.len();
         let soft = SOFT * f64::from(self.way.fps);
-        let mut band = Band::<9>::new(3 * count);
+        let mut band = Band::new(3 * count);
         for at in 0..count {
             let along = self.curve.direction(self.lengths[at]).as_dvec2();
             let off = self.places[at] - self.curve.at(self.lengths[at]).xz().as_dvec2();
@@ -220,7 +220,7 @@ impl Rows {
         Self { value: next.value - self.value, of }
     }
 
-    fn add(&self, band: &mut Band<9>, first: usize, weight: f64) {
+    fn add(&self, band: &mut Band, first: usize, weight: f64) {
         for axis in 0..2 {
             let known = self.of[axis].iter().rposition(|&value| value != 0.0).map_or(0, |last| last + 1);
             band.add(first, &self.of[axis][..known], self.value[axis], weight);

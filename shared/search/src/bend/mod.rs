@@ -6,7 +6,6 @@
 //! (`shared/synthesis/src/bend.rs`). Hardly a step is changed by more than [`MOST_TURN`] and [`MOST_STRIDE`]; what that is not
 //! enough for stays. Searches look for walks that can be bent ([`super::steer`]).
 
-mod band;
 mod fit;
 pub(super) mod limits;
 mod way;

@@ -1,21 +1,27 @@
 //! Least squares of unknowns in a row, each tied to its neighbours only.
+//!
+//! Beside [`crate::cholesky`], for any pattern, because a walk's band is another one each time, and as long as the walk.
 
-/// Normal equations of a least-squares problem of which no row spans more than `WIDTH` unknowns that follow each other:
+/// Unknowns that follow each other in one row: three places and turns of a walk.
+const WIDTH: usize = 9;
+
+/// Normal equations of a least-squares problem of which no row spans more than nine unknowns that follow each other:
 /// the lower half of a band matrix, row by row, and the right side.
-pub(super) struct Band<const WIDTH: usize> {
+pub struct Band {
     lower: Vec<[f64; WIDTH]>,
     right: Vec<f64>,
 }
 
-impl<const WIDTH: usize> Band<WIDTH> {
+impl Band {
     /// No equation yet. What no row ties down stays near zero.
+    #[must_use]
     pub fn new(unknowns: usize) -> Self {
         let mut still = [0.0; WIDTH];
         still[WIDTH - 1] = 1e-6;
         Self { lower: vec![still; unknowns], right: vec![0.0; unknowns] }
     }
 
-    /// Adds the square of `weight * (residual + sum of coefficients times unknowns)`, the unknowns from `first` on.
+    /// Adds the square of `weight * (residual + sum of coefficients times unknowns)`, the unknowns from `first` on, which must exist.
     pub fn add(&mut self, first: usize, coefficients: &[f64], residual: f64, weight: f64) {
         let square = weight * weight;
         for (row, &a) in coefficients.iter().enumerate() {
@@ -32,6 +38,7 @@ impl<const WIDTH: usize> Band<WIDTH> {
     }
 
     /// The unknowns for which the sum of squares is least, by Cholesky's factorisation.
+    #[must_use]
     pub fn solve(mut self) -> Vec<f64> {
         let count = self.right.len();
         for row in 0..count {
@@ -73,16 +80,16 @@ mod tests {
     fn solves_what_elimination_solves() {
         let mut random = fixtures::Random::new(7);
         let count = 23;
-        let mut band = Band::<4>::new(count);
+        let mut band = Band::new(count);
         let mut whole = vec![vec![0.0_f64; count + 1]; count];
         (0..count).for_each(|row| whole[row][row] = 1e-6);
-        for first in 0..count - 3 {
+        for first in 0..count - 8 {
             for _ in 0..3 {
-                let row: [f64; 4] = std::array::from_fn(|_| f64::from(random.range(-1.0, 1.0)));
+                let row: [f64; 9] = std::array::from_fn(|_| f64::from(random.range(-1.0, 1.0)));
                 let (residual, weight) = (f64::from(random.range(-1.0, 1.0)), f64::from(random.range(0.1, 3.0)));
                 band.add(first, &row, residual, weight);
-                for a in 0..4 {
-                    for b in 0..4 {
+                for a in 0..9 {
+                    for b in 0..9 {
                         whole[first + a][first + b] += weight * weight * row[a] * row[b];
                     }
                     whole[first + a][count] -= weight * weight * row[a] * residual;
