@@ -150,8 +150,8 @@ impl PathTask {
         let (track, fps) = (found.track(search_graph), search_graph.fps as f32);
         let bend = Bend::onto(&self.curve, &track, fps, self.exactness as f32, is_free);
         let bent = self.judge_bent(search_graph, found, &bend);
-        let is_led_away = bent.mean_aside > plain.mean_aside && bent.max_aside > plain.max_aside;
-        if !is_led_away { (bend, bent) } else { (Bend::default(), plain) }
+        let is_nearer = bent.mean_aside <= plain.mean_aside || bent.max_aside <= plain.max_aside;
+        if is_nearer { (bend, bent) } else { (Bend::default(), plain) }
     }
 
     /// How well a walk that was found follows the path as it is.
