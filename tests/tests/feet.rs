@@ -39,11 +39,14 @@ impl PoseSource for Recorded<'_> {
 struct Seen {
     slides: Vec<f64>,
     lowest: f32,
+    /// Frames, and those of them in which the body is in the air though it is on neither side of the blend.
+    frames: usize,
+    hops: usize,
 }
 
 impl Seen {
     fn none() -> Self {
-        Self { slides: Vec::new(), lowest: f32::INFINITY }
+        Self { slides: Vec::new(), lowest: f32::INFINITY, frames: 0, hops: 0 }
     }
 
     fn mean(&self) -> f64 {
@@ -57,12 +60,23 @@ impl Seen {
         if !ways.is_empty() {
             self.slides.push(ways.iter().sum::<f64>() / ways.len() as f64);
         }
-        self.lowest = after.iter().map(|point| point.y).fold(self.lowest, f32::min);
+        self.lowest = self.lowest.min(lowest(after));
+    }
+
+    /// Whether a blended frame is further than `most` above the higher one of both sides.
+    fn hop(&mut self, pose: &[Vec3], sides: [&[Vec3]; 2], most: f32) {
+        let [one, other] = sides.map(lowest);
+        self.frames += 1;
+        self.hops += usize::from(lowest(pose) - one.max(other).max(0.0) > most);
     }
 }
 
+fn lowest(pose: &[Vec3]) -> f32 {
+    pose.iter().map(|point| point.y).fold(f32::INFINITY, f32::min)
+}
+
 fn touches(poses: &Poses) -> f32 {
-    let mut lowest: Vec<f32> = poses.iter().map(|pose| pose.iter().map(|p| p.y).fold(f32::MAX, f32::min)).collect();
+    let mut lowest: Vec<f32> = poses.iter().map(lowest).collect();
     lowest.sort_unstable_by(f32::total_cmp);
     let heights = || poses.frame(0).iter().map(|point| point.y);
     lowest[lowest.len() / 4] + TOUCHES * (heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min))
@@ -85,17 +99,27 @@ fn synthetic(capture: &Capture, graph: &EssentialGraph) -> Seen {
     let mut synthesiser = Synthesiser::new(&capture.topology, None).unwrap();
     let frame = |index: u64| (mix(7, index) % u64::from(timeline.frame_count())) as u32;
     let mut pose = vec![Vec3::ZERO; capture.topology.vertex_count()];
+    let first = capture.poses.frame(0);
+    let most = TOUCHES * (first.iter().map(|point| point.y).fold(f32::MIN, f32::max) - lowest(first));
     let walk = |index: u64| cheapest_walk(graph, timeline, frame(2 * index), frame(2 * index + 1));
     for walk in (0..DRAWN).filter_map(walk) {
         for leg in walk.legs.iter().filter(|leg| leg.transition().is_some()) {
             let from = leg.ends(graph).unwrap().0;
             let alone = Walk { legs: vec![*leg], ..Walk::default() };
             synthesiser.begin_walk(graph, timeline, (from, Placement::IDENTITY), &alone).unwrap();
+            let transition = &graph.transitions()[leg.transition().unwrap() as usize];
+            let begin = timeline.offset(transition.to, 1 - transition.warp.lengths().1 as i64).unwrap();
+            let mut nodes = transition.warp.nodes();
             let mut before: Option<Vec<Vec3>> = None;
             let mut source = Recorded(&capture.poses);
             while synthesiser.next_frame(graph, timeline, &mut source, &mut pose).unwrap().is_some() {
                 if let Some(before) = &before {
                     seen.look(before, &pose, touches);
+                }
+                if let Some((n, m)) = nodes.next() {
+                    let sides = [(from, n), (begin, m)]
+                        .map(|(frame, after)| capture.poses.frame(timeline.offset(frame, after as i64).unwrap()));
+                    seen.hop(&pose, sides, most);
                 }
                 before = Some(pose.clone());
             }
@@ -120,10 +144,12 @@ fn check(capture: &Capture, most: f64) {
         slide * 1e3,
         free * 1e3
     );
+    println!("in the air: {} of {} frames", feet.hops, feet.frames);
     println!("lowest: {:.1} mm, {:.1} mm", own.lowest * 1e3, feet.lowest * 1e3);
     assert!(feet.slides.len() > 50, "{}", feet.slides.len());
     assert!(slide < most * own_slide, "{slide} against {own_slide}");
     assert!(slide < 0.5 * free, "{slide} against {free}");
+    assert!(15 * feet.hops < feet.frames, "{} of {} frames in the air", feet.hops, feet.frames);
     assert!(feet.lowest > own.lowest - 1e-3, "{} against {}", feet.lowest, own.lowest);
 }
 

@@ -15,6 +15,8 @@ use crate::steps::FootStep;
 const LIFT: f32 = 0.7;
 /// One that goes as far as this much of its own size is lifted by half of that.
 const HALF: f32 = 0.35;
+/// One that bears the body goes so many times as far for that.
+const BEARS: f32 = 3.0;
 
 /// Where the sides of a blend are.
 pub(crate) struct Sides<'a> {
@@ -71,15 +73,20 @@ impl Moved {
         };
         let besides: Vec<Vec3> = vertices.iter().map(besides).collect();
         let mut by = source.lerp(destination, weight) - middle;
-        by.y += lift(step, node, (destination - source).with_y(0.0).length(), size(vertices, middle, here));
-        // No lower than both sides are.
         let lowest = |of: &dyn Fn(usize, &FootVertex) -> f32| {
             let soles = vertices.iter().enumerate().filter(|(_, vertex)| vertex.sole > 0);
             soles.map(|(index, vertex)| of(index, vertex)).fold(f32::INFINITY, f32::min)
         };
         let [low, high] = [0, 1].map(|side| lowest(&|_, vertex| at(side, vertex).y));
         let is = lowest(&|index, vertex| here(vertex).y + by.y + besides[index].y);
-        by.y += (low + (high - low) * weight - is).max(0.0);
+        // No lower than both sides are.
+        let between = low + (high - low) * weight;
+        by.y += (between - is).max(0.0);
+        // What is in the air on one side is on its way already.
+        let clear = between - low.min(high);
+        let goes = |vertex: &FootVertex| (at(1, vertex) - at(0, vertex)).with_y(0.0).length_squared();
+        let way = mean(vertices, |vertex| Vec3::splat(goes(vertex))).x.sqrt();
+        by.y += (lift(step, node, way, size(vertices, middle, here)) - clear).max(0.0);
         Self { by, besides }
     }
 
@@ -94,8 +101,9 @@ impl Moved {
 fn lift(step: FootStep, node: usize, way: f32, size: f32) -> f32 {
     let progress = step.progress(node);
     let arc = 4.0 * progress * (1.0 - progress);
-    // A foot that hardly goes anywhere is hardly lifted.
-    let [way, half] = [way, HALF * size].map(|way| way * way.sqrt());
+    // A foot that hardly goes anywhere is hardly lifted, least of all the one that bears the body: that would be a hop.
+    let half = HALF * size * (1.0 + (BEARS - 1.0) * step.alone);
+    let [way, half] = [way, half].map(|way| way * way.sqrt());
     arc * arc.sqrt() * step.lifted() * LIFT * size * way / (way + half).max(f32::MIN_POSITIVE)
 }
 

@@ -22,6 +22,8 @@ const HASTE: f32 = 0.15;
 const APART: f32 = 0.5;
 /// What a step costs while nothing else bears.
 const FALLS: f32 = 0.3;
+/// How often the steps of all feet are chosen.
+const ROUNDS: usize = 2;
 
 /// The step of one foot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +34,8 @@ pub struct FootStep {
     pub width: usize,
     /// How much of it the foot stands on the side that it leaves or comes to, from 0 to 1: then it has to be lifted.
     pub stands: f32,
+    /// How much of it no other foot bears, from 0 to 1: what is lifted then is the whole body.
+    pub alone: f32,
 }
 
 impl FootStep {
@@ -47,6 +51,12 @@ impl FootStep {
     pub fn weight(&self, node: usize) -> f32 {
         let margin = RAISED * self.lifted();
         ease(((self.progress(node) - margin) / (1.0 - 2.0 * margin)).clamp(0.0, 1.0))
+    }
+
+    /// How much of it nothing else bears, from 0 to 1, where the others bear so much at each node.
+    fn unborne(&self, bears: &[f32]) -> f32 {
+        let moves = |(node, bears): (usize, &f32)| (self.weight(node + 1) - self.weight(node)) * (1.0 - bears);
+        bears.iter().enumerate().map(moves).sum()
     }
 
     /// How far it is lifted in its middle, from 0 to 1: fully where it stands for half of its step.
@@ -67,36 +77,47 @@ pub fn foot_steps(feet: &Feet, timeline: &Timeline, transition: &Transition) -> 
 /// The same where it is known how firmly each foot stands at each node of the source and of the destination.
 #[must_use]
 pub fn steps_of_standing(standing: &[[Vec<f32>; 2]], fps: f32) -> Vec<Option<FootStep>> {
-    let mut steps: Vec<Option<FootStep>> = Vec::with_capacity(standing.len());
-    for foot in standing {
-        let step = foot.iter().flatten().any(|&stands| stands > 0.0).then(|| best(foot, standing, &steps, fps));
-        steps.push(step);
+    let mut steps: Vec<Option<FootStep>> = vec![None; standing.len()];
+    // The first ones are chosen before those of the others are known; so all are chosen once more.
+    for _ in 0..ROUNDS {
+        for foot in 0..standing.len() {
+            if standing[foot].iter().flatten().any(|&stands| stands > 0.0) {
+                steps[foot] = Some(best(foot, standing, &steps, fps));
+            }
+        }
     }
-    steps
+    let alone = |(foot, step): (usize, &Option<FootStep>)| {
+        let step = (*step)?;
+        let last = standing[foot][0].len().saturating_sub(1);
+        let bears: Vec<f32> = (0..=last).map(|node| bearing(foot, standing, &steps, node)).collect();
+        Some(FootStep { alone: step.unborne(&bears), ..step })
+    };
+    steps.iter().enumerate().map(alone).collect()
 }
 
-/// The step of `foot` after those of the feet before it were chosen.
-fn best(foot: &[Vec<f32>; 2], standing: &[[Vec<f32>; 2]], before: &[Option<FootStep>], fps: f32) -> FootStep {
-    let last = foot[0].len().saturating_sub(1);
+/// The step of `foot` beside those of the other feet, as far as they are chosen.
+fn best(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], fps: f32) -> FootStep {
+    let sides = &standing[foot];
+    let last = sides[0].len().saturating_sub(1);
     let shortest = ((SHORTEST * fps).round() as usize).clamp(1, last.max(1));
-    let bears: Vec<f32> = (0..=last).map(|node| bearing(standing, before, node)).collect();
-    let (mut found, mut least) = (FootStep { begin: 0, width: last, stands: 0.0 }, f32::INFINITY);
+    let bears: Vec<f32> = (0..=last).map(|node| bearing(foot, standing, steps, node)).collect();
+    let (mut found, mut least) = (FootStep { width: last, ..FootStep::default() }, f32::INFINITY);
     // Halves of the shortest step from one width to the next.
     for halves in 2..=2 * LONGEST {
         let width = (shortest * halves / 2).min(last);
         for begin in 0..=last - width {
-            let mut step = FootStep { begin, width, stands: 0.0 };
-            let (mut stands, mut apart, mut falls) = (0.0, 0.0, 0.0);
+            let mut step = FootStep { begin, width, ..FootStep::default() };
+            let (mut stands, mut apart) = (0.0, 0.0);
             for node in 0..last {
                 let (here, next) = (step.weight(node), step.weight(node + 1));
                 let middle = (here + next) / 2.0;
-                let firm = |side: usize| (foot[side][node] + foot[side][node + 1]) / 2.0;
+                let firm = |side: usize| (sides[side][node] + sides[side][node + 1]) / 2.0;
                 stands += (next - here) * ((1.0 - middle) * firm(0) + middle * firm(1));
-                falls += (next - here) * (1.0 - bears[node]);
                 let blend = ease((node as f32 + 0.5) / last as f32);
                 apart += (middle - blend) * (middle - blend) / last as f32;
             }
-            let cost = stands * (1.0 + FALLS * falls) + HASTE * shortest as f32 / width.max(1) as f32 + APART * apart;
+            let haste = HASTE * shortest as f32 / width.max(1) as f32;
+            let cost = stands * (1.0 + FALLS * step.unborne(&bears)) + haste + APART * apart;
             if cost < least {
                 step.stands = stands;
                 (found, least) = (step, cost);
@@ -109,17 +130,17 @@ fn best(foot: &[Vec<f32>; 2], standing: &[[Vec<f32>; 2]], before: &[Option<FootS
     found
 }
 
-/// How firmly the firmest of the feet whose steps are chosen stands at a node and the next one.
-fn bearing(standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], node: usize) -> f32 {
-    if steps.is_empty() && standing.len() > 1 {
+/// How firmly the firmest of the other feet stands from a node to the next one; all bear as long as none is chosen.
+fn bearing(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], node: usize) -> f32 {
+    if standing.len() > 1 && steps.iter().all(Option::is_none) {
         return 1.0;
     }
     let mut most = 0.0_f32;
-    for (foot, step) in standing.iter().zip(steps) {
-        let Some(step) = step else { continue };
+    for (other, (sides, step)) in standing.iter().zip(steps).enumerate() {
+        let Some(step) = step.filter(|_| other != foot) else { continue };
         let weight = step.weight(node);
         let moves = step.weight(node + 1) - weight;
-        let stands = (1.0 - weight) * foot[0][node] + weight * foot[1][node];
+        let stands = (1.0 - weight) * sides[0][node] + weight * sides[1][node];
         most = most.max(if moves > 0.0 { 0.0 } else { stands });
     }
     most

@@ -58,6 +58,16 @@ fn two_feet_do_not_go_at_once_where_there_is_time() {
 }
 
 #[test]
+fn a_foot_knows_whether_another_one_bears() {
+    let (stands, hangs) = (|| firm(|_| true, 21), || firm(|_| false, 21));
+    let beside = |other: [Vec<f32>; 2]| steps_of_standing(&[[stands(), stands()], other], FPS)[0].unwrap().alone;
+    assert!((beside([hangs(), hangs()]) - 1.0).abs() < 1e-5);
+    assert_eq!(only_step(stands(), stands()).alone, 1.0);
+    // The other one comes down in good time, and the first one waits for it.
+    assert!(beside([firm(|node| node >= 8, 21), firm(|node| node >= 8, 21)]) < 0.7);
+}
+
+#[test]
 fn steps_begin_on_one_side_and_end_on_the_other_whatever_stands() {
     for seed in 0..500 {
         let mut random = Random::new(seed);
