@@ -107,6 +107,8 @@ pub struct Pace {
     width: f32,
     /// Share of the pauses that is spread over all of the warp, so that no frame is paused too much.
     evenly: f32,
+    /// Whether there is none.
+    is_straight: bool,
 }
 
 impl Pace {
@@ -114,7 +116,12 @@ impl Pace {
     #[must_use]
     pub fn of(warp: &TemporalWarp, side: usize, fps: f32) -> Self {
         let total = warp.moves.len() as f32;
-        let mut pace = Self { width: (2.0 * (SPREAD_SECONDS * fps).max(FEWEST_FRAMES)).min(total), evenly: 0.0 };
+        let width = (2.0 * (SPREAD_SECONDS * fps).max(FEWEST_FRAMES)).min(total);
+        let is_straight = !warp.moves.contains(&[Move::Destination, Move::Source][side & 1]);
+        let mut pace = Self { width, evenly: 0.0, is_straight };
+        if is_straight {
+            return pace;
+        }
         let (mut before, mut most) = (0.0, 0.0_f32);
         for node in 1..=warp.moves.len() {
             let paused = pace.paused(warp, side, node);
@@ -132,6 +139,9 @@ impl Pace {
     /// Where node `node` is in its segment, in parts of a frame ([`PLACES_A_FRAME`]).
     #[must_use]
     pub fn place(&self, warp: &TemporalWarp, side: usize, node: usize) -> u32 {
+        if self.is_straight {
+            return node.min(warp.moves.len()) as u32 * PLACES_A_FRAME;
+        }
         let (node, nodes) = (node.min(warp.moves.len()), warp.moves.len().max(1) as f32);
         let paused = self.paused(warp, side, node);
         let even = self.paused(warp, side, warp.moves.len()) * node as f32 / nodes;

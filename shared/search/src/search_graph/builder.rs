@@ -79,7 +79,8 @@ impl SearchGraphBuilder {
         Ok(self.frame == self.search_graph.frame_count())
     }
 
-    /// The search graph, once [`Self::advance`] has said that that was all.
+    /// The search graph, once [`Self::advance`] has said that that was all; before, it has the edges of the frames that were
+    /// surveyed, which is enough for all targets but places and paths.
     #[must_use]
     pub fn finish(self) -> SearchGraph {
         self.search_graph
@@ -107,7 +108,7 @@ impl SearchGraphBuilder {
             let edge = Edge { to: next, steps: 1, cost, deformation, nodes: 1, ground_pose, transition: None, rank: 0 };
             self.push(frame, edge, &[sample]);
         }
-        for index in graph.transitions_from(frame) {
+        for (index, rank) in graph.transitions_from(frame).zip(ranks(graph, frame)) {
             let transition = &graph.transitions()[index];
             if !self.search_graph.live[transition.to as usize] {
                 continue;
@@ -120,7 +121,7 @@ impl SearchGraphBuilder {
                 nodes: transition.warp.duration() as u32,
                 ground_pose: GroundPose::from(&transition.placement),
                 transition: Some(index as u32),
-                rank: rank(graph, index),
+                rank,
             };
             let samples = self.sample(graph, timeline, motion, index)?;
             self.push(frame, edge, &samples);
@@ -182,18 +183,27 @@ impl SearchGraphBuilder {
     }
 }
 
-/// See [`Way::rank`].
-fn rank(graph: &EssentialGraph, index: usize) -> u32 {
-    let this = &graph.transitions()[index];
-    let others = graph.transitions_from(this.from).map(|other| &graph.transitions()[other]);
-    let cheaper = others.filter(|other| (other.deformation, other.to) < (this.deformation, this.to));
-    match cheaper.map(|other| other.to.abs_diff(this.to)).min().unwrap_or(u32::MAX) {
-        16.. => 0,
-        8.. => 1,
-        4.. => 2,
-        2.. => 3,
-        _ => 4,
+/// [`Edge::rank`] of all transitions that leave `frame`: how far from each the next cheaper one arrives.
+fn ranks(graph: &EssentialGraph, frame: u32) -> Vec<u32> {
+    let transitions = &graph.transitions()[graph.transitions_from(frame)];
+    let mut order: Vec<usize> = (0..transitions.len()).collect();
+    let key = |index: usize| (transitions[index].deformation, transitions[index].to);
+    order.sort_unstable_by(|&a, &b| key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1)));
+    let (mut ranks, mut cheaper) = (vec![0; transitions.len()], Vec::with_capacity(transitions.len()));
+    for index in order {
+        let to = transitions[index].to;
+        let at = cheaper.partition_point(|&other| other < to);
+        let beside = [at.checked_sub(1), Some(at)].into_iter().flatten().filter_map(|at| cheaper.get(at));
+        ranks[index] = match beside.map(|other: &u32| other.abs_diff(to)).min().unwrap_or(u32::MAX) {
+            16.. => 0,
+            8.. => 1,
+            4.. => 2,
+            2.. => 3,
+            _ => 4,
+        };
+        cheaper.insert(at, to);
     }
+    ranks
 }
 
 /// For each frame the metres travelled from its sequence's first frame.
