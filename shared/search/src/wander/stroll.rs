@@ -25,6 +25,8 @@ const SYNTHETIC: f64 = 1.0;
 const SHORT: f64 = 20.0;
 const AGAIN: f64 = 4.0;
 const TOO_OFTEN: f64 = 1.0;
+/// What a second costs of a run that repeats exactly what was shown, beyond the shortest stretch.
+const REPEATS: f64 = 40.0;
 /// What every aim costs beside its way: else the next segment would always be the best.
 const AIM: f64 = 0.5;
 /// By how much chance raises the worth of an aim at most.
@@ -32,7 +34,7 @@ const CHANCE: f64 = 0.5;
 /// Rounds that a segment lags behind, beside those counted, for as long as it was never shown.
 const NEVER: f64 = 4.0;
 /// How often a segment is shown at least, as a share of how often the one of its sequence is that is shown most.
-const BEHIND: f64 = 0.7;
+const BEHIND: f64 = 0.9;
 /// Seconds that a transition costs beside its own, that was taken just now.
 const SAME: f64 = 8.0;
 
@@ -53,6 +55,8 @@ pub(super) struct Stroll {
     step: u32,
     /// Recorded steps since the last transition.
     stretch: u32,
+    /// Steps in a row that were shown just so a short while ago.
+    again: u32,
     /// Steps that a stretch lasts at least, and after which something may be shown again; steps a second.
     least: u32,
     forgets: u32,
@@ -69,6 +73,8 @@ struct Way {
     /// Steps that it takes, and those since its last transition.
     steps: u32,
     stretch: u32,
+    /// Steps in a row up to here that were shown just so a short while ago.
+    again: u32,
 }
 
 impl Stroll {
@@ -90,6 +96,7 @@ impl Stroll {
             way: Vec::new(),
             step: 0,
             stretch: 0,
+            again: 0,
             least: steps(STRETCH),
             forgets: steps(FORGETS),
             fps,
@@ -122,9 +129,13 @@ impl Stroll {
                 self.aim(graph, segments, state, random);
             }
             let edge = self.way.pop()? as usize;
+            let is_again = self.freshness(self.taken[edge], 0) > 0.0;
             self.taken[edge] = Some(self.step);
             state = segments.optimiser.chain().end(edge) as usize;
-            frame = segments.segments.get(state)?.first;
+            let segment = segments.segments.get(state)?;
+            let run = self.again + segment.last + 1 - segment.first;
+            self.again = if is_again { run } else { 0 };
+            frame = segment.first;
             match segments.transitions[edge] {
                 None => {
                     walk.push_recorded(last, frame, 1);
@@ -207,10 +218,10 @@ impl Stroll {
     fn ways(&self, graph: &EssentialGraph, segments: &Segments, from: usize) -> Vec<Way> {
         let chain = segments.optimiser.chain();
         let level = self.level(segments);
-        let nowhere = Way { cost: f64::INFINITY, edge: 0, before: 0, steps: 0, stretch: 0 };
+        let nowhere = Way { cost: f64::INFINITY, edge: 0, before: 0, steps: 0, stretch: 0, again: 0 };
         let mut ways = vec![nowhere; segments.segments.len()];
         let mut queue = Queue::default();
-        let begin = Way { cost: 0.0, stretch: self.stretch, ..nowhere };
+        let begin = Way { cost: 0.0, stretch: self.stretch, again: self.again, ..nowhere };
         let mut taken = Some((begin, from));
         while let Some((way, state)) = taken {
             for (edge, to, _) in chain.edges(state) {
@@ -226,9 +237,12 @@ impl Stroll {
                 let same = if synthetic > 0 { self.freshness(self.taken[edge], way.steps) } else { 0.0 };
                 // In rounds of an ordinary segment: what is shown seldom has a long round.
                 let too_often = (self.rounds[to as usize] - level).max(0.0) * self.wanted[to as usize].min(1.0);
+                let is_again = self.freshness(self.taken[edge], way.steps) > 0.0;
+                let runs = if is_again { way.again + synthetic + recorded + 1 } else { 0 };
+                let long = runs.saturating_sub(self.least.max(way.again));
                 let dear = RECORDED + AGAIN * again + TOO_OFTEN * too_often;
                 let cost = SYNTHETIC * f64::from(synthetic) + SHORT * f64::from(short) + dear * f64::from(recorded + 1);
-                let cost = way.cost + cost / self.fps + SAME * same;
+                let cost = way.cost + (cost + REPEATS * f64::from(long)) / self.fps + SAME * same;
                 if cost < ways[to as usize].cost {
                     ways[to as usize] = Way {
                         cost,
@@ -236,6 +250,7 @@ impl Stroll {
                         before: state as u32,
                         steps: arrives + recorded,
                         stretch: stretch + recorded,
+                        again: runs,
                     };
                     // Ways do not go on through where they begin.
                     if to as usize != from {
