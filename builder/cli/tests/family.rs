@@ -70,6 +70,14 @@ fn samples_are_found_written_and_packed() {
     assert_eq!(report["capture"]["sequences"], 5);
     let codes = report["warnings"].as_array().unwrap();
     assert!(codes.iter().any(|warning| warning["code"] == "W_FAMILY_RANGE"), "{codes:?}");
+    // Variations of what lies between walk and run lie between their variations.
+    let varied = folder.path().join("varied.reprise");
+    let varied = ["vary", &asked, "-o", varied.to_str().unwrap(), "--as-sequences", "--count", "2", "--json", "-q"];
+    let varied = builder(&[&varied[..], &["--sequences", "walk,run"]].concat());
+    assert!(varied.status.success(), "{}", told(&varied));
+    let varied: serde_json::Value = serde_json::from_slice(&varied.stdout).unwrap();
+    // Three recorded ones and two samples; two of walk, of run and of each sample.
+    assert_eq!(varied["capture"]["sequences"], 5 + 4 + 4, "{}", varied["warnings"]);
     let again = builder(&["inspect", out.to_str().unwrap(), "--json"]);
     assert!(again.status.success(), "{}", told(&again));
 }

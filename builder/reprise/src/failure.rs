@@ -12,3 +12,10 @@ pub struct FamilyFailure {
     /// What is wrong.
     pub cause: FamilyError,
 }
+
+impl FamilyFailure {
+    /// Whether it was only asked to stop.
+    pub(crate) fn is_stopped(&self) -> bool {
+        matches!(self.cause, FamilyError::Stopped(_))
+    }
+}

@@ -141,16 +141,30 @@ pub fn make(
 ) -> Result<(Vec<MadeFamily>, Vec<Warning>), FamilyFailure> {
     let ground = Ground::of(capture);
     let recorded = ground.recorded(capture);
-    let mut taken: HashSet<String> = capture.timeline.sequences().iter().map(|one| one.name.clone()).collect();
+    let mut taken = names(&capture.timeline);
     let mut warnings = Vec::new();
-    let mut made = Vec::new();
-    for asked in wanted {
-        let failure = |cause: FamilyError| FamilyFailure { name: asked.name.clone(), cause };
-        let family = Family::new(recorded, &resolved(&recorded, asked), job).map_err(failure)?;
-        warnings.extend(doubts(&recorded, asked, &family));
-        made.push(samples(&recorded, (asked, &family), &mut taken, &mut warnings, job).map_err(failure)?);
-    }
-    Ok((made, warnings))
+    let made: Result<Vec<MadeFamily>, FamilyFailure> =
+        wanted.iter().map(|asked| make_one(&recorded, asked, &mut taken, &mut warnings, job)).collect();
+    Ok((made?, warnings))
+}
+
+/// The names of all sequences.
+pub(crate) fn names(timeline: &Timeline) -> HashSet<String> {
+    timeline.sequences().iter().map(|one| one.name.clone()).collect()
+}
+
+/// Makes the samples of one family, under names that are not `taken`.
+pub(crate) fn make_one(
+    recorded: &Recorded,
+    asked: &ManifestFamily,
+    taken: &mut HashSet<String>,
+    warnings: &mut Vec<Warning>,
+    job: &Job,
+) -> Result<MadeFamily, FamilyFailure> {
+    let failure = |cause: FamilyError| FamilyFailure { name: asked.name.clone(), cause };
+    let family = Family::new(*recorded, &resolved(recorded, asked), job).map_err(failure)?;
+    warnings.extend(doubts(recorded, asked, &family));
+    samples(recorded, (asked, &family), taken, warnings, job).map_err(failure)
 }
 
 /// A family by the numbers of its sequences; import has seen that they are there.
@@ -327,11 +341,17 @@ pub(crate) fn add(imported: &mut Imported, job: &Job) -> Result<Vec<FamilySummar
     }
     let (made, warnings) = make(&imported.capture, &imported.families, job)?;
     imported.warnings.extend(warnings);
+    append(imported, &made)?;
+    Ok(made.into_iter().map(|family| family.summary).collect())
+}
+
+/// Adds samples to a capture as sequences.
+pub(crate) fn append(imported: &mut Imported, made: &[MadeFamily]) -> Result<(), PackError> {
     let capture = &imported.capture;
     let mut sequences = capture.timeline.sequences().to_vec();
     let mut positions: Vec<Vec3> = capture.poses.iter().flatten().copied().collect();
     let mut worn: Vec<u32> = (0..capture.timeline.frame_count()).collect();
-    for family in &made {
+    for family in made {
         for (told, (labels, sample)) in family.summary.samples.iter().zip(&family.samples) {
             sequences.push(Sequence {
                 name: told.sequence.clone(),
@@ -356,5 +376,5 @@ pub(crate) fn add(imported: &mut Imported, job: &Job) -> Result<Vec<FamilySummar
     }
     imported.capture.timeline = timeline;
     imported.capture.poses = poses;
-    Ok(made.into_iter().map(|family| family.summary).collect())
+    Ok(())
 }

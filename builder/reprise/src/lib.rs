@@ -73,6 +73,8 @@ pub mod scans;
 #[cfg(feature = "variations")]
 pub mod transfer;
 #[cfg(feature = "variations")]
+mod varied_families;
+#[cfg(feature = "variations")]
 pub mod vary;
 
 pub use actor::capture::{Capture, CaptureError, Poses};

@@ -32,6 +32,8 @@ use crate::registered::RegisteredScan;
 pub use crate::rigged::RigSummary;
 use crate::rigged::stored_rig;
 #[cfg(feature = "variations")]
+use crate::varied_families;
+#[cfg(feature = "variations")]
 use crate::vary::{AlternativesSummary, add_sequences, alternatives, learn};
 
 /// What packing cost and what came out; what `--json` prints.
@@ -152,9 +154,11 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     #[cfg(feature = "variations")]
     let learned = match &options.variations {
         Some(wanted) => {
-            let learned = learn(&imported.capture, wanted, &mut imported.warnings, job)?;
+            let samples = varied_families::samples(&families);
+            let learned = learn(&imported.capture, wanted, &samples, &mut imported.warnings, job)?;
             if wanted.as_sequences {
-                add_sequences(&mut imported, &learned, wanted.options.count)?;
+                let varied = add_sequences(&mut imported, &learned, wanted.options.count)?;
+                varied_families::add(&mut imported, &families, &varied, job)?;
             }
             Some((wanted, learned))
         }

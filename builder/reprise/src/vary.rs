@@ -1,7 +1,7 @@
 //! `builder vary`: the whole pipeline, on a capture with variations of its sequences: as alternatives of what was recorded, or as
 //! sequences beside it.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use actor::alternatives::Alternatives;
 use actor::capture::{Capture, Poses};
@@ -67,14 +67,20 @@ pub(crate) struct Learned {
 }
 
 /// Learns how sequences of a capture move, and draws variations.
+///
+/// Sequences named in `besides` get theirs otherwise, where sequences are made of variations.
 pub(crate) fn learn(
     capture: &Capture,
     wanted: &Variations,
+    besides: &HashSet<String>,
     warnings: &mut Vec<Warning>,
     job: &Job,
 ) -> Result<Learned, PackError> {
     let timeline = &capture.timeline;
-    let chosen = chosen(timeline, &wanted.sequences)?;
+    let mut chosen = chosen(timeline, &wanted.sequences)?;
+    if wanted.as_sequences {
+        chosen.retain(|&index| !besides.contains(&timeline.sequences()[index].name));
+    }
     let feet = pipeline::feet::feet(&capture.topology, timeline, &capture.poses);
     let (mut varied, mut told) = (Vec::new(), Vec::new());
     for &index in &chosen {
@@ -117,13 +123,19 @@ pub(crate) fn alternatives(
     Ok((all, summary))
 }
 
-/// Adds variations to a capture as sequences. They have the looks of the frames that they vary.
-pub(crate) fn add_sequences(imported: &mut Imported, learned: &Learned, count: usize) -> Result<(), PackError> {
+/// Adds variations to a capture as sequences, which have the looks of the frames that they vary; for each sequence that is varied
+/// the names of its variations.
+pub(crate) fn add_sequences(
+    imported: &mut Imported,
+    learned: &Learned,
+    count: usize,
+) -> Result<BTreeMap<String, Vec<String>>, PackError> {
     let capture = &imported.capture;
     let timeline = &capture.timeline;
     let mut sequences = timeline.sequences().to_vec();
     let mut positions: Vec<Vec3> = capture.poses.iter().flatten().copied().collect();
     let mut source_of_frame: Vec<u32> = (0..timeline.frame_count()).collect();
+    let mut added: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut names: HashSet<String> = sequences.iter().map(|sequence| sequence.name.clone()).collect();
     for (&index, varied) in learned.chosen.iter().zip(&learned.varied) {
         let original = &timeline.sequences()[index];
@@ -136,6 +148,7 @@ pub(crate) fn add_sequences(imported: &mut Imported, learned: &Learned, count: u
             while !names.insert(name.clone()) {
                 name.push('~');
             }
+            added.entry(original.name.clone()).or_default().push(name.clone());
             let first_frame = source_of_frame.len() as u32;
             sequences.push(Sequence { name, first_frame, ..sequences[index].clone() });
             source_of_frame.extend(varied.frames());
@@ -153,7 +166,7 @@ pub(crate) fn add_sequences(imported: &mut Imported, learned: &Learned, count: u
     }
     imported.capture.timeline = timeline;
     imported.capture.poses = poses;
-    Ok(())
+    Ok(added)
 }
 
 /// The sequences of these names or labels.
