@@ -17,7 +17,7 @@ export class PairList {
     const head = ['Source', 'Frame', 'Target', 'Frame', 'Stretch'].map((name) => h('th', { scope: 'col' }, name));
     this.table = h('table', {}, h('caption', { class: 'unseen' }, 'All pairs'), h('thead', {}, h('tr', {}, ...head, h('td'))), this.body);
     this.names = h('datalist', { id: 'stretches' });
-    this.sentence = h('p', { class: 'quiet' }, 'No pairs yet. Show a pose of the source and the pose of the target that means the same, then match them.');
+    this.sentence = h('p', { class: 'quiet' }, 'No pairs yet. Show a pose of the source and the pose of the target that means the same, then match them: three pairs at least, best five for each sequence.');
     this.findings = h('ul', { class: 'findings', 'aria-live': 'polite', 'aria-label': 'What is wrong with the pairs' });
     this.root = h('div', { class: 'pairs' }, this.findings, this.sentence, this.table, this.names);
   }
@@ -75,7 +75,7 @@ class Row {
     this.toFrame = this.number('toFrame');
     this.stretch = h('input', { list: 'stretches', size: 8, placeholder: 'none', spellcheck: 'false', autocomplete: 'off' });
     this.stretch.addEventListener('change', () => act.edit(this.pair, { stretch: this.stretch.value === '' ? null : this.stretch.value }, null));
-    this.gone = button('Delete', () => act.remove(this.pair), { class: 'quiet-button' });
+    this.gone = button('✕', () => act.remove(this.pair), { class: 'quiet-button', title: 'Delete' });
     const cell = (...children) => h('td', {}, ...children);
     this.root = h('tr', {}, this.from, cell(this.fromFrame), this.to, cell(this.toFrame), cell(this.stretch), cell(this.gone));
     const select = ({ target }) => target !== this.gone && act.select(this.pair);

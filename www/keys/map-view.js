@@ -43,7 +43,7 @@ export class MapView {
     this.sentence.textContent = words(source, target, pairs, maps, transfer, stale);
     this.showDoubts(transfer && !stale ? transfer.doubts : []);
     this.command.textContent = `builder transfer --from ${shell(source.name || 'SOURCE')} --to ${shell(target.name || 'TARGET')} --keys keys.toml -o more/`;
-    this.draw();
+    this.point(source.frame, target.frame);
   }
 
   showDoubts(doubts) {

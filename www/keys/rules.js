@@ -57,8 +57,8 @@ export function check(pairs, source, target) {
     findings.push(...contrary);
     if (contrary.length === 0 && source && target) findings.push(...tooFast(once, target.fps / source.fps));
   }
-  if (count < FEWEST) {
-    const some = count === 0 ? 'No keys yet' : count === 1 ? '1 key' : `${count} keys`;
+  if (count > 0 && count < FEWEST) {
+    const some = count === 1 ? '1 key' : `${count} keys`;
     findings.push({ kind: 'hint', text: `${some}: at least ${FEWEST} are needed, best five for each sequence.`, pairs: [] });
   }
   return findings;

@@ -57,6 +57,7 @@ export class Side extends EventTarget {
     this.info = null;
     this.sequence = null;
     this.empty.hidden = true;
+    this.root.toggleAttribute('data-opened', true);
     this.what.textContent = this.name;
     this.choice.replaceChildren();
     this.choice.disabled = true;
