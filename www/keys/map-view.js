@@ -15,7 +15,7 @@ export class MapView {
     this.canvas = h('canvas', { role: 'slider', tabindex: '0', 'aria-label': 'Map of frames: which frame of the source belongs to which of the target' });
     this.frame = h('div', { class: 'matrix', hidden: true }, this.canvas);
     this.sentence = h('p', { class: 'quiet' });
-    this.doubts = h('ul', { class: 'findings', 'aria-label': 'Keys that look wrong' });
+    this.doubts = h('ul', { class: 'findings', 'aria-label': 'What builder transfer warned of' });
     this.command = h('code', {});
     this.commandLine = h('p', { class: 'command' }, this.command, button('Copy', () => this.copy(), { class: 'quiet-button', 'aria-label': 'Copy the command' }));
     this.root = h('div', {}, this.frame, this.sentence, this.doubts, this.commandLine);
@@ -41,19 +41,20 @@ export class MapView {
     this.scene = ready ? { pairs, maps, from: source.sequence.name, to: target.sequence.name, ...bounds(pairs, maps) } : null;
     this.frame.hidden = !ready;
     this.sentence.textContent = words(source, target, pairs, maps, transfer, stale);
-    this.showDoubts(transfer && !stale ? transfer.doubts : []);
+    this.showDoubts(transfer && !stale ? transfer : { doubts: [], warnings: [] });
     this.command.textContent = `builder transfer --from ${shell(source.name || 'SOURCE')} --to ${shell(target.name || 'TARGET')} --keys keys.toml -o more/`;
     this.point(source.frame, target.frame);
   }
 
-  showDoubts(doubts) {
-    const text = JSON.stringify(doubts);
+  showDoubts({ doubts, warnings }) {
+    const text = JSON.stringify([doubts, warnings]);
     if (text === this.told) return;
     this.told = text;
-    this.doubts.replaceChildren(...doubts.map(({ key, better_from_frame: better, off }) => {
+    const said = doubts.map(({ key, better_from_frame: better, off }) => {
       const pair = { from: key.from, fromFrame: key.from_frame, to: key.to, toFrame: key.to_frame };
-      return h('li', { 'data-kind': 'hint' }, `${pairName(pair)} looks wrong by ${off.toFixed(1)} frames: ${key.to} ${key.to_frame} is more like ${key.from} ${Math.round(better)}. It was not trusted.`);
-    }));
+      return `${pairName(pair)} looks wrong by ${off.toFixed(1)} frames: ${key.to} ${key.to_frame} is more like ${key.from} ${Math.round(better)}. It was not trusted.`;
+    });
+    this.doubts.replaceChildren(...[...said, ...warnings].map((words) => h('li', { 'data-kind': 'hint' }, words)));
   }
 
   /** The moments that are shown in the players. */

@@ -51,7 +51,8 @@ class Transfer {
     this.pairs = (told.keys?.pair ?? []).map((pair) => ({ from: pair.from, fromFrame: pair.from_frame, to: pair.to, toFrame: pair.to_frame, stretch: pair.stretch ?? null, comments: [] }));
     this.maps = told.maps.map(mapOf);
     this.doubts = told.learned?.doubts ?? [];
-    this.warnings = (told.warnings ?? []).map((warning) => warning.message ?? String(warning));
+    /** Sentences, but for those on doubts. */
+    this.warnings = (told.warnings ?? []).filter(({ code }) => code !== 'W_TRANSFER_KEY').map(({ message }) => `${message}.`);
     this.sequences = told.sequences ?? [];
     this.known = signature(this.pairs);
   }

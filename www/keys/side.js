@@ -41,7 +41,7 @@ export class Side extends EventTarget {
     this.player.addEventListener('ready', () => this.ready());
     // A pose may have been asked for before it had come.
     this.player.addEventListener('load', () => this.show());
-    this.player.addEventListener('error', ({ detail }) => this.say(`${this.title}: ${detail.message}`));
+    this.player.addEventListener('error', ({ detail }) => this.failed(detail.message));
   }
 
   async ask() {
@@ -68,8 +68,6 @@ export class Side extends EventTarget {
   ready() {
     this.info = this.player.info;
     this.player.pause();
-    // Poses as they were recorded, and nothing else.
-    this.player.variety = 0;
     this.what.textContent = this.info.name === this.name.replace(/\.reprise$/, '') ? this.info.name : `${this.info.name} · ${this.name}`;
     this.what.title = `${this.info.frames} frames, ${round(this.info.fps)} a second`;
     this.choice.replaceChildren(...this.info.sequences.map(({ name, count }) => h('option', { value: name }, `${name} (${count})`)));
@@ -78,6 +76,14 @@ export class Side extends EventTarget {
     this.frame = 0;
     this.dispatchEvent(new Event('open'));
     this.show();
+  }
+
+  /** The player itself says what is wrong, too. */
+  failed(message) {
+    // Another actor may take this place.
+    if (!this.info) this.name = '';
+    this.say(`${this.title}: ${message}`);
+    this.dispatchEvent(new Event('open'));
   }
 
   sequenceOf(name) {

@@ -15,7 +15,7 @@ const LIMIT: usize = 282_500;
 const LIMIT_WITH_TOOLS: usize = 748_500;
 
 /// What the page of key poses may weigh, which fetches the player as well.
-const LIMIT_OF_KEYS: usize = 22_000;
+const LIMIT_OF_KEYS: usize = 25_000;
 
 /// What they should weigh.
 pub const MARK: usize = 300_000;
