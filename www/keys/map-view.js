@@ -17,7 +17,7 @@ export class MapView {
     this.sentence = h('p', { class: 'quiet' });
     this.doubts = h('ul', { class: 'findings', 'aria-label': 'What builder transfer warned of' });
     this.command = h('code', {});
-    this.commandLine = h('p', { class: 'command' }, this.command, button('Copy', () => this.copy(), { class: 'quiet-button', 'aria-label': 'Copy the command' }));
+    this.commandLine = h('p', { class: 'command' }, this.command, button('Copy', () => this.copy(), { class: 'quiet-button', 'aria-label': 'Copy the commands' }));
     this.root = h('div', {}, this.frame, this.sentence, this.doubts, this.commandLine);
     this.canvas.addEventListener('click', (event) => this.click(event));
     this.canvas.addEventListener('keydown', (event) => this.key(event));
@@ -42,7 +42,7 @@ export class MapView {
     this.frame.hidden = !ready;
     this.sentence.textContent = words(source, target, pairs, maps, transfer, stale);
     this.showDoubts(transfer && !stale ? transfer : { doubts: [], warnings: [] });
-    this.command.textContent = `builder transfer --from ${shell(source.name || 'SOURCE')} --to ${shell(target.name || 'TARGET')} --keys keys.toml -o more/`;
+    this.command.textContent = `builder transfer --from ${shell(source.name || 'SOURCE')} \\\n  --to ${shell(target.name || 'TARGET')} --keys keys.toml -o more/\nbuilder pack more/ -o more.reprise`;
     this.point(source.frame, target.frame);
   }
 
@@ -115,11 +115,11 @@ function words(source, target, pairs, maps, transfer, stale) {
   if (!source.sequence || !target.sequence) return 'Which frames belong together is drawn here once source and target are open.';
   if (pairs.length + maps.length === 0) return `No frames of “${source.sequence.name}” and “${target.sequence.name}” are matched: there is no map of them yet.`;
   const learned = maps.some(({ costs }) => costs);
-  if (learned) return 'As builder transfer has found it (transfer.json): the darker, the more probable that two frames belong together. The line is the path that was taken, rings are keys; a click shows both frames.';
+  if (learned) return 'As builder transfer has found it (transfer.json): the stronger a point, the more probable that its two frames belong together. The line is the path that was taken, rings are keys; a click shows both frames.';
   const straight = 'The line is drawn straight from key to key; a click shows both frames. ';
   if (stale) return `${straight}The keys are no longer those of the opened transfer.json: transfer again, or undo.`;
   if (transfer) return `${straight}The opened transfer.json has no map of these two sequences.`;
-  return `${straight}What lies between is found by the command below; open the transfer.json that it writes to see it here.`;
+  return `${straight}What lies between is found by the commands below; open the transfer.json in their folder to see it here.`;
 }
 
 function shell(name) {

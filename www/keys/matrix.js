@@ -1,12 +1,12 @@
-/** Draws a map of frames: target to the right, source upwards; costs as greys, the path, keys, and where the players are. */
+/** Draws a map of frames: target to the right, source upwards; low costs as strong greys, the path, keys, and where the players are. */
 
 /** Pixels around the picture: for the axes at the left and below. */
 const MARGIN = { left: 52, right: 12, top: 10, bottom: 40 };
 const STEPS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 const APART = 40;
-/** Costs are made darker at their lower end by this power, for that is where paths are told apart. */
+/** Low costs are made to stand out by this power, for that is where paths are told apart; and how strong the lowest is. */
 const GAMMA = 2;
-const DARKEST = 0.8;
+const STRONGEST = 0.8;
 
 /**
  * @param {HTMLCanvasElement} canvas as wide as the element around it
@@ -80,7 +80,7 @@ function paint({ rows, columns, values }, ink, paper) {
   context.fillStyle = ink;
   for (let row = 0; row < rows; row += 1) {
     for (let column = 0; column < columns; column += 1) {
-      context.globalAlpha = DARKEST * (1 - values[row * columns + column] / 255) ** GAMMA;
+      context.globalAlpha = STRONGEST * (1 - values[row * columns + column] / 255) ** GAMMA;
       context.fillRect(column, rows - 1 - row, 1, 1);
     }
   }

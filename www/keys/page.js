@@ -272,6 +272,7 @@ export class Page {
   opened(side) {
     this.stop();
     if (side.info) this.showFirst();
+    this.result.update();
     this.update();
   }
 

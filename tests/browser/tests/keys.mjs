@@ -285,14 +285,16 @@ export const tests = {
   'key poses: actors are opened from files, and the result moves in step': async (browser) => {
     const page = await opened(browser, 'none');
     assert.equal(await page.page.getByRole('button', { name: 'Match', exact: true }).isDisabled(), true);
-    const chooser = page.page.waitForEvent('filechooser');
-    await page.page.getByRole('button', { name: 'Open the source' }).click();
-    await (await chooser).setFiles(bundlePath);
-    await actors(page, 1);
-    const result = page.page.waitForEvent('filechooser');
-    await page.page.getByRole('button', { name: 'Open the result' }).click();
-    await (await result).setFiles(bundlePath);
-    await actors(page, 2);
+    // The result before the source, to see that neither waits for the other in vain.
+    for (const [which, count] of [['result', 1], ['source', 2]]) {
+      const chooser = page.page.waitForEvent('filechooser');
+      await page.page.getByRole('button', { name: `Open the ${which}` }).click();
+      await (await chooser).setFiles(bundlePath);
+      await actors(page, count);
+      const sentence = await page.page.locator('.result-bar .quiet').textContent();
+      assert.match(sentence, count === 1 ? /Open the source, too/ : /“idle” does what “idle” of the source does/);
+      assert.equal(await page.page.getByRole('button', { name: 'Play in step' }).isDisabled(), count === 1);
+    }
     await page.page.selectOption('#source select', 'walk');
     await lane(page, 'source').focus();
     for (const key of ['PageUp', 'ArrowRight', 'ArrowRight']) await page.keyboard.press(key);
