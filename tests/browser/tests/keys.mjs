@@ -188,6 +188,12 @@ export const tests = {
     assert.deepEqual(await rows(page), [['walk', '1', 'walk', '10', ''], ['walk', '20', 'walk', '30', ''], ['walk', '30', 'walk', '49', '']]);
     assert.deepEqual(await findings(page), []);
     assert.equal(await page.page.locator('.links g').count(), 3);
+    const line = await page.page.locator('.links g').first().locator('.grip').boundingBox();
+    await page.mouse.click(line.x + line.width / 2, line.y + line.height / 2);
+    assert.deepEqual([await page.page.locator('tbody tr[data-chosen] input').first().inputValue(), (await shown(page)).frames], ['1', [1, 10]]);
+    await page.keyboard.press('n');
+    await page.keyboard.press('n');
+    assert.deepEqual((await shown(page)).frames, [30, 49]);
     await page.keyboard.press('m');
     assert.match(await told(page), /matched already/);
 
@@ -253,6 +259,7 @@ export const tests = {
       return new Set(Array.from({ length: data.length / 4 }, (_, at) => data.slice(4 * at, 4 * at + 3).join())).size;
     });
     assert.ok(colours > 40, `costs are greys: ${colours} colours`);
+    await axe(page, 'key poses with a map');
     await canvas.scrollIntoViewIfNeeded();
     const { x, y, width, height } = await canvas.boundingBox();
     // The first keys are at the lower left, the last at the upper right, within the axes.
