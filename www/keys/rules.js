@@ -87,24 +87,22 @@ function contradiction(first, second) {
  * Whether there is a way through all keys, as the command looks for one: frames of the source as many a second as the target has, steps of
  * one in both or in one of them, at most three of the same in a row.
  * @param {number} ratio frames a second of the target, by those of the source
- * @returns {Finding[]} the first two keys between which there is none
+ * @returns {Finding[]} where there is none, the two keys between which one side is fastest beside the other
  */
 function tooFast(keys, ratio) {
   if (keys.length < 2) return [];
   const [first, last] = [keys[0].fromFrame, keys.at(-1).fromFrame];
   const rows = Math.max(1, Math.round((last - first) * ratio));
   const rowOf = ({ fromFrame }) => Math.round(((fromFrame - first) / (last - first)) * rows);
-  let states = 1;
-  for (let at = 1; at < keys.length; at += 1) {
-    const [before, after] = [keys[at - 1], keys[at]];
-    states = reach(states, rowOf(after) - rowOf(before), after.toFrame - before.toFrame);
-    if (states === 0) {
-      const faster = (rowOf(after) - rowOf(before)) > after.toFrame - before.toFrame ? 'source' : 'target';
-      const text = `Between ${pairName(before)} and ${pairName(after)} the ${faster} is more than four times as fast as the other. Correct one of them, or give them stretches of their own.`;
-      return [{ kind: 'wrong', text, pairs: [before, after] }];
-    }
-  }
-  return [];
+  const steps = keys.slice(1).map((after, at) => {
+    const before = keys[at];
+    const [own, others] = [rowOf(after) - rowOf(before), after.toFrame - before.toFrame];
+    return { before, after, rows: own, columns: others, ratio: Math.abs(Math.log(Math.max(own, 1e-3) / others)) };
+  });
+  if (steps.reduce((states, { rows: own, columns }) => reach(states, own, columns), 1) !== 0) return [];
+  const worst = steps.reduce((one, other) => (other.ratio >= one.ratio ? other : one));
+  const text = `Between ${pairName(worst.before)} and ${pairName(worst.after)} the ${worst.rows > worst.columns ? 'source' : 'target'} is more than four times as fast as the other. Correct one of them, or give them stretches of their own.`;
+  return [{ kind: 'wrong', text, pairs: [worst.before, worst.after] }];
 }
 
 /**
@@ -112,6 +110,8 @@ function tooFast(keys, ratio) {
  * source alone, 4 to 6 after so many of the target alone.
  */
 function reach(states, rows, columns) {
+  // Where there is room, all ends are reached from all beginnings: nothing has to be tried in long stretches.
+  if (Math.min(rows, columns) >= 8 && Math.max(rows, columns) <= 2 * Math.min(rows, columns)) return (1 << (1 + 2 * STRAIGHT)) - 1;
   const width = columns + 1;
   const seen = new Uint8Array((rows + 1) * width);
   seen[0] = states;

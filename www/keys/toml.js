@@ -131,18 +131,17 @@ class Reader {
     return true;
   }
 
-  /** `{ from = "walk", ... }` on one line. */
+  /** `{ from = "walk", ... }`. */
   table(pair) {
     if (!this.take('{')) this.refuse('each pair of the list is a table: { from = "...", from_frame = 0, to = "...", to_frame = 0 }');
-    this.space();
-    if (this.take('}')) return;
     for (;;) {
+      this.blank();
+      if (this.take('}')) break;
       this.entry(pair);
-      this.space();
-      if (this.take('}')) return;
-      if (!this.take(',')) this.refuse('a comma or } is missing here; a pair in braces stands on one line');
-      this.space();
+      this.blank();
+      if (!this.take(',') && this.next !== '}') this.refuse('a comma or } is missing behind this entry');
     }
+    pair.comments.push(...this.noted());
   }
 
   entry(pair) {
@@ -171,7 +170,7 @@ class Reader {
   string(name) {
     const quote = this.next;
     if (quote !== '"' && quote !== "'") this.refuse(`“${name}” is a name; put it into quotes: ${name} = "..."`);
-    if (this.text.startsWith(quote.repeat(3), this.at)) this.refuse(`“${name}” is a text of several lines; write it on one line in single quotes or "quotes"`);
+    if (this.text.startsWith(quote.repeat(3), this.at)) this.refuse(`“${name}” is in triple quotes; put it into one pair of quotes, on one line`);
     this.at += 1;
     let text = '';
     for (;;) {
@@ -185,11 +184,11 @@ class Reader {
   /** What stands behind a backslash. */
   escape() {
     const letter = this.next;
-    if (letter in ESCAPES) {
+    if (letter in ESCAPES || letter === 'e') {
       this.at += 1;
-      return ESCAPES[letter];
+      return ESCAPES[letter] ?? '\u001b';
     }
-    const length = { u: 4, U: 8 }[letter];
+    const length = { x: 2, u: 4, U: 8 }[letter];
     const digits = length ? this.text.slice(this.at + 1, this.at + 1 + length) : '';
     const code = length && new RegExp(`^[0-9a-fA-F]{${length}}$`).test(digits) ? parseInt(digits, 16) : -1;
     if (code < 0 || code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) {

@@ -33,8 +33,10 @@ const REFUSED = [
   ['# keys\n\nfrom = "walk"\n', 3, /before the first pair/],
   ['[[pair]]\nfrom = walk\n', 2, /put it into quotes/],
   ['[[pair]]\nfrom = "walk\nfrom_frame = 3\n', 2, /quote " is missing/],
-  ['[[pair]]\nfrom = """walk"""\n', 2, /several lines/],
+  ['[[pair]]\nfrom = """walk"""\n', 2, /triple quotes/],
   ['[[pair]]\nfrom = "w\\alk"\n', 2, /\\a means nothing/],
+  ['pair = [{ from = "a" to = "b" }]', 1, /a comma or } is missing/],
+  ['pair = [{ , }]', 1, /is no entry/],
   ['[[pair]]\nfrom_frame = 3.0\n', 2, /whole number from 0, not 3\.0/],
   ['[[pair]]\nfrom_frame = -3\n', 2, /whole number from 0, not -3/],
   ['[[pair]]\nfrom_frame = 03\n', 2, /not 03/],
@@ -114,6 +116,7 @@ export const tests = {
       "[[pair]]\r\nfrom='walk'\r\nfrom_frame=3\r\nto='run'\r\nto_frame=5",
       '\ufeff[[ pair ]]\n\t"to" = "run"\n  to_frame = +5\nfrom = "w\\u0061lk"\n\'from_frame\' = 0x03\n',
       'pair = [\n { from = "walk", from_frame = 3, to = "run", to_frame = 0b101 },\n]\n',
+      'pair = [ {\n from = "walk", from_frame = 3,\n to = "\\x72un", to_frame = 5, } ]',
       '"pair" = [{from="walk",from_frame=3,to="run",to_frame=0o5}]',
     ];
     for (const text of forms) assert.deepEqual(readKeys(text).pairs, [one], text);
@@ -145,7 +148,7 @@ export const tests = {
     // A run that goes on over a key is as long as one that does not.
     assert.equal(wrong([walk(0, 0), walk(1, 4), walk(2, 11)], 25, 25).length, 0);
     assert.equal(wrong([walk(0, 0), walk(1, 7), walk(2, 11)], 25, 25).length, 0);
-    assert.match(wrong([walk(0, 0), walk(1, 7), walk(2, 12)], 25, 25)[0], /Between walk 1 → walk 7 and walk 2 → walk 12/);
+    assert.match(wrong([walk(0, 0), walk(1, 7), walk(2, 12)], 25, 25)[0], /Between walk 0 → walk 0 and walk 1 → walk 7 the target/);
     // Time counts, not frames: the target has twice as many a second.
     assert.equal(wrong([walk(0, 0), walk(2, 18)], 25, 50).length, 0);
     assert.match(wrong([walk(0, 0), walk(10, 200)], 25, 25)[0], /no frame 200, but 0 to 199/);
