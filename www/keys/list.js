@@ -75,12 +75,19 @@ class Row {
     this.toFrame = this.number('toFrame');
     this.stretch = h('input', { list: 'stretches', size: 8, placeholder: 'none', spellcheck: 'false', autocomplete: 'off' });
     this.stretch.addEventListener('change', () => act.edit(this.pair, { stretch: this.stretch.value === '' ? null : this.stretch.value }, null));
-    this.gone = button('✕', () => act.remove(this.pair), { class: 'quiet-button', title: 'Delete' });
+    this.gone = button('✕', () => this.remove(), { class: 'quiet-button', title: 'Delete' });
     const cell = (...children) => h('td', {}, ...children);
     this.root = h('tr', {}, this.from, cell(this.fromFrame), this.to, cell(this.toFrame), cell(this.stretch), cell(this.gone));
     const select = ({ target }) => target !== this.gone && act.select(this.pair);
     this.root.addEventListener('click', select);
     this.root.addEventListener('focusin', select);
+  }
+
+  /** The focus goes on to the next row. */
+  remove() {
+    const next = this.root.nextElementSibling ?? this.root.previousElementSibling;
+    this.act.remove(this.pair);
+    next?.querySelector('button').focus();
   }
 
   number(end) {

@@ -102,7 +102,7 @@ export class Page {
     for (const address of [keys, transfer]) {
       if (!address) continue;
       try {
-        this.take(await fetched(address), null);
+        await this.take(await fetched(address), null);
       } catch (error) {
         this.say(error.message);
       }
@@ -195,6 +195,8 @@ export class Page {
     const stretch = this.stretch.value === '' ? null : this.stretch.value;
     const pair = { from: source.sequence.name, fromFrame: source.whole, to: target.sequence.name, toFrame: target.whole, stretch };
     const isNew = this.store.add(pair);
+    // What was between two frames while it played is exactly the matched one now.
+    this.showPair(pair);
     this.say(isNew ? `Matched ${pairName(pair)}.` : `${pairName(pair)} is matched already.`);
     this.list.reveal(this.store.chosen);
   }

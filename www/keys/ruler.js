@@ -66,13 +66,18 @@ export class Ruler {
     return Math.max(1, (this.side.sequence?.count ?? 1) - 1);
   }
 
+  /** A frame that there is. */
+  within(frame) {
+    return Math.min((this.side.sequence?.count ?? 1) - 1, Math.max(0, frame));
+  }
+
   share(frame) {
     return frame / this.last;
   }
 
   frameAt({ clientX }) {
     const { left, width } = this.lane.getBoundingClientRect();
-    return Math.min(this.last, Math.max(0, Math.round(((clientX - left) / width) * this.last)));
+    return this.within(Math.round(((clientX - left) / width) * this.last));
   }
 
   /** The frame shown has changed, and perhaps the sequence. */
@@ -154,7 +159,7 @@ export class Ruler {
       if (by === null || event.ctrlKey || event.metaKey || event.altKey) return;
       event.preventDefault();
       event.stopPropagation();
-      const frame = Math.min(this.last, Math.max(0, handle.pair[this.end] + by));
+      const frame = this.within(handle.pair[this.end] + by);
       if (frame !== handle.pair[this.end]) this.act.move(handle.pair, frame, `keys ${id} ${this.end}`);
     });
     this.handles.set(id, handle);
