@@ -26,6 +26,9 @@ const MODULES = {
 const POLICY =
   "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'";
 
+/** What a page may do beyond that: where files of the reader's own are opened, their bytes come from blobs. */
+const ALLOWED = { '/keys.html': "; connect-src 'self' blob:" };
+
 /** Folders that other programs made for the tests, by their place on the server. */
 const MADE = { native: process.env.REPRISE_NATIVE, dressed: process.env.REPRISE_DRESSED, frameworks: process.env.REPRISE_FRAMEWORKS };
 
@@ -68,7 +71,7 @@ export async function serve(root, bundlePath) {
 
 async function answer(root, bundle, request, response) {
   const { pathname } = new URL(request.url, 'http://localhost');
-  response.setHeader('content-security-policy', POLICY);
+  response.setHeader('content-security-policy', POLICY + (ALLOWED[pathname] ?? ''));
   if (pathname === '/demo.reprise') return send(response, bundle, '.reprise');
   if (pathname === '/slow.reprise') return trickle(response, bundle);
   if (pathname === '/half.reprise') return held(response, bundle, 0.6);

@@ -30,7 +30,7 @@ const BENCHES: [(&str, &str); 7] = [
 pub fn bench() -> Result<()> {
     let mut figures = Figures::default();
     let dist = web::build()?;
-    let size::Weight { at_once, later } = size::weigh(&dist)?;
+    let size::Weight { at_once, later, .. } = size::weigh(&dist)?;
     let mark = Mark::AtMost(size::MARK as f64 / 1e3, Some(200.0));
     figures.add("page: wasm + JavaScript, gzip", at_once as f64 / 1e3, "KB", mark);
     figures.add("page: the same with the tools", (at_once + later) as f64 / 1e3, "KB", Mark::None);

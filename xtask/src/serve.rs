@@ -11,9 +11,10 @@ use crate::command::root;
 
 const DEFAULT_PORT: u16 = 8000;
 
-/// The strictest policy that the page runs under, so that trouble with it shows here first.
+/// The strictest policy that the pages run under, so that trouble with it shows here first; `blob:` is where the page of key poses
+/// has the files that it opens.
 const POLICY: &str = "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
-                      img-src 'self' blob: data:; connect-src *";
+                      img-src 'self' blob: data:; connect-src * blob:";
 
 /// `cargo xtask serve [--port N]`.
 pub fn serve_command(arguments: &[&str]) -> Result<()> {

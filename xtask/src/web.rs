@@ -42,6 +42,11 @@ pub fn is_later(name: &Path) -> bool {
         || name.starts_with("pkg") && LATER_MODULES.iter().any(|module| stem.starts_with(module.name))
 }
 
+/// Whether a file of the build is one of the page of key poses; `name` is its path in the folder.
+pub fn is_keys(name: &Path) -> bool {
+    name == Path::new("keys.js") || name.starts_with("keys")
+}
+
 /// Builds the page and returns the folder that holds it.
 pub fn build() -> Result<PathBuf> {
     add_wasm_target()?;

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use reprise::transfer::{KeyFile, KeyPair};
 use serde_json::Value;
 
 fn builder(folder: &Path, arguments: &[&str]) -> Output {
@@ -27,6 +28,28 @@ fn keys(folder: &Path, pairs: &[(&str, u32, &str, u32)]) {
         format!("[[pair]]\nfrom = {from:?}\nfrom_frame = {from_frame}\nto = {to:?}\nto_frame = {to_frame}\n")
     };
     fs::write(folder.join("keys.toml"), pairs.iter().map(pair).collect::<String>()).unwrap();
+}
+
+#[test]
+fn what_the_page_of_key_poses_writes_is_read() {
+    // The page's own tests check that it writes exactly this.
+    let text = include_str!("../../../tests/browser/fixtures/keys.toml");
+    let keys: KeyFile = toml::from_str(text).unwrap();
+    let pair = |from: &str, from_frame: u32, to: &str, to_frame: u32, stretch: Option<&str>| KeyPair {
+        from: from.into(),
+        from_frame,
+        to: to.into(),
+        to_frame,
+        stretch: stretch.map(Into::into),
+    };
+    let expected = [
+        pair("walk", 3, "walk", 5, None),
+        pair("walk", 40, "walk", 44, None),
+        pair("walk", 77, "walk", 90, None),
+        pair("turn \"left\"", 0, "Drehung \\ links", u32::MAX, Some("über\tden Zaun")),
+        pair("it's", 12, "", 0, Some("'one'")),
+    ];
+    assert_eq!(keys.pairs, expected);
 }
 
 #[test]
@@ -62,6 +85,8 @@ fn a_capture_of_the_target_with_the_sources_sequences_comes_out() {
     let told = done(&run(&["-o", "out", "--sequences", "walk,kick", "--json"]));
     let told: Value = serde_json::from_str(&told).unwrap();
     assert_eq!(told["learned"]["keys"], 5);
+    assert!(told.get("maps").is_none(), "maps are for the file alone");
+    maps(folder);
     assert_eq!(told["learned"]["parts"], 5);
     let names: Vec<&str> =
         told["sequences"].as_array().unwrap().iter().map(|one| one["name"].as_str().unwrap()).collect();
@@ -77,4 +102,25 @@ fn a_capture_of_the_target_with_the_sources_sequences_comes_out() {
     let seen: Value = serde_json::from_str(&done(&builder(folder, &["inspect", "alone", "--json"]))).unwrap();
     assert_eq!(seen["sequences"].as_array().unwrap().len(), 1);
     refused(&run(&["-o", "alone"]), "is not empty");
+}
+
+/// The page of key poses draws these.
+fn maps(folder: &Path) {
+    let told: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/transfer.json")).unwrap()).unwrap();
+    let maps = told["maps"].as_array().unwrap();
+    let named: Vec<(&str, &str)> =
+        maps.iter().map(|map| (map["from"].as_str().unwrap(), map["to"].as_str().unwrap())).collect();
+    let mut sorted = named.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, [("jump", "jump"), ("walk", "walk")]);
+    let walk = &maps[named.iter().position(|names| names.0 == "walk").unwrap()];
+    let frame = |name: &str| walk[name].as_u64().unwrap();
+    assert_eq!(["from_first", "from_last", "to_first", "to_last"].map(frame), [0, 20, 0, 14]);
+    let path: Vec<f64> = walk["path"].as_array().unwrap().iter().map(|frame| frame.as_f64().unwrap()).collect();
+    assert_eq!((path.len(), path[0], path[14]), (15, 0.0, 20.0));
+    assert!(path.windows(2).all(|frames| frames[1] >= frames[0]), "time goes on: {path:?}");
+    let (rows, columns) = (walk["costs"]["rows"].as_u64().unwrap(), walk["costs"]["columns"].as_u64().unwrap());
+    assert_eq!((rows, columns), (15, 15), "20 frames at 14 a second are 14 at 10");
+    // Four letters for three bytes.
+    assert_eq!(walk["costs"]["values"].as_str().unwrap().len(), (rows * columns).div_ceil(3) as usize * 4);
 }

@@ -59,6 +59,8 @@ pub mod drive;
 pub mod example;
 mod failure;
 pub mod families;
+#[cfg(feature = "variations")]
+pub mod frame_maps;
 #[cfg(feature = "scans")]
 pub mod look;
 mod options;

@@ -14,6 +14,8 @@ use thiserror::Error;
 use transfer::{Dense, Key, Model, Subject};
 pub use transfer::{Kernel, TransferError, TransferOptions};
 
+use crate::frame_maps::{MappedFrames, named_maps};
+
 /// Where pairs agree less than this, source and target share little.
 const LEAST_AGREEMENT: f64 = 0.3;
 
@@ -129,6 +131,8 @@ pub struct Transferred {
     pub sequences: Vec<TransferredSequence>,
     /// Figures.
     pub summary: TransferSummary,
+    /// Which frames were found to belong together, stretch by stretch.
+    pub maps: Vec<MappedFrames>,
     /// What is not as one might think.
     pub warnings: Vec<Warning>,
 }
@@ -180,7 +184,7 @@ pub fn transfer(
     job.begin("parts of the bodies").map_err(TransferError::from)?;
     let feet = [feet_of(source), feet_of(target)];
     let (source, target) = (subject(source, &feet[0]), subject(target, &feet[1]));
-    let Dense { pairs, doubts, agreement } = transfer::densify(&source, &target, &resolved, options, job)?;
+    let Dense { pairs, doubts, agreement, maps } = transfer::densify(&source, &target, &resolved, options, job)?;
     let model = Model::learn(&source, &target, &pairs, options, job)?;
     let doubts: Vec<DoubtedKey> = doubts
         .iter()
@@ -211,7 +215,9 @@ pub fn transfer(
         agreement,
         doubts,
     };
-    Ok(Transferred { sequences, summary, warnings })
+    let stretch = |number: u32| keys.pairs.get(number.checked_sub(1)? as usize)?.stretch.clone();
+    let maps = named_maps(&maps, source.timeline, target.timeline, stretch);
+    Ok(Transferred { sequences, summary, maps, warnings })
 }
 
 fn feet_of(actor: &TransferActor) -> Feet {

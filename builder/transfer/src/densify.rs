@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::agreement::{Row, agreement};
 use crate::dtw::{path, rows_of_columns};
 use crate::error::TransferError;
+use crate::frame_map::{Costs, FrameMap};
 use crate::limbs::matching;
 use crate::pair::{Key, Pair, TransferOptions};
 use crate::space::{Space, between, numbers, spaces};
@@ -49,6 +50,8 @@ pub struct Dense {
     /// How much of what the target's poses vary by some pairs foretell of others: 1 where all is, 0 or less where the mean pose
     /// would do as well. `None` of too few pairs.
     pub agreement: Option<f64>,
+    /// What was found in each stretch, to be shown.
+    pub maps: Vec<FrameMap>,
 }
 
 /// A stretch of two sequences between its first and its last key.
@@ -93,7 +96,7 @@ pub fn densify(
         groups.into_iter().map(|keys| Stretch::of((source, &source_spaces), (target, &target_spaces), keys)).collect();
     let noise = (NOISE * f64::from(target.size)).powi(2);
     let known: Vec<Vec<f64>> = stretches.iter().map(|stretch| vec![f64::NAN; stretch.target.len()]).collect();
-    let mut ways = known;
+    let (mut ways, mut costs) = (known, Vec::new());
     for (way, stretch) in ways.iter_mut().zip(&stretches) {
         stretch.keys.iter().for_each(|key| way[(key.target - stretch.keys[0].target) as usize] = stretch.row_of(key));
     }
@@ -101,16 +104,17 @@ pub fn densify(
         job.tell("matching frames", round as u64, REFITS as u64 + 1)?;
         let maps = maps(&stretches, &ways, noise).ok_or(TransferError::Still("source"))?;
         let held = round == 0;
-        ways = stretches
+        let found = stretches
             .par_iter()
             .map(|stretch| stretch.way(&maps, held, source, target))
-            .collect::<Result<_, TransferError>>()?;
+            .collect::<Result<Vec<_>, TransferError>>()?;
+        (ways, costs) = found.into_iter().unzip();
     }
     let (x, y) = matched(&stretches, &ways);
     let agreement = agreement(&x, &y, noise);
-    let mut dense = Dense { pairs: Vec::new(), doubts: Vec::new(), agreement };
-    for (stretch, way) in stretches.iter().zip(&ways) {
-        stretch.tell(way, source, target, &mut dense);
+    let mut dense = Dense { pairs: Vec::new(), doubts: Vec::new(), agreement, maps: Vec::new() };
+    for ((stretch, way), costs) in stretches.iter().zip(&ways).zip(costs) {
+        stretch.tell((way, costs), source, target, &mut dense);
     }
     Ok(dense)
 }
@@ -222,14 +226,15 @@ impl Stretch {
         between(&self.source[before], &self.source[(before + 1).min(self.source.len() - 1)], row - before as f64)
     }
 
-    /// The rows of the most probable way; `held` has it go through all keys, not only the first and the last.
+    /// The rows of the most probable way, and the costs that it was found among; `held` has it go through all keys, not only the
+    /// first and the last.
     fn way(
         &self,
         maps: &[LinearMap],
         held: bool,
         source: &Subject,
         target: &Subject,
-    ) -> Result<Vec<f64>, TransferError> {
+    ) -> Result<(Vec<f64>, Costs), TransferError> {
         let predicted: Vec<Vec<(Vec<f64>, f64)>> =
             self.source.iter().map(|x| maps.iter().zip(x).map(|(map, x)| map.predict(x)).collect()).collect();
         let costs = Matrix::from_fn(self.source.len(), self.target.len(), |i, j| {
@@ -239,7 +244,7 @@ impl Stretch {
         let cell = |key: &Key| (self.row_of(key) as usize, (key.target - self.keys[0].target) as usize);
         let keys: Vec<(usize, usize)> = if held { self.keys.iter().map(cell).collect() } else { Vec::new() };
         let way = path(&costs, &keys).ok_or_else(|| named(source, target, self.fastest(), false))?;
-        Ok(rows_of_columns(&way, SMOOTH))
+        Ok((rows_of_columns(&way, SMOOTH), Costs::of(&costs)))
     }
 
     /// The keys between which one side is fastest beside the other.
@@ -253,16 +258,25 @@ impl Stretch {
     }
 
     /// Says which pairs there are, and which keys look wrong.
-    fn tell(&self, way: &[f64], source: &Subject, target: &Subject, dense: &mut Dense) {
+    fn tell(&self, (way, costs): (&[f64], Costs), source: &Subject, target: &Subject, dense: &mut Dense) {
         let step = f64::from(source.timeline.fps() / target.timeline.fps());
         let frame = |row: f64| {
             let before = (row as usize).min(self.rows.len() - 1);
             let after = (before + 1).min(self.rows.len() - 1);
             self.rows[before] + (self.rows[after] - self.rows[before]) * (row - before as f64)
         };
-        for (offset, &row) in (0..).zip(way) {
-            dense.pairs.push(Pair { source: frame(row), target: self.keys[0].target + offset });
+        let (first, last) = (self.keys[0], self.keys[self.keys.len() - 1]);
+        let path: Vec<f64> = way.iter().map(|&row| frame(row)).collect();
+        for (offset, &source) in (0..).zip(&path) {
+            dense.pairs.push(Pair { source, target: first.target + offset });
         }
+        dense.maps.push(FrameMap {
+            stretch: first.stretch,
+            source: [first.source, last.source],
+            target: [first.target, last.target],
+            path,
+            costs,
+        });
         for &key in &self.keys {
             let better = frame(way[(key.target - self.keys[0].target) as usize]);
             let off = (better - f64::from(key.source)).abs() / step;

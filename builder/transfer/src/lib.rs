@@ -13,6 +13,7 @@ mod densify;
 mod displace;
 mod dtw;
 mod error;
+mod frame_map;
 mod front;
 mod limbs;
 mod map;
@@ -25,6 +26,7 @@ mod subject;
 
 pub use crate::densify::{Dense, Doubt, densify};
 pub use crate::error::TransferError;
+pub use crate::frame_map::{Costs, FrameMap};
 pub use crate::model::Model;
 pub use crate::pair::{Key, Pair, TransferOptions};
 pub use crate::rebuild::Rebuilder;

@@ -90,10 +90,17 @@ fn matched(source: &Body, target: &Body, pairs: &[(u32, u32)]) -> Result<Dense, 
 #[test]
 fn a_body_of_other_size_mesh_and_rate_does_the_same() {
     let (source, target) = (tube(1.8, 8, &[60, 50], 25.0), tube(1.2, 11, &[120, 100], 50.0));
-    let Dense { pairs, doubts, agreement } =
+    let Dense { pairs, doubts, agreement, maps } =
         matched(&source, &target, &[(0, 0), (15, 30), (30, 60), (45, 90), (59, 118)]).unwrap();
     assert_eq!((pairs.len(), doubts.len()), (119, 0));
     assert!(agreement.unwrap() > 0.9, "{agreement:?}");
+    let [map] = maps.as_slice() else { panic!("one stretch has one map") };
+    assert_eq!((map.source, map.target, map.path.len()), ([0, 59], [0, 118], 119));
+    assert!(map.path.iter().zip(&pairs).all(|(path, pair)| *path == pair.source));
+    assert_eq!((map.costs.rows, map.costs.columns), (119, 119));
+    let at = |row: usize, column: usize| f64::from(map.costs.values[row * map.costs.columns + column]);
+    let (on, off) = ((0..119).map(|k| at(k, k)).sum::<f64>(), (0..119).map(|k| at(k, (k + 40) % 119)).sum::<f64>());
+    assert!(on < 0.5 * off, "what belongs together is more probable: {on} against {off}");
     let late = pairs.iter().map(|pair| (2.0 * pair.source - f64::from(pair.target)).abs()).sum::<f64>() / 119.0;
     assert!(late < 1.5, "{late} frames at 50 a second");
     let (from, to) = (source.subject(), target.subject());

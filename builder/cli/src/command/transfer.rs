@@ -6,6 +6,7 @@ use anyhow::{Context, anyhow};
 use capture_io::export::{ExportOptions, Output};
 use capture_io::import::Warning;
 use job::Job;
+use reprise::frame_maps::MappedFrames;
 use reprise::transfer::{
     Kernel, KeyFile, TransferActor, TransferOptions, TransferSummary, Transferred, TransferredSequence, transfer,
 };
@@ -20,7 +21,7 @@ use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::terminal::Terminal;
 
-/// What is kept beside the capture, and what `--json` prints.
+/// What is kept beside the capture, and what `--json` prints, but for the maps.
 #[derive(Serialize)]
 struct Provenance {
     /// Whose motion it is.
@@ -35,6 +36,9 @@ struct Provenance {
     sequences: Vec<NewSequenceSummary>,
     /// What is not as one might think.
     warnings: Vec<Warning>,
+    /// Which frames were found to belong together; last, for it is long.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    maps: Vec<MappedFrames>,
 }
 
 #[derive(Serialize)]
@@ -77,11 +81,12 @@ pub fn run(arguments: &TransferArguments, terminal: &Terminal) -> Result<(), Fai
     done.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     let names = names(&done.sequences, &target, arguments.alone);
     write(arguments, &target, &done, &names, terminal)?;
-    let provenance = provenance(arguments, keys, &done, &names);
+    let mut provenance = provenance(arguments, keys, &done, &names);
     let text = serde_json::to_string_pretty(&provenance).map_err(|error| Failure::Internal(error.into()))?;
     write_whole(&folder.join("transfer.json"), text.as_bytes()).map_err(Failure::Input)?;
     terminal.log(&told(&provenance));
     if arguments.json {
+        provenance.maps.clear();
         print_json(&provenance)?;
     }
     Ok(())
@@ -231,6 +236,7 @@ fn provenance(arguments: &TransferArguments, keys: KeyFile, done: &Transferred, 
         learned: done.summary.clone(),
         sequences: done.sequences.iter().zip(names).map(summary).collect(),
         warnings: done.warnings.clone(),
+        maps: done.maps.clone(),
     }
 }
 
