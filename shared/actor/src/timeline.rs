@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::families::{Family, FamilyMember};
+
 /// One recorded sequence: a run of consecutive frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sequence {
@@ -50,6 +52,7 @@ pub struct Timeline {
     fps: f32,
     sequences: Vec<Sequence>,
     sequence_of_frame: Vec<u32>,
+    families: Vec<Family>,
 }
 
 /// Why a list of sequences is not a timeline.
@@ -70,6 +73,9 @@ pub enum TimelineError {
     /// More frames than this library counts.
     #[error("the capture has more than {} frames", Timeline::MAX_FRAMES)]
     TooManyFrames,
+    /// A family has a member that is no part of the capture.
+    #[error("family {0} has a member that is none of the sequences")]
+    Family(usize),
 }
 
 impl Timeline {
@@ -101,7 +107,31 @@ impl Timeline {
             }
             sequence_of_frame.resize(end, index as u32);
         }
-        Ok(Self { fps, sequences, sequence_of_frame })
+        Ok(Self { fps, sequences, sequence_of_frame, families: Vec::new() })
+    }
+
+    /// The same with the families of its sequences.
+    ///
+    /// # Errors
+    /// A member that is no part of the sequence that it names, or whose parameter is no number.
+    pub fn with_families(self, families: Vec<Family>) -> Result<Self, TimelineError> {
+        let fits = |member: &FamilyMember| {
+            let [first, last] = member.frames;
+            let found = self.sequences.iter().find(|sequence| sequence.name == member.sequence);
+            found.is_some_and(|sequence| sequence.contains(first) && sequence.contains(last))
+                && first <= last
+                && member.value.is_finite()
+        };
+        match families.iter().position(|family| !family.members.iter().all(fits)) {
+            Some(wrong) => Err(TimelineError::Family(wrong)),
+            None => Ok(Self { families, ..self }),
+        }
+    }
+
+    /// The families of its sequences.
+    #[must_use]
+    pub fn families(&self) -> &[Family] {
+        &self.families
     }
 
     /// Frames per second.

@@ -454,8 +454,9 @@ pub struct DirectArguments {
     /// is given: NAME:SECONDS or a frame's number.
     #[arg(long, value_name = "X,Z[,HEADING][@POSE]", value_parser = parse_place, allow_hyphen_values = true)]
     pub place: Option<PlaceRequest>,
-    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given.
-    #[arg(long, value_name = "NAME[:SECONDS]", value_parser = parse_behaviour)]
+    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given. gait@1.4 is what
+    /// the family `gait` has that is nearest to 1.4 metres a second, or whatever its unit is.
+    #[arg(long, value_name = "NAME[@VALUE][:SECONDS]", value_parser = parse_behaviour)]
     pub behaviour: Option<BehaviourRequest>,
     /// Wander about for this long, for example 60s.
     #[arg(long, value_name = "DURATION", value_parser = parse_seconds)]

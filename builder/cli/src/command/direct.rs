@@ -75,7 +75,8 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     }
     let Asked { request, start } = asked(arguments)?;
     let mut reader = read_bundle(&arguments.bundle)?;
-    let (Some(timeline), Some(mut graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
+    let timeline = reader.timeline_with_families().with_context(|| arguments.bundle.display().to_string());
+    let (Some(timeline), Some(mut graph)) = (timeline.map_err(Failure::Input)?, reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
     };
     if let Some(quickness) = request.quickness {
@@ -90,6 +91,7 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
         write_times(&answer, scene.search_graph.fps, path)?;
     }
     answer.notes().for_each(|note| terminal.log(&format!("note: {note}")));
+    members(&request, &scene).iter().for_each(|member| terminal.log(member));
 
     let [heading, x, z] = answer.start_placement;
     let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
@@ -251,6 +253,31 @@ fn search_graph(
     let mut survey = SearchGraphBuilder::new(graph, timeline, &motion, group).map_err(ours)?;
     while !survey.advance(graph, timeline, &motion, usize::MAX).map_err(ours)? {}
     Ok(survey.finish())
+}
+
+/// Which members of families were meant, of a request that asks for some by a number.
+fn members(request: &Request, scene: &Scene) -> Vec<String> {
+    let targets = match &request.target {
+        Target::Queue(targets) => targets.as_slice(),
+        target => std::slice::from_ref(target),
+    };
+    let names = targets.iter().flat_map(|target| match target {
+        Target::Behaviour(behaviour) => vec![&behaviour.name],
+        Target::Path(path) => path.stretches.iter().map(|stretch| &stretch.behaviour).collect(),
+        Target::Wander(wander) => wander.weights.keys().collect(),
+        _ => Vec::new(),
+    });
+    let told = names.filter_map(|name| {
+        let found = scene.search_graph.behaviour(name).ok()?;
+        let behaviour = &scene.search_graph.behaviours()[found];
+        let value = behaviour.value?;
+        let families = scene.timeline.families();
+        let family = families.iter().find(|family| family.name == behaviour.name)?;
+        let (first, last) = (behaviour.within.start(), behaviour.within.end());
+        let member = family.members.iter().find(|member| member.frames == [*first, *last])?;
+        Some(format!("{name}: \"{}\", {} {value:.2} {}", member.sequence, family.parameter, family.unit))
+    });
+    told.collect()
 }
 
 fn search(

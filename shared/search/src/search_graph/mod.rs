@@ -157,7 +157,7 @@ impl SearchGraph {
         else {
             return false;
         };
-        behaviour.shown_by[sequence as usize]
+        behaviour.shows(sequence as usize, frame)
     }
 
     /// Where the followed point of `frame`, standing at `ground_pose`, will be in `steps` if the recording goes on, and how far it
