@@ -9,7 +9,7 @@ import { Timeline } from './timeline.js';
 function familiesOf(player) {
   try {
     const families = JSON.parse(new TextDecoder().decode(player.families()) || '[]');
-    return families.map(({ name, parameter, unit, members }) => ({ name, parameter, unit, members: members.map(({ sequence, frames: [first, last], value }) => ({ sequence, frames: [first, last], value: +value })) }));
+    return families.filter(({ name, members }) => name.length && members.every(({ frames: [first, last], value }) => first <= last && value < 1e9));
   } catch {
     return [];
   }
@@ -42,7 +42,7 @@ export class Director {
   /** The families, each with the parameter of its member that is performed, or null. */
   get families() {
     const { frame } = this.state;
-    return this.info.families.map((family) => ({ ...family, value: family.members.find(({ frames: [first, last] }) => frame >= first && frame <= last)?.value ?? null }));
+    return this.info.families.map((family) => ({ ...family, value: family.members.find(({ frames: [first, last] }) => first <= frame && frame <= last)?.value ?? null }));
   }
 
   /** Advances the clock. @returns {{changed: boolean, events: object[]}} */

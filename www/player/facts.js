@@ -38,7 +38,8 @@ export class Facts {
     this.group('Actor');
     this.row('frame', String(Math.round(state.frame)));
     if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'Which variation of the recorded stretch is shown');
-    for (const { name, parameter, unit, value } of families) this.row(`${words(name)}, ${parameter}`, value === null ? '–' : `${figure(value)} ${unit}`, 'Of the member of this family that is performed');
+    // Where none is performed, the figure is a dash.
+    for (const { name, parameter, unit, value } of families) this.row(`${words(name)}, ${parameter}`, `${figure(value)} ${unit}`);
     this.row('surface', `${info.vertices.toLocaleString('en')} vertices, ${info.triangles.toLocaleString('en')} triangles`);
     this.row('capture', `${info.frames.toLocaleString('en')} frames at ${figure(info.fps).replace(/\.?0+$/, '')} a second`);
     this.row('essential graph', `${info.transitions.toLocaleString('en')} transitions`, 'Edges that lie on a shortest path, consecutive frames not counted');

@@ -32,7 +32,7 @@ export const isMember = (target) => /@[\d.-]+$/.test(target?.behaviour);
 export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
   const { x, z, heading, pose, path, stretches = [], shape = 'spline', vertices, behaviour, hold, exactness } = target;
-  if (behaviour !== undefined && (hold || isMember(target))) return { behaviour: { name: behaviour, hold } };
+  if (behaviour !== undefined && (hold || isMember(target))) return { behaviour: { name: behaviour, hold: hold || 0 } };
   if (path !== undefined) return { path: { points: path, stretches, shape, vertices, exactness } };
   if (x === undefined && z === undefined) return null;
   return { place: { x, z, pose, exactness, ...(heading === undefined || heading === null ? {} : { heading }) } };

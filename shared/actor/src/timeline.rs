@@ -1,5 +1,7 @@
 //! The sequences of a capture, laid end to end on one count of frames.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -52,7 +54,8 @@ pub struct Timeline {
     fps: f32,
     sequences: Vec<Sequence>,
     sequence_of_frame: Vec<u32>,
-    families: Vec<Family>,
+    /// Shared, for the page has many timelines and makes no family.
+    families: Arc<[Family]>,
 }
 
 /// Why a list of sequences is not a timeline.
@@ -107,7 +110,7 @@ impl Timeline {
             }
             sequence_of_frame.resize(end, index as u32);
         }
-        Ok(Self { fps, sequences, sequence_of_frame, families: Vec::new() })
+        Ok(Self { fps, sequences, sequence_of_frame, families: Arc::default() })
     }
 
     /// The same with the families of its sequences.
@@ -124,7 +127,7 @@ impl Timeline {
         };
         match families.iter().position(|family| !family.members.iter().all(fits)) {
             Some(wrong) => Err(TimelineError::Family(wrong)),
-            None => Ok(Self { families, ..self }),
+            None => Ok(Self { families: families.into(), ..self }),
         }
     }
 

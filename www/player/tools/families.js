@@ -1,6 +1,6 @@
 /**
  * Families: what lies between a walk and a run, by a slider. Moving it sends the actor to the member that is nearest in its
- * parameter; the thumb shows the one that is performed. The sliders stand beside the behaviours, and on the stage while another
+ * parameter, and it goes on in that; the thumb shows the one that is performed. The sliders stand beside the behaviours, and on the stage while another
  * tool is in use and one of their members is performed.
  */
 
@@ -34,6 +34,11 @@ export class Families {
       row.append(slider.root);
       return slider;
     }));
+  }
+
+  /** Who came by a slider goes on at that speed; where the member repeats, for ever. */
+  happened(type) {
+    if (type === 'arrive' && this.sliders.some(({ asked }) => asked !== null)) this.box.core.host.play();
   }
 
   /** Called once a display frame. */

@@ -437,6 +437,7 @@ export class Toolbox {
   happened(type, detail) {
     this.search.happened(type, detail);
     this.tool.happened?.(type, detail);
+    this.kit?.families.happened(type);
   }
 
   // ---- on the stage ---------------------------------------------------------------------------------------------

@@ -268,14 +268,10 @@ fn members(request: &Request, scene: &Scene) -> Vec<String> {
         _ => Vec::new(),
     });
     let told = names.filter_map(|name| {
-        let found = scene.search_graph.behaviour(name).ok()?;
-        let behaviour = &scene.search_graph.behaviours()[found];
-        let value = behaviour.value?;
-        let families = scene.timeline.families();
-        let family = families.iter().find(|family| family.name == behaviour.name)?;
-        let (first, last) = (behaviour.within.start(), behaviour.within.end());
-        let member = family.members.iter().find(|member| member.frames == [*first, *last])?;
-        Some(format!("{name}: \"{}\", {} {value:.2} {}", member.sequence, family.parameter, family.unit))
+        let member = scene.search_graph.member(scene.search_graph.behaviour(name).ok()?)?;
+        let family = &scene.timeline.families()[member.family];
+        let sequence = &scene.timeline.sequence_of(member.frames[0])?.name;
+        Some(format!("{name}: \"{sequence}\", {} {:.2} {}", family.parameter, member.value, family.unit))
     });
     told.collect()
 }
