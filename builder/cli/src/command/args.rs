@@ -731,6 +731,9 @@ pub struct EvaluateArguments {
     /// Seed of all that is drawn at random, and of the built-in performer.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
+    /// Clips of motion capture for the section `editing`, as `builder drive` takes them.
+    #[arg(long, value_delimiter = ',', value_name = "CLIPS")]
+    pub clips: Vec<String>,
     /// How the input is read.
     #[command(flatten)]
     pub import: ImportArguments,
@@ -766,4 +769,6 @@ pub enum EvaluateSection {
     Families,
     /// Variations: how well motion is learned, and what alternatives look like as they are stored; only where they are asked for.
     Variations,
+    /// Edits, rigs and driven sequences.
+    Editing,
 }
