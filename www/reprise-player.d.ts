@@ -56,6 +56,11 @@ export class ReprisePlayer extends HTMLElement {
   readonly playing: boolean;
   /** Names of all behaviours: the sequences' labels, and the sequences without one. */
   readonly behaviours: string[];
+  /**
+   * Families of sequences that do the same, such as walks and runs of all speeds, each with what is performed of it now.
+   * `goTo({ behaviour: 'gait@1.4' })` goes to the member nearest to 1.4.
+   */
+  readonly families: (Family & { value: number | null })[];
   /** Targets that wait for their turn. */
   readonly queued: (Target | Held)[];
   /**
@@ -90,7 +95,7 @@ export class ReprisePlayer extends HTMLElement {
   /** Leaves for a target at once; during a walk this changes its mind. Throws as `plan` does. */
   goTo(target: Target): Walk;
   /** Places, paths and behaviours that are held have to be searched for: leaves once there is a walk, and tells how well it does. */
-  goTo(target: GroundTarget | Held): Promise<Answer>;
+  goTo(target: GroundTarget | Held | MemberTarget): Promise<Answer>;
   /** Does what a request asks: leaves once there is a walk. `anywhere`: begins where suits it best, instead of here. */
   direct(request: Request, options?: { anywhere?: boolean }): Promise<Answer>;
   /** Goes wherever it likes, for ever. Weights: how often behaviours are to be seen, 1 being as often as others. */
@@ -98,7 +103,7 @@ export class ReprisePlayer extends HTMLElement {
   /** Goes to a behaviour and holds it for so many seconds (10 by default), in a loop where there is one. */
   hold(behaviour: string, seconds?: number): Promise<Answer>;
   /** Goes to these targets, one after the other, after those that wait already. Throws where one is no target. */
-  queue(...targets: (Target | Held)[]): void;
+  queue(...targets: (Target | Held | MemberTarget)[]): void;
   /** Stops on the way, a transition under way is finished first; drops the queue. */
   cancel(): void;
   /** What is on the stage as pixels; with a frame, that pose alone on a transparent background. */
@@ -145,6 +150,25 @@ export type Tool = 'pose' | 'place' | 'path' | 'timing' | 'wander' | 'edit';
 
 /** A frame; a pose by its sequence and the time within it; or the frame of a behaviour that is nearest. */
 export type Target = number | { frame: number } | { sequence: string; seconds?: number } | { behaviour: string };
+
+/** The member of a family that is nearest to a value of its parameter, by the family's name or what one of its members shows. */
+export type MemberTarget = { behaviour: `${string}@${number}` };
+
+/** Sequences that do the same, by a number. */
+export interface Family {
+  name: string;
+  /** What members are asked by: `speed`, `turn`, `height` or `length`, and its unit. */
+  parameter: string;
+  unit: string;
+  members: {
+    /** The name of its sequence. */
+    sequence: string;
+    /** First and last frame, counted over the whole capture. */
+    frames: [number, number];
+    /** The parameter, measured. */
+    value: number;
+  }[];
+}
 
 /** A behaviour that is gone to and held for so many seconds, in a loop where there is one. */
 export type Held = { behaviour: string; hold: number };
@@ -286,6 +310,8 @@ export interface ActorInfo {
   /** Cost of one frame of duration. */
   alpha: number;
   sequences: { name: string; first: number; count: number; cyclic: boolean; labels: string[] }[];
+  /** Families of them; none before that part of the file has arrived. */
+  families: Family[];
   /** Names of all behaviours: the labels, then the sequences whose name is no label. */
   behaviours: string[];
   images: { media_type: string; width: number; height: number; ready: boolean }[];

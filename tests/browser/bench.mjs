@@ -88,7 +88,7 @@ async function searching(element) {
     known = told;
     figures.search_prepared += taken;
   }
-  const [searcher, taken] = timed(() => new Searcher(known));
+  const [searcher, taken] = timed(() => new Searcher(known, '[]'));
   figures.search_prepared += taken;
   while (!ready) {
     const [done, taken] = timed(() => searcher.prepare(4));

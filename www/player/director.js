@@ -5,6 +5,16 @@
 
 import { Timeline } from './timeline.js';
 
+/** What the bundle says of families; nothing where it makes no sense. */
+function familiesOf(player) {
+  try {
+    const families = JSON.parse(new TextDecoder().decode(player.families()) || '[]');
+    return families.filter(({ name, members }) => name.length && members.every(({ frames: [first, last], value }) => first <= last && value < 1e9));
+  } catch {
+    return [];
+  }
+}
+
 export class Director {
   /** @param {object} player an instance of the module's `Player` */
   constructor(player) {
@@ -18,6 +28,7 @@ export class Director {
   /** Reads the bundle's description again: textures and transitions arrive after the first pose. */
   refresh() {
     this.info = JSON.parse(this.player.info());
+    this.info.families = familiesOf(this.player);
     this.timeline ??= new Timeline(this.info);
     this.known = null;
   }
@@ -26,6 +37,12 @@ export class Director {
   get state() {
     this.known ??= JSON.parse(this.player.state());
     return this.known;
+  }
+
+  /** The families, each with the parameter of its member that is performed, or null. */
+  get families() {
+    const { frame } = this.state;
+    return this.info.families.map((family) => ({ ...family, value: family.members.find(({ frames: [first, last] }) => first <= frame && frame <= last)?.value ?? null }));
   }
 
   /** Advances the clock. @returns {{changed: boolean, events: object[]}} */

@@ -10,7 +10,7 @@ import { PlayerError } from './errors.js';
 import { handleKey } from './keyboard.js';
 import { snapshot, toBlob } from './snapshot.js';
 import { watchSurroundings } from './surroundings.js';
-import { frameAt, frameOfTarget, soughtTarget } from './targets.js';
+import { frameAt, frameOfTarget, isMember, soughtTarget } from './targets.js';
 import { VERSION, documentOf, requestOf } from './tools/request.js';
 import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
@@ -168,6 +168,7 @@ export class ReprisePlayer extends AttributeElement {
   get complete() { return this.#core?.complete ?? false; }
   get playing() { return this.info ? this.#core.director.player.playing() : false; }
   get behaviours() { return [...(this.info?.behaviours ?? [])]; }
+  get families() { return this.info ? this.#core.director.families : []; }
   get answer() { return this.#core?.toolbox.answer ?? null; }
   get queued() { return [...(this.#core?.queue.targets ?? [])]; }
 
@@ -211,7 +212,7 @@ export class ReprisePlayer extends AttributeElement {
 
   queue(...targets) {
     const director = this.#ready();
-    targets.forEach((target) => frameOfTarget(target, director));
+    targets.forEach((target) => isMember(target) || frameOfTarget(target, director));
     for (const target of targets) this.#core.queue.add(target);
   }
 

@@ -1,7 +1,7 @@
 /** The numbers an animator asks for, in the papers' terms; shown only on demand. */
 
 import { h } from './dom.js';
-import { count, duration, figure } from './format.js';
+import { count, duration, figure, words } from './format.js';
 
 export class Facts {
   constructor() {
@@ -23,11 +23,12 @@ export class Facts {
    * @param {object} facts.info of the bundle
    * @param {object} facts.state of the player
    * @param {object | null} facts.walk the walk planned or under way
+   * @param {object[]} facts.families each with what is performed of it
    * @param {number} facts.frameMs CPU time of a frame of ours
    * @param {{name: string, fallback: boolean} | null} facts.adapter
    * @param {string | undefined} facts.texture how the texture is rebuilt
    */
-  update({ info, state, walk, frameMs, adapter, texture }) {
+  update({ info, state, walk, families, frameMs, adapter, texture }) {
     if (!this.open) return;
     this.group('Walk');
     this.row('cost', walk ? figure(walk.cost) : '–', 'The sum of D + αL over the walk, in the essential graph');
@@ -37,6 +38,8 @@ export class Facts {
     this.group('Actor');
     this.row('frame', String(Math.round(state.frame)));
     if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'Which variation of the recorded stretch is shown');
+    // Where none is performed, the figure is a dash.
+    for (const { name, parameter, unit, value } of families) this.row(`${words(name)}, ${parameter}`, `${figure(value)} ${unit}`);
     this.row('surface', `${info.vertices.toLocaleString('en')} vertices, ${info.triangles.toLocaleString('en')} triangles`);
     this.row('capture', `${info.frames.toLocaleString('en')} frames at ${figure(info.fps).replace(/\.?0+$/, '')} a second`);
     this.row('essential graph', `${info.transitions.toLocaleString('en')} transitions`, 'Edges that lie on a shortest path, consecutive frames not counted');

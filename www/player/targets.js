@@ -22,14 +22,17 @@ export function frameOfTarget(target, director) {
   return target;
 }
 
+/** Whether a target is a member of a family, `gait@1.4`: which one, the module that searches knows. */
+export const isMember = (target) => /@[\d.-]+$/.test(target?.behaviour);
+
 /**
- * Places, paths, and behaviours that are to be held have to be searched for.
+ * Places, paths, members of families, and behaviours that are to be held have to be searched for.
  * @returns {object | null} the request's target, or null for a pose
  */
 export function soughtTarget(target) {
   if (!target || typeof target !== 'object') return null;
   const { x, z, heading, pose, path, stretches = [], shape = 'spline', vertices, behaviour, hold, exactness } = target;
-  if (behaviour !== undefined && hold) return { behaviour: { name: behaviour, hold } };
+  if (behaviour !== undefined && (hold || isMember(target))) return { behaviour: { name: behaviour, hold: hold || 0 } };
   if (path !== undefined) return { path: { points: path, stretches, shape, vertices, exactness } };
   if (x === undefined && z === undefined) return null;
   return { place: { x, z, pose, exactness, ...(heading === undefined || heading === null ? {} : { heading }) } };

@@ -189,7 +189,7 @@ class View {
     this.transport.update(state, timeline);
     this.transport.setPlaying(director.player.playing());
     this.describeStage(state, timeline, info);
-    if (this.facts.open) this.facts.update({ info, state, ...numbers, adapter: this.adapter(), texture: this.stage.stage?.texture_setting() });
+    if (this.facts.open) this.facts.update({ info, state, families: director.families, ...numbers, adapter: this.adapter(), texture: this.stage.stage?.texture_setting() });
   }
 
   /** What a screen reader says of the picture; rewritten only when it would say something else. */

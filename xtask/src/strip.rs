@@ -1,4 +1,5 @@
-//! Takes comments and needless white space out of JavaScript, and nothing else: names stay, so that errors can be read.
+//! Takes comments and needless white space out of JavaScript and the style sheets in it, and nothing else: names stay, so that errors
+//! can be read.
 
 /// What may stand before a regular expression but not before a division, besides punctuation.
 const BEFORE_EXPRESSION: [&str; 13] =
@@ -9,7 +10,11 @@ const GOES_ON_AFTER: &str = "{([,;=:?&|<>*%~^!";
 /// Before these as well.
 const GOES_ON_BEFORE: &str = "})],;.?:=&|";
 
-/// `source` without comments and needless white space. Strings, templates and regular expressions stay as they are.
+/// A template behind this is a style sheet.
+const STYLES: &str = "Styles=`";
+
+/// `source` without comments and needless white space. Strings, templates and regular expressions stay as they are, but for templates
+/// that are style sheets.
 pub fn strip(source: &str) -> String {
     let mut stripper = Stripper { rest: source, out: String::with_capacity(source.len()), gap: Gap::None };
     stripper.code(false);
@@ -77,10 +82,11 @@ impl Stripper<'_> {
 
     fn template(&mut self) {
         self.token(1);
+        let is_style = self.out.ends_with(STYLES);
         loop {
             let text = end(self.rest, |rest| rest.starts_with('`') || rest.starts_with("${"));
             let (text, rest) = self.rest.split_at(text);
-            self.out.push_str(text);
+            self.out.push_str(&if is_style { style(text) } else { text.to_owned() });
             self.rest = rest;
             if !rest.starts_with("${") {
                 self.copy(1);
@@ -109,6 +115,34 @@ impl Stripper<'_> {
             _ => true,
         }
     }
+}
+
+/// A style sheet without needless white space. Colons keep what stands before them: there it may part selectors.
+fn style(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut gap = false;
+    let mut quoted = None;
+    for next in text.chars() {
+        if quoted.is_none() && next.is_whitespace() {
+            gap = true;
+            continue;
+        }
+        let needless = out.ends_with(['{', '}', ';', ',', ':', '>']) || "{};,>".contains(next) || out.is_empty();
+        if gap && !needless {
+            out.push(' ');
+        }
+        if next == '}' && out.ends_with(';') {
+            out.pop();
+        }
+        gap = false;
+        match quoted {
+            Some(quote) if next == quote => quoted = None,
+            None if next == '"' || next == '\'' => quoted = Some(next),
+            _ => {}
+        }
+        out.push(next);
+    }
+    out
 }
 
 fn goes_on(before: char, after: char) -> bool {
@@ -172,6 +206,15 @@ mod tests {
         check("/** Docs. */\nexport class A {\n  // why\n  b = 1;\n}\n", "export class A{b=1;}");
         check("const  a = b /* c */ + d; // e", "const a=b+d;");
         check("return /* x */ typeof x;", "return typeof x;");
+    }
+
+    #[test]
+    fn style_sheets_are_packed_and_mean_the_same() {
+        check(
+            "const a = 1, barStyles = `\n.a :hover, .b > i {\n  margin: 0 2px;\n  content: \"a: b\";\n}\n.c { top: 0; }\n`;",
+            "const a=1,barStyles=`.a :hover,.b>i{margin:0 2px;content:\"a: b\"}.c{top:0}`;",
+        );
+        check("const text = `a: b; `;", "const text=`a: b; `;");
     }
 
     #[test]

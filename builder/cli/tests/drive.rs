@@ -53,6 +53,71 @@ fn the_performer_squats_and_its_soles_stay() {
     assert!(fs::metadata(folder.join("s.glb")).unwrap().len() > 10_000);
 }
 
+/// The clip as a program writes it whose Z points up: (x, y, z) becomes (x, -z, y).
+fn z_up(text: &str) -> String {
+    let (mut out, mut signs, mut moves) = (String::new(), Vec::new(), false);
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.first() {
+            Some(&"OFFSET") => {
+                let at: Vec<f64> = words[1..].iter().map(|word| word.parse().unwrap()).collect();
+                out.push_str(&format!("OFFSET {} {} {}\n", at[0], -at[2], at[1]));
+            }
+            Some(&"CHANNELS") => {
+                signs.extend(words[2..].iter().map(|name| if name.starts_with('Z') { -1.0 } else { 1.0 }));
+                let name = |name: &&str| match name.split_at(1) {
+                    ("Y", rest) => format!("Z{rest}"),
+                    ("Z", rest) => format!("Y{rest}"),
+                    _ => (*name).to_owned(),
+                };
+                let names: Vec<String> = words[2..].iter().map(name).collect();
+                out.push_str(&format!("CHANNELS {} {}\n", words[1], names.join(" ")));
+            }
+            Some(word) if moves && word.parse::<f64>().is_ok() => {
+                let values = words.iter().zip(&signs);
+                let values: Vec<String> =
+                    values.map(|(word, sign)| (word.parse::<f64>().unwrap() * sign).to_string()).collect();
+                out.push_str(&values.join(" "));
+                out.push('\n');
+            }
+            _ => {
+                moves |= words == ["MOTION"];
+                out.push_str(line);
+                out.push('\n');
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn a_clip_whose_z_points_up_is_packed_into_an_actor() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "1500", "--texture-size", "128", "-q"];
+    done(&builder(folder, &performer));
+    fs::write(folder.join("squat.bvh"), squat()).unwrap();
+    fs::write(folder.join("z.bvh"), z_up(&squat())).unwrap();
+    done(&builder(folder, &["drive", "squat.bvh", "--actor", "p", "-o", "upright", "-q"]));
+    let lying = builder(folder, &["drive", "z.bvh", "--actor", "p", "-o", "lying", "-q"]);
+    let into =
+        ["drive", "z.bvh", "--actor", "p", "-o", "z", "--clip-up", "z", "--into", "actor.reprise", "--work", "w"];
+    done(&builder(folder, &[&into[..], &["--as", "squat", "--labels", "low", "-q"]].concat()));
+    let frame = |of: &str, number: &str| fs::read(folder.join(format!("{of}/frames/{number}.ply"))).unwrap();
+    for number in ["00000", "00020"] {
+        assert!(frame("z", number) == frame("upright", number), "{number}");
+    }
+    // Without being told it is another motion, or none at all.
+    assert!(!lying.status.success() || frame("lying", "00020") != frame("upright", "00020"));
+    // The actor has the sequence, its behaviour, and a way there.
+    let inspected: Value =
+        serde_json::from_str(&done(&builder(folder, &["inspect", "actor.reprise", "--json"]))).unwrap();
+    assert!(inspected.to_string().contains("squat"), "{inspected}");
+    let walk = ["direct", "actor.reprise", "--start", "idle:0.2", "--behaviour", "low", "-o", "w.glb", "--json"];
+    let walked: Value = serde_json::from_str(&done(&builder(folder, &walk))).unwrap();
+    assert_eq!(walked["answer"]["parts"][0]["goal"]["behaviour"]["reached"], true, "{walked}");
+}
+
 #[test]
 fn what_cannot_be_driven_is_refused() {
     let temporary = tempfile::tempdir().unwrap();

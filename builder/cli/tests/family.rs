@@ -35,6 +35,12 @@ fn manifest(folder: &Path, more: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
+/// Frames of the walk, the run and the idling.
+fn recorded_frames(folder: &Path) -> u64 {
+    let count = |name: &str| fs::read_dir(folder.join("performer").join(name)).unwrap().count() as u64;
+    ["walk", "run", "idle"].into_iter().map(count).sum()
+}
+
 #[test]
 fn samples_are_found_written_and_packed() {
     let folder = tempfile::tempdir().unwrap();
@@ -53,7 +59,7 @@ fn samples_are_found_written_and_packed() {
     assert!(written.status.success(), "{}", told(&written));
     assert!(told(&written).contains("has no speed of 9.00 m/s"), "{}", told(&written));
     let described = fs::read_to_string(out.join("capture.toml")).unwrap();
-    assert!(described.contains("cyclic = true") && !described.contains("[[family]]"), "{described}");
+    assert!(described.contains("cyclic = true") && described.contains("values = ["), "{described}");
     let provenance: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(out.join("families.json")).unwrap()).unwrap();
     let sample = &provenance[0]["samples"][0];
@@ -78,8 +84,26 @@ fn samples_are_found_written_and_packed() {
     let varied: serde_json::Value = serde_json::from_slice(&varied.stdout).unwrap();
     // Three recorded ones and two samples; two of walk, of run and of each sample.
     assert_eq!(varied["capture"]["sequences"], 5 + 4 + 4, "{}", varied["warnings"]);
-    let again = builder(&["inspect", out.to_str().unwrap(), "--json"]);
-    assert!(again.status.success(), "{}", told(&again));
+
+    // Either way the actor knows what members there are, and a behaviour can be asked for by its speed.
+    let again = folder.path().join("again.reprise");
+    let packed = builder(&["pack", out.to_str().unwrap(), "-o", again.to_str().unwrap(), "-q"]);
+    assert!(packed.status.success(), "{}", told(&packed));
+    let walk = folder.path().join("walk.glb");
+    for actor in [&bundle, &again] {
+        let asked = ["direct", actor.to_str().unwrap(), "--behaviour", "walk@1.5:2s", "-o", walk.to_str().unwrap()];
+        let walked = builder(&[&asked[..], &["--every", "10", "--json"]].concat());
+        assert!(walked.status.success(), "{}", told(&walked));
+        let name = sample["sequence"].as_str().unwrap();
+        assert!(told(&walked).contains(&format!("walk@1.5: \"{name}\", speed {value:.2} m/s")), "{}", told(&walked));
+        let report: serde_json::Value = serde_json::from_slice(&walked.stdout).unwrap();
+        let end = report["answer"]["end_frame"].as_u64().unwrap();
+        assert!(end >= recorded_frames(folder.path()), "it ends in what was made, not in frame {end}");
+        let valid = builder(&["validate", actor.to_str().unwrap()]);
+        assert!(told(&valid).contains("nothing is wrong"), "{}", told(&valid));
+    }
+    let refused = builder(&["direct", bundle.to_str().unwrap(), "--behaviour", "idle@1", "-o", walk.to_str().unwrap()]);
+    assert!(told(&refused).contains("there is no behaviour \"idle@1\""), "{}", told(&refused));
 }
 
 #[test]

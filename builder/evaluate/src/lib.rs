@@ -16,6 +16,7 @@ mod body;
 pub mod clay;
 mod contacts;
 pub mod document;
+mod editing;
 mod escape;
 mod families;
 mod graphs;
@@ -83,6 +84,8 @@ pub enum Section {
     Families,
     /// 13: variations: only where they are asked for.
     Variations,
+    /// 14: edits, rigs and driven sequences: only where they are asked for.
+    Editing,
 }
 
 impl Section {
@@ -123,6 +126,7 @@ impl Section {
             Self::Transfer => "Transfer between performers",
             Self::Families => "Families of cycles",
             Self::Variations => "Variations",
+            Self::Editing => "Edits, rigs and driven sequences",
         }
     }
 }
@@ -142,6 +146,8 @@ pub struct EvaluateOptions {
     pub transition: TransitionOptions,
     /// Weight of a frame's duration.
     pub alpha: f64,
+    /// Clips of motion capture by which the actor is driven, as `builder drive` takes them.
+    pub clips: Vec<String>,
 }
 
 impl Default for EvaluateOptions {
@@ -153,6 +159,7 @@ impl Default for EvaluateOptions {
             seam_transitions: 1_000,
             transition: TransitionOptions::default(),
             alpha: actor::graph::DEFAULT_ALPHA,
+            clips: Vec::new(),
         }
     }
 }
@@ -205,6 +212,9 @@ pub enum EvaluateError {
     /// What the performer does could not be made a family: a fault of ours.
     #[error("performed cycles are no family: {0}")]
     Family(family::FamilyError),
+    /// A frame could not be edited: a fault of ours.
+    #[error("an edit cannot be made: {0}")]
+    Edit(String),
     /// The size of a bundle could not be measured: a fault of ours.
     #[error("a bundle cannot be made: {0}")]
     Bundle(#[from] bundle::EncodeError),
@@ -243,6 +253,7 @@ impl EvaluateError {
                 | Self::Transfer(_)
                 | Self::Family(_)
                 | Self::Bundle(_)
+                | Self::Edit(_)
                 | Self::Pose(_)
         )
     }
@@ -268,6 +279,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Transfer => transferred::section(subject.options.seed, job),
             Section::Families => families::section(subject, job),
             Section::Variations => variations::section(subject, job),
+            Section::Editing => editing::section(subject, job),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

@@ -3,8 +3,9 @@
 use std::collections::HashSet;
 
 use actor::capture::{Capture, Poses};
+use actor::families::FamilyMember;
 use actor::feet::Feet;
-use actor::timeline::{Sequence, Timeline};
+use actor::timeline::{Sequence, Timeline, TimelineError};
 use capture_io::import::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, Imported, ManifestFamily, Warning};
 use family::{Family, FamilyError, MEETS, Measured, Parameter, Part, Recorded, Sample, UNLIKE, Wanted};
 use glam::Vec3;
@@ -124,6 +125,7 @@ pub fn proposed(recorded: &Recorded, found: &[family::Found]) -> Vec<ManifestFam
                 },
                 sequences: sequences.iter().map(|&(sequence, _)| name(sequence)).collect(),
                 samples: None,
+                values: None,
                 frames: named.then(|| sequences.iter().map(frames).collect()),
             }
         })
@@ -173,13 +175,27 @@ pub fn resolved(recorded: &Recorded, asked: &ManifestFamily) -> Wanted {
     let number = |name: &String| recorded.timeline.sequences().iter().position(|one| one.name == *name);
     let sequences = asked.sequences.iter().enumerate();
     Wanted {
-        parameter: match asked.parameter {
-            FamilyParameter::Speed => Parameter::Speed,
-            FamilyParameter::Turn => Parameter::Turn,
-            FamilyParameter::Height => Parameter::Height,
-            FamilyParameter::Length => Parameter::Length,
-        },
+        parameter: parameter_of(asked.parameter),
         sequences: sequences.filter_map(|(k, name)| Some((number(name)?, asked.frames_of(k)))).collect(),
+    }
+}
+
+fn parameter_of(asked: FamilyParameter) -> Parameter {
+    match asked {
+        FamilyParameter::Speed => Parameter::Speed,
+        FamilyParameter::Turn => Parameter::Turn,
+        FamilyParameter::Height => Parameter::Height,
+        FamilyParameter::Length => Parameter::Length,
+    }
+}
+
+/// What a family is asked by, as manifests have it.
+fn word(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Speed => "speed",
+        Parameter::Turn => "turn",
+        Parameter::Height => "height",
+        Parameter::Length => "length",
     }
 }
 
@@ -297,12 +313,7 @@ fn samples(
     });
     let summary = FamilySummary {
         name: asked.name.clone(),
-        parameter: match parameter {
-            Parameter::Speed => "speed",
-            Parameter::Turn => "turn",
-            Parameter::Height => "height",
-            Parameter::Length => "length",
-        },
+        parameter: word(parameter),
         unit: parameter.unit(),
         members: members.collect(),
         unlike_mm: family.unlike() * 1e3,
@@ -333,16 +344,26 @@ fn missed(asked: &ManifestFamily, family: &Family, value: f32, found: f32) -> Op
     })
 }
 
-/// Adds the samples of the families that manifests ask for to a capture, as sequences. They have the looks of the recorded frames
-/// that they are nearer to.
+/// Adds the samples of the families that manifests ask for to a capture, as sequences, and tells its timeline what families there
+/// are. Samples have the looks of the recorded frames that they are nearer to.
 pub(crate) fn add(imported: &mut Imported, job: &Job) -> Result<Vec<FamilySummary>, PackError> {
     if imported.families.is_empty() {
         return Ok(Vec::new());
     }
-    let (made, warnings) = make(&imported.capture, &imported.families, job)?;
+    let (there, wanted): (Vec<_>, Vec<_>) =
+        imported.families.iter().cloned().partition(|family| family.values.is_some());
+    let (made, warnings) = make(&imported.capture, &wanted, job)?;
     imported.warnings.extend(warnings);
     append(imported, &made)?;
+    let timeline = &imported.capture.timeline;
+    let mut families: Vec<_> = made.iter().map(|family| of_made(&family.summary, timeline)).collect();
+    families.extend(there.iter().map(|family| of_manifest(family, timeline)));
+    imported.capture.timeline = timeline.clone().with_families(families).map_err(wrong)?;
     Ok(made.into_iter().map(|family| family.summary).collect())
+}
+
+fn wrong(error: TimelineError) -> PackError {
+    PackError::Option(error.to_string())
 }
 
 /// Adds samples to a capture as sequences.
@@ -365,8 +386,8 @@ pub(crate) fn append(imported: &mut Imported, made: &[MadeFamily]) -> Result<(),
         }
     }
     let poses = Poses::from_positions(capture.topology.vertex_count(), positions);
-    let timeline =
-        Timeline::new(capture.timeline.fps(), sequences).map_err(|error| PackError::Option(error.to_string()))?;
+    let timeline = Timeline::new(capture.timeline.fps(), sequences).map_err(wrong)?;
+    let timeline = timeline.with_families(capture.timeline.families().to_vec()).map_err(wrong)?;
     if let Some(textures) = &mut imported.frame_textures {
         *textures = worn.iter().map(|&frame| textures[frame as usize].clone()).collect();
     }
@@ -377,4 +398,35 @@ pub(crate) fn append(imported: &mut Imported, made: &[MadeFamily]) -> Result<(),
     imported.capture.timeline = timeline;
     imported.capture.poses = poses;
     Ok(())
+}
+
+/// A part of a sequence, given by its frames within it, as a member; of a sequence that is not there no frame is.
+fn member(timeline: &Timeline, sequence: &str, frames: Option<(u32, u32)>, value: f32) -> FamilyMember {
+    let found = timeline.sequences().iter().find(|one| one.name == sequence);
+    let (begin, count) = found.map_or((0, 0), |one| (one.first_frame, one.frame_count));
+    let (first, last) = frames.unwrap_or((0, count.saturating_sub(1)));
+    FamilyMember { sequence: sequence.into(), frames: [begin + first, begin + last], value }
+}
+
+/// A family that was made, as actors have it: its samples, which go on for ever, then what was recorded.
+fn of_made(told: &FamilySummary, timeline: &Timeline) -> actor::families::Family {
+    let samples = told.samples.iter().map(|one| member(timeline, &one.sequence, None, one.value));
+    let recorded = told.members.iter().map(|one| member(timeline, &one.sequence, Some(one.frames), one.value));
+    let (name, parameter, unit) = (told.name.clone(), told.parameter.into(), told.unit.into());
+    actor::families::Family { name, parameter, unit, members: samples.chain(recorded).collect() }
+}
+
+/// A family whose members are all there, as actors have it.
+fn of_manifest(family: &ManifestFamily, timeline: &Timeline) -> actor::families::Family {
+    let parameter = parameter_of(family.parameter);
+    let values = family.values.iter().flatten();
+    let members = (0..).zip(&family.sequences).zip(values);
+    actor::families::Family {
+        name: family.name.clone(),
+        parameter: word(parameter).into(),
+        unit: parameter.unit().into(),
+        members: members
+            .map(|((index, sequence), &value)| member(timeline, sequence, family.frames_of(index), value))
+            .collect(),
+    }
 }

@@ -29,7 +29,9 @@ pub(crate) fn add(
     varied: &BTreeMap<String, Vec<String>>,
     job: &Job,
 ) -> Result<usize, PackError> {
-    let wanted = imported.families.clone();
+    // Those whose members are all recorded have no samples.
+    let wanted: Vec<ManifestFamily> =
+        imported.families.iter().filter(|family| family.values.is_none()).cloned().collect();
     let ground = Ground::of(&imported.capture);
     let mut taken = families::names(&imported.capture.timeline);
     let (mut made, mut lost) = (Vec::new(), Vec::new());

@@ -156,7 +156,9 @@ pub(crate) fn add_sequences(
         }
     }
     let poses = Poses::from_positions(capture.topology.vertex_count(), positions);
-    let timeline = Timeline::new(timeline.fps(), sequences).map_err(|error| PackError::Option(error.to_string()))?;
+    let timeline = Timeline::new(timeline.fps(), sequences)
+        .and_then(|more| more.with_families(timeline.families().to_vec()))
+        .map_err(|error| PackError::Option(error.to_string()))?;
     if let Some(textures) = &mut imported.frame_textures {
         *textures = source_of_frame.iter().map(|&frame| textures[frame as usize].clone()).collect();
     }

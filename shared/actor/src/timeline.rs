@@ -1,7 +1,11 @@
 //! The sequences of a capture, laid end to end on one count of frames.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use crate::families::{Family, FamilyMember};
 
 /// One recorded sequence: a run of consecutive frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,6 +54,8 @@ pub struct Timeline {
     fps: f32,
     sequences: Vec<Sequence>,
     sequence_of_frame: Vec<u32>,
+    /// Shared, for the page has many timelines and makes no family.
+    families: Arc<[Family]>,
 }
 
 /// Why a list of sequences is not a timeline.
@@ -70,6 +76,9 @@ pub enum TimelineError {
     /// More frames than this library counts.
     #[error("the capture has more than {} frames", Timeline::MAX_FRAMES)]
     TooManyFrames,
+    /// A family has a member that is no part of the capture.
+    #[error("family {0} has a member that is none of the sequences")]
+    Family(usize),
 }
 
 impl Timeline {
@@ -101,7 +110,31 @@ impl Timeline {
             }
             sequence_of_frame.resize(end, index as u32);
         }
-        Ok(Self { fps, sequences, sequence_of_frame })
+        Ok(Self { fps, sequences, sequence_of_frame, families: Arc::default() })
+    }
+
+    /// The same with the families of its sequences.
+    ///
+    /// # Errors
+    /// A member that is no part of the sequence that it names, or whose parameter is no number.
+    pub fn with_families(self, families: Vec<Family>) -> Result<Self, TimelineError> {
+        let fits = |member: &FamilyMember| {
+            let [first, last] = member.frames;
+            let found = self.sequences.iter().find(|sequence| sequence.name == member.sequence);
+            found.is_some_and(|sequence| sequence.contains(first) && sequence.contains(last))
+                && first <= last
+                && member.value.is_finite()
+        };
+        match families.iter().position(|family| !family.members.iter().all(fits)) {
+            Some(wrong) => Err(TimelineError::Family(wrong)),
+            None => Ok(Self { families: families.into(), ..self }),
+        }
+    }
+
+    /// The families of its sequences.
+    #[must_use]
+    pub fn families(&self) -> &[Family] {
+        &self.families
     }
 
     /// Frames per second.

@@ -14,7 +14,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{alternatives, body_parts, contacts, feet, files, graph, integers, motion, rig, surface, ties};
+use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, motion, rig, surface, ties};
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
@@ -325,6 +325,9 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     drafts.push(one(SectionKind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {
         drafts.push(one(SectionKind::Motion, motion));
+    }
+    if !capture.timeline.families().is_empty() {
+        drafts.push(one(SectionKind::Families, families::encode(capture.timeline.families())));
     }
     if let Some(order) = input.poisson_order {
         drafts.push(one(SectionKind::Order, integers::encode(order)));

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 10;
+pub const VERSION_MINOR: u16 = 11;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,6 +58,8 @@ pub enum SectionKind {
     Alternatives,
     /// Which part of the body each vertex belongs to, as it was painted. Since 1.10.
     BodyParts,
+    /// Families of sequences that do the same, and the numbers by which their members are asked for. Since 1.11.
+    Families,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -66,7 +68,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -91,6 +93,7 @@ impl SectionKind {
         Self::Rig,
         Self::Alternatives,
         Self::BodyParts,
+        Self::Families,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -124,6 +127,7 @@ impl SectionKind {
             Self::Alternatives => 69,
             Self::Contacts => 70,
             Self::BodyParts => 71,
+            Self::Families => 72,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -163,6 +167,7 @@ impl SectionKind {
             Self::Rig => "rig",
             Self::Alternatives => "alternatives",
             Self::BodyParts => "body-parts",
+            Self::Families => "families",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -179,6 +184,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,
             Self::Alternatives => 8,

@@ -60,6 +60,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Contacts
         | SectionKind::EarlierContacts
         | SectionKind::Feet
+        | SectionKind::Families
         | SectionKind::FilePlace => &[SectionKind::Meta],
         SectionKind::Model
         | SectionKind::Image

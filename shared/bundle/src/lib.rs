@@ -14,6 +14,7 @@ mod checksum;
 mod contacts;
 mod encode;
 mod error;
+mod families;
 mod feet;
 mod files;
 mod graph;

@@ -12,8 +12,8 @@ use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
-    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, feet, files, graph, integers, layout,
-    motion, rig, surface, ties,
+    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, graph,
+    integers, layout, motion, rig, surface, ties,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -64,6 +64,8 @@ pub struct BundleReader {
     alternatives: Option<Vec<u8>>,
     /// The section as it is: the page does not want it.
     body_parts: Option<Vec<u8>>,
+    /// The section as it is: the page reads it by itself.
+    families: Option<Vec<u8>>,
     motion: Option<Motion>,
     contacts: Contacts,
     feet: Feet,
@@ -263,6 +265,24 @@ impl BundleReader {
         let (Some(bytes), Some(topology)) = (&self.body_parts, &self.topology) else { return Ok(None) };
         let parts = body_parts::decode(bytes, topology);
         parts.map(Some).map_err(|reason| BundleError::section(SectionKind::BodyParts, reason))
+    }
+
+    /// The section of families as it is, for whoever reads it elsewhere; `None` also where the bundle has none.
+    #[must_use]
+    pub fn families_bytes(&self) -> Option<&[u8]> {
+        self.families.as_deref()
+    }
+
+    /// The sequences with their families; `None` where they have not arrived.
+    ///
+    /// # Errors
+    /// A section of families that does not hold families of these sequences.
+    pub fn timeline_with_families(&self) -> Result<Option<Timeline>, BundleError> {
+        let Some(timeline) = self.timeline().cloned() else { return Ok(None) };
+        let Some(bytes) = &self.families else { return Ok(Some(timeline)) };
+        families::decode(bytes, timeline)
+            .map(Some)
+            .map_err(|reason| BundleError::section(SectionKind::Families, reason))
     }
 
     /// A reader of the alternatives of recorded stretches; `None` also where the bundle has none, or they were taken before.
@@ -494,6 +514,7 @@ impl BundleReader {
             SectionKind::Rig => self.rig = Some(raw),
             SectionKind::Alternatives => self.alternatives = Some(raw),
             SectionKind::BodyParts => self.body_parts = Some(raw),
+            SectionKind::Families => self.families = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
             | SectionKind::Appearance

@@ -63,7 +63,8 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
-    let damaged = [reader.body_parts().err(), reader.read_alternatives().err()].into_iter().flatten();
+    let families = reader.timeline_with_families().err();
+    let damaged = [reader.body_parts().err(), families, reader.read_alternatives().err()].into_iter().flatten();
     findings.extend(damaged.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
     findings
 }

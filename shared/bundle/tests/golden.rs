@@ -10,6 +10,7 @@ mod captures;
 use actor::alternatives::{Alternatives, Stretch};
 use actor::capture::{Capture, Poses};
 use actor::contacts::{Contacts, Held};
+use actor::families::{Family, FamilyMember};
 use actor::feet::Feet;
 use actor::files::{FaceRun, FileFaces, FilePlace, Files};
 use actor::motion::Motion;
@@ -36,6 +37,7 @@ const GOLDEN_WITH_TIES: &[u8] = include_bytes!("golden/v1.6-ties.reprise");
 const GOLDEN_WITH_RIG: &[u8] = include_bytes!("golden/v1.7-rig.reprise");
 const GOLDEN_WITH_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.8-alternatives.reprise");
 const GOLDEN_WITH_PARTS: &[u8] = include_bytes!("golden/v1.10-parts.reprise");
+const GOLDEN_WITH_FAMILIES: &[u8] = include_bytes!("golden/v1.11-families.reprise");
 const GOLDEN_WITH_STEERING_CONTACTS: &[u8] = include_bytes!("golden/v1.9-contacts.reprise");
 const GOLDEN_WITH_FEET: &[u8] = include_bytes!("golden/v1.5-feet.reprise");
 
@@ -333,6 +335,43 @@ fn version_1_10_can_be_written_and_read() {
     extras.body_parts = Some(&parts[1..]);
     let refused = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap_err();
     assert!(refused.to_string().contains("another mesh"), "{refused}");
+}
+
+#[test]
+fn version_1_11_can_be_written_and_read() {
+    let mut capture = pyramid();
+    let graph = graph_without_transcendentals(&capture);
+    let last = capture.timeline.sequences().last().unwrap();
+    let member = |frames, value| FamilyMember { sequence: last.name.clone(), frames, value };
+    let (first, end) = (last.first_frame, last.end_frame() - 1);
+    let families = vec![Family {
+        name: "gait \"1\"".into(),
+        parameter: "speed".into(),
+        unit: "m/s".into(),
+        members: vec![member([first, end], 1.571_3), member([first, first], 0.93)],
+    }];
+    capture.timeline = capture.timeline.clone().with_families(families.clone()).unwrap();
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 10,
+        max_error: 0.001,
+        poisson_order: Some(&[4, 2, 0, 1, 3]),
+        generator: "reprise 0.1.0".into(),
+    };
+    let (bytes, _) = bundle::encode(&input).unwrap();
+    if bytes != GOLDEN_WITH_FAMILIES {
+        let path = format!("{}/written-families.reprise", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, &bytes).unwrap();
+        panic!(
+            "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside it"
+        );
+    }
+    assert_eq!(validate(&bytes), []);
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    let timeline = reader.timeline_with_families().unwrap().unwrap();
+    assert_eq!((reader.header().unwrap().minor, timeline.families()), (11, &families[..]));
+    assert_eq!(reader.timeline().unwrap().families(), [], "they are read where they are asked for");
 }
 
 #[test]

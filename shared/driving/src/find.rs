@@ -16,12 +16,14 @@ const UPPER_ARM: f32 = 0.172;
 const FOREARM: f32 = 0.15;
 /// What a fitting name is worth beside shares of the height.
 const HINT: f32 = 0.05;
+/// Ends that are higher than the feet by more than this share of the size, or as much lower, are no feet.
+const LOW: f32 = 0.12;
 /// Ends that are looked at for feet, and for heads and hands.
 const MOST_ENDS: usize = 48;
 /// Ways with more joints are no limbs.
 const LONGEST_WAY: usize = 40;
 
-type Joints = BTreeMap<Role, usize>;
+pub type Joints = BTreeMap<Role, usize>;
 
 /// The joints that are found in `clip`; none where it has no two legs.
 #[must_use]
@@ -40,6 +42,54 @@ pub fn found(clip: &Clip) -> Joints {
     let across = (sided[0][0], sided[1][0]);
     upper_body(&mut joints, &tree, pelvis, feet, across);
     joints
+}
+
+/// Adds chest, arms and head to a pelvis and legs that were named.
+pub fn above(clip: &Clip, joints: &mut Joints) {
+    let of = |role: Role| joints.get(&role).copied();
+    let foot = |[.., ankle, ball]: [Role; 4]| of(ball).or(of(ankle));
+    let [left, right] = Role::LEGS.map(foot);
+    let (Some(pelvis), Some(left), Some(right)) = (of(Role::Pelvis), left, right) else { return };
+    let (Some(hip_l), Some(hip_r)) = (of(Role::HipL), of(Role::HipR)) else { return };
+    upper_body(joints, &Tree::new(clip), pelvis, [left, right], (hip_l, hip_r));
+}
+
+/// An end of a foreleg and one of a hind leg of a body that stands on four: a second pair of limbs ends as low as the feet, on average
+/// and where it rests, and what joins both pairs lies. Who only crawls stands upright where it rests.
+#[must_use]
+pub fn four_legs(clip: &Clip) -> Option<(usize, usize)> {
+    let tree = Tree::new(clip);
+    let (pelvis, feet) = feet(&tree)?;
+    let own: Vec<usize> =
+        feet.iter().flat_map(|&foot| tree.way(pelvis, foot)).filter(|&joint| joint != pelvis).collect();
+    let low = |at: &[Vec3], end: usize| {
+        let lowest = feet.iter().map(|&foot| at[foot].y).fold(f32::INFINITY, f32::min);
+        (at[end].y - lowest).abs() < LOW * tree.size
+    };
+    let stands = |end: usize| {
+        let count = tree.frames.iter().filter(|&&frame| low(clip.positions(frame), end)).count();
+        2 * count > tree.frames.len() && clip.rest().is_none_or(|rest| low(&rest.positions, end))
+    };
+    let ends = tree.ends.iter().copied().filter(|end| !own.contains(end) && !hints::is_helper(tree.name(*end)));
+    let ends: Vec<usize> = ends.filter(|&end| stands(end)).take(MOST_ENDS).collect();
+    let lies = |at: &[Vec3], meet: usize| {
+        let trunk = at[meet] - at[pelvis];
+        Vec3::new(trunk.x, 0.0, trunk.z).length() > trunk.y.abs()
+    };
+    for (k, &a) in ends.iter().enumerate() {
+        for &b in &ends[..k] {
+            let way = tree.way(a, b);
+            let Some(&meet) = way.iter().min() else { continue };
+            let is_leg = |end: usize| {
+                let way = tree.way(meet, end);
+                way.len() >= 3 && tree.length(&way) > 0.3 * tree.size && !way.iter().any(|joint| own.contains(joint))
+            };
+            if is_leg(a) && is_leg(b) && lies(clip.positions(tree.frames[0]), meet) {
+                return Some((b, feet[0]));
+            }
+        }
+    }
+    None
 }
 
 /// Chest, arms and head.

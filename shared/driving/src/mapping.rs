@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::clip::Clip;
-use crate::find::found;
+use crate::find::{above as add_above, found, four_legs};
 use crate::role::Role;
 
 /// Joints of a clip by what they are.
@@ -33,8 +33,22 @@ pub struct MappingFile {
 #[non_exhaustive]
 pub enum MappingError {
     /// No two legs.
-    #[error("the skeleton has no two legs that can be told: name {0} in a mapping file (--mapping)")]
+    #[error(
+        "the skeleton has no two legs that can be told: say in a mapping file (--mapping) which joints pelvis, hip_l, knee_l, ankle_l and \
+         those of the right leg are; {0} is missing"
+    )]
     NoLegs(&'static str),
+    /// A body on four legs.
+    #[error(
+        "the skeleton stands on four legs ({hand:?} is one beside {foot:?}): only what walks on two can drive an actor; where it does, say which \
+         joint is which (--mapping)"
+    )]
+    FourLegs {
+        /// The end of one that is none of the two that were found.
+        hand: String,
+        /// The end of one of those.
+        foot: String,
+    },
     /// A joint that the skeleton lacks.
     #[error("{role}: the skeleton has no joint {name:?}; it has: {known}")]
     Unknown {
@@ -67,9 +81,12 @@ impl Mapping {
     /// What is found in `clip`, and as `file` says otherwise.
     ///
     /// # Errors
-    /// A skeleton without two legs, names that it lacks.
+    /// A skeleton without two legs, or with four, names that it lacks.
     pub fn of(clip: &Clip, file: &MappingFile) -> Result<Self, MappingError> {
-        let mut mapping = Self { joints: found(clip) };
+        // Whoever names both legs knows better: what is above them is found from there.
+        let legs = Role::LEGS.iter().flat_map(|leg| &leg[..3]).chain([&Role::Pelvis]);
+        let legs_are_named = legs.into_iter().all(|role| file.joints.get(role).is_some_and(|name| !name.is_empty()));
+        let mut mapping = Self { joints: if legs_are_named { BTreeMap::new() } else { found(clip) } };
         for (&role, name) in &file.joints {
             mapping.joints.remove(&role);
             if name.is_empty() {
@@ -81,8 +98,20 @@ impl Mapping {
             };
             mapping.joints.insert(role, joint);
         }
+        if legs_are_named {
+            let mut above = mapping.joints.clone();
+            add_above(clip, &mut above);
+            above.retain(|role, _| !file.joints.contains_key(role));
+            mapping.joints.append(&mut above);
+        }
         mapping.check(clip)?;
-        Ok(mapping)
+        let name = |joint: usize| clip.joints()[joint].name.clone();
+        match four_legs(clip) {
+            Some((hand, foot)) if file.joints.is_empty() => {
+                Err(MappingError::FourLegs { hand: name(hand), foot: name(foot) })
+            }
+            _ => Ok(mapping),
+        }
     }
 
     /// The names of what was found.

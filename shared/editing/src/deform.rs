@@ -43,6 +43,12 @@ impl Held {
     pub fn vertices(&self) -> &[u32] {
         &self.held
     }
+
+    /// The weights of the edges, in the order of [`Deformer::edges`].
+    #[must_use]
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
 }
 
 impl Deformer {
@@ -60,6 +66,12 @@ impl Deformer {
         };
         let symbolic = Symbolic::new(symmetric, &order)?;
         Ok(Self { triangles, pattern, symbolic, workspace: Workspace::default(), scratch: SolveScratch::default() })
+    }
+
+    /// The edges of the mesh.
+    #[must_use]
+    pub fn edges(&self) -> &[[u32; 2]] {
+        self.pattern.symmetric().edges()
     }
 
     /// Holds the vertices `held`, each once, of `pose`; the others are anchored as firmly as `anchor` says beside the

@@ -13,6 +13,7 @@ pub mod band;
 pub mod cholesky;
 pub mod codec;
 pub mod components;
+pub mod decimal;
 pub mod gradients;
 pub mod lanes;
 pub mod laplacian;

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use kernels::decimal::decimal;
+
 use crate::error::MocapError;
 
 /// Words one after another.
@@ -30,9 +32,9 @@ pub fn syntax(source: &str, line: usize, reason: impl Into<String>) -> MocapErro
 /// `word` as a finite number.
 pub fn number(source: &str, line: usize, word: &str) -> Result<f64, MocapError> {
     let shown: String = word.chars().take(40).collect();
-    let number: f64 = word.parse().map_err(|_| syntax(source, line, format!("{shown:?} is not a number")))?;
+    let number: f64 = decimal(word).ok_or_else(|| syntax(source, line, format!("{shown:?} is not a number")))?;
     // Nothing that stands for a place or an angle is as large; sums of what is smaller stay finite.
-    if !number.is_finite() || number.abs() > 1e9 {
+    if number.abs() > 1e9 {
         return Err(syntax(source, line, format!("{shown} is no length and no angle")));
     }
     Ok(number)

@@ -44,14 +44,15 @@ pub fn check_request(text: &str) -> Result<(), JsValue> {
 
 #[wasm_bindgen]
 impl Searcher {
-    /// Searches with what a player's `known` has handed over.
+    /// Searches with what a player's `known` has handed over, and the families of its sequences as JSON.
     ///
     /// # Errors
     /// It does not fit together.
     #[wasm_bindgen(constructor)]
-    pub fn new(words: &[u32]) -> Result<Self, JsValue> {
+    pub fn new(words: &[u32], families: &str) -> Result<Self, JsValue> {
         console_error_panic_hook::set_once();
-        let known = Known::from_words(words).ok_or(SearchError::Misfit)?;
+        let known = Known::from_words(words).and_then(|known| known.with_families(&read_json(families)?));
+        let known = known.ok_or(SearchError::Misfit)?;
         Ok(Self { inner: Inner::new(known)? })
     }
 

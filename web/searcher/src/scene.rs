@@ -1,7 +1,9 @@
 //! What a search needs of the actor, handed from the player's memory to the searcher's.
 
 use actor::contacts::{Contact, Contacts, Held};
+use actor::families::Family;
 use actor::graph::{EssentialGraph, Transition};
+use actor::json::Json;
 use actor::motion::Motion;
 use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
@@ -79,6 +81,13 @@ fn read_transition(reader: &mut Reader) -> Option<Transition> {
 }
 
 impl Known {
+    /// The same with the families that a document holds; `None` where it holds none of these sequences.
+    #[must_use]
+    pub fn with_families(self, document: &Json) -> Option<Self> {
+        let timeline = self.timeline.with_families(Family::of_json(document).ok()?).ok()?;
+        Some(Self { timeline, ..self })
+    }
+
     /// What [`words`] was told; `None` where that does not fit together.
     #[must_use]
     pub fn from_words(words: &[u32]) -> Option<Self> {

@@ -229,6 +229,15 @@ impl Loading {
         }
     }
 
+    /// The section of families, where the bundle has one.
+    #[must_use]
+    pub fn families(&self) -> Option<&[u8]> {
+        match &self.source.recorded {
+            Recorded::Memory(_) => None,
+            Recorded::Bundle(reader) => reader.families_bytes(),
+        }
+    }
+
     /// The elimination order of the vertices, where the bundle has one.
     #[must_use]
     pub fn order(&self) -> Option<&[u32]> {

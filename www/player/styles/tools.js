@@ -1,7 +1,7 @@
 /** The tools: their bar, their docks under the stage, and what they put on it; the dialog of keys. */
 
 export const toolStyles = `
-:host(:not([controls])) :is(.bar .toolbar, .clips) { display: none; }
+:host(:not([controls])) :is(.bar .toolbar, .clips, .families) { display: none; }
 .player[data-state="failed"] .toolbar, .player[data-state="loading"] .toolbar { visibility: hidden; }
 .toolbar { display: flex; align-items: center; gap: 2px; margin-inline-start: auto; }
 .tools { display: flex; gap: 2px; margin-inline-end: 8px; }
@@ -82,7 +82,11 @@ button:disabled { opacity: 0.38; cursor: default; }
 .pose-dock .chip { flex: none; }
 .pose-dock .field { margin-inline-start: auto; }
 .pose-dock [role="toolbar"]:empty ~ * { visibility: hidden; }
-.queue:empty { display: none; }
+.queue:empty, .families:empty { display: none; }
+.families { display: flex; flex: none; flex-wrap: wrap; gap: 4px 12px; }
+.families.on-stage { position: absolute; inset: auto auto 44px 16px; }
+.family output { min-inline-size: 60px; }
+.family[data-performed] { color: var(--ink); }
 .waits::before { content: "›"; margin-inline-end: 6px; color: var(--muted); }
 .waits { color: var(--ink); cursor: grab; touch-action: pan-x; }
 .waits[data-held] { background: color-mix(in srgb, var(--accent) 16%, transparent); }

@@ -56,8 +56,14 @@ export class PoseTool extends Tool {
 
   answered() {}
 
-  opened({ info }) {
-    const names = info.behaviours.map((behaviour) => {
+  opened(director) {
+    const { info } = director;
+    const { families } = this.box.kit;
+    families.opened(director);
+    this.names.after(families.docked);
+    // What is made between what was recorded, the sliders show.
+    const isMade = (behaviour) => info.families.some(({ name, members }) => behaviour.startsWith(`${name} `) && members.some(({ sequence }) => sequence === behaviour));
+    const names = info.behaviours.filter((behaviour) => !isMade(behaviour)).map((behaviour) => {
       const act = ({ shiftKey }) => this.box.take(this.hold ? { behaviour, hold: this.hold } : { behaviour }, shiftKey);
       return button(words(behaviour), `Go to ${words(behaviour)}; with shift: after what is under way`, act);
     });

@@ -157,7 +157,7 @@ export class SearchDriver {
       const known = player.known(SLICE);
       if (!known) return false;
       this.searcher?.free();
-      this.searcher = new this.module.Searcher(known);
+      this.searcher = new this.module.Searcher(known, JSON.stringify(this.core.director.info.families));
       this.knows = player;
     }
     if (!this.searcher.follows(followers)) {

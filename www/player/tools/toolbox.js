@@ -106,6 +106,7 @@ export class Toolbox {
     this.search.forget();
     this.kit?.edits.forget();
     this.kit?.drives.forget();
+    this.kit?.families.forget();
     this.answer = null;
     this.history.reset(EMPTY);
     if (this.core.view) this.refresh();
@@ -422,6 +423,7 @@ export class Toolbox {
     this.tool.step?.();
     this.search.lookAhead();
     this.kit?.drives.step();
+    this.kit?.families.step();
   }
 
   /** The actor was sent somewhere else: to a pose, or nowhere. */
@@ -435,6 +437,7 @@ export class Toolbox {
   happened(type, detail) {
     this.search.happened(type, detail);
     this.tool.happened?.(type, detail);
+    this.kit?.families.happened(type);
   }
 
   // ---- on the stage ---------------------------------------------------------------------------------------------

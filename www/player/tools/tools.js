@@ -8,6 +8,7 @@ import { ToolBar } from './bar.js';
 import { DriveDriver } from './drives.js';
 import { EditTool } from './edit.js';
 import { EditDriver } from './edits.js';
+import { Families } from './families.js';
 import { KeysDialog } from './keys.js';
 import { Marks } from './marks.js';
 import { PathTool } from './path.js';
@@ -27,6 +28,7 @@ export class Tools {
     view.addStyles(toolStyles);
     this.edits = new EditDriver(box);
     this.drives = new DriveDriver(box);
+    this.families = new Families(box);
     this.byName = Object.fromEntries(ALL.map((Tool) => [Tool.id, new Tool(box)]));
     this.marks = new Marks();
     this.bar = new ToolBar(ALL, { choose: (name) => (host.tool = name), step: (by) => box.undo(by), hurry: (quickness) => (host.quickness = Number(quickness.toFixed(4))), vary: (variety) => (host.variety = variety) });

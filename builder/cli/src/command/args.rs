@@ -454,8 +454,9 @@ pub struct DirectArguments {
     /// is given: NAME:SECONDS or a frame's number.
     #[arg(long, value_name = "X,Z[,HEADING][@POSE]", value_parser = parse_place, allow_hyphen_values = true)]
     pub place: Option<PlaceRequest>,
-    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given.
-    #[arg(long, value_name = "NAME[:SECONDS]", value_parser = parse_behaviour)]
+    /// Go to a behaviour, a label or a sequence's name, and hold it for so many seconds, if they are given. gait@1.4 is what
+    /// the family `gait` has that is nearest to 1.4 metres a second, or whatever its unit is.
+    #[arg(long, value_name = "NAME[@VALUE][:SECONDS]", value_parser = parse_behaviour)]
     pub behaviour: Option<BehaviourRequest>,
     /// Wander about for this long, for example 60s.
     #[arg(long, value_name = "DURATION", value_parser = parse_seconds)]
@@ -730,6 +731,9 @@ pub struct EvaluateArguments {
     /// Seed of all that is drawn at random, and of the built-in performer.
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,
+    /// Clips of motion capture for the section `editing`, as `builder drive` takes them.
+    #[arg(long, value_delimiter = ',', value_name = "CLIPS")]
+    pub clips: Vec<String>,
     /// How the input is read.
     #[command(flatten)]
     pub import: ImportArguments,
@@ -765,4 +769,6 @@ pub enum EvaluateSection {
     Families,
     /// Variations: how well motion is learned, and what alternatives look like as they are stored; only where they are asked for.
     Variations,
+    /// Edits, rigs and driven sequences.
+    Editing,
 }

@@ -75,7 +75,8 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
     }
     let Asked { request, start } = asked(arguments)?;
     let mut reader = read_bundle(&arguments.bundle)?;
-    let (Some(timeline), Some(mut graph)) = (reader.timeline().cloned(), reader.graph().cloned()) else {
+    let timeline = reader.timeline_with_families().with_context(|| arguments.bundle.display().to_string());
+    let (Some(timeline), Some(mut graph)) = (timeline.map_err(Failure::Input)?, reader.graph().cloned()) else {
         return Err(Failure::Input(anyhow!("{} ends before its graph", arguments.bundle.display())));
     };
     if let Some(quickness) = request.quickness {
@@ -90,6 +91,7 @@ pub fn run(arguments: &DirectArguments, terminal: &Terminal) -> Result<(), Failu
         write_times(&answer, scene.search_graph.fps, path)?;
     }
     answer.notes().for_each(|note| terminal.log(&format!("note: {note}")));
+    members(&request, &scene).iter().for_each(|member| terminal.log(member));
 
     let [heading, x, z] = answer.start_placement;
     let placement = Placement { heading, translation: glam::Vec2::new(x, z) };
@@ -254,6 +256,27 @@ fn search_graph(
         while !survey.advance(graph, timeline, &motion, usize::MAX).map_err(ours)? {}
     }
     Ok(survey.finish())
+}
+
+/// Which members of families were meant, of a request that asks for some by a number.
+fn members(request: &Request, scene: &Scene) -> Vec<String> {
+    let targets = match &request.target {
+        Target::Queue(targets) => targets.as_slice(),
+        target => std::slice::from_ref(target),
+    };
+    let names = targets.iter().flat_map(|target| match target {
+        Target::Behaviour(behaviour) => vec![&behaviour.name],
+        Target::Path(path) => path.stretches.iter().map(|stretch| &stretch.behaviour).collect(),
+        Target::Wander(wander) => wander.weights.keys().collect(),
+        _ => Vec::new(),
+    });
+    let told = names.filter_map(|name| {
+        let member = scene.search_graph.member(scene.search_graph.behaviour(name).ok()?)?;
+        let family = &scene.timeline.families()[member.family];
+        let sequence = &scene.timeline.sequence_of(member.frames[0])?.name;
+        Some(format!("{name}: \"{sequence}\", {} {:.2} {}", family.parameter, member.value, family.unit))
+    });
+    told.collect()
 }
 
 fn search(

@@ -26,7 +26,12 @@ pub fn run(arguments: &EvaluateArguments, terminal: &Terminal) -> Result<(), Fai
         Some(folder) => vec![folder.path.to_string_lossy().into_owned()],
         None => arguments.inputs.clone(),
     };
-    let options = EvaluateOptions { sections: sections(arguments), seed: arguments.seed, ..Default::default() };
+    let options = EvaluateOptions {
+        sections: sections(arguments),
+        seed: arguments.seed,
+        clips: arguments.clips.clone(),
+        ..Default::default()
+    };
     let (report, work) = (|step: Progress| terminal.progress(step), work::open(&arguments.work)?);
     let job = Job::new(&report).with_work(work.as_ref());
     let failure = |error: EvaluateError| match error {
@@ -69,6 +74,7 @@ fn sections(arguments: &EvaluateArguments) -> Vec<Section> {
             EvaluateSection::Transfer => Section::Transfer,
             EvaluateSection::Families => Section::Families,
             EvaluateSection::Variations => Section::Variations,
+            EvaluateSection::Editing => Section::Editing,
         })
         .collect();
     sections.sort_unstable();

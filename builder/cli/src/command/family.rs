@@ -9,7 +9,7 @@ use family::{Found, Sample};
 use job::Job;
 use reprise::families::{FamilySummary, Ground, MadeFamily, make, proposed};
 use serde::Serialize;
-use toml::Table;
+use toml::{Table, Value};
 
 use super::args::{FamilyArguments, FamilyKind};
 use super::drive_actor::{Origin, ReadActor, read};
@@ -123,6 +123,7 @@ fn wanted(
         sequences: arguments.sequences.clone(),
         samples,
         frames: None,
+        values: None,
     }])
 }
 
@@ -221,7 +222,7 @@ fn write(
         .and_then(|text| {
             // What they ask for is there now.
             let mut table: Table = text.parse()?;
-            table.remove("family");
+            table.insert("family".into(), Value::Array(made.iter().map(|family| there(&family.summary)).collect()));
             Ok(toml::to_string(&table)?)
         })
         .map_err(Failure::Input)?;
@@ -231,6 +232,21 @@ fn write(
         origin.push_str(&format!("# {}: {from} and {to}, weight {:.3}\n", one.sequence, one.weight));
     }
     write_whole(&folder.join("capture.toml"), format!("{origin}\n{text}").as_bytes()).map_err(Failure::Input)
+}
+
+/// A family whose samples are there, as manifests have it.
+fn there(family: &FamilySummary) -> Value {
+    let mut table = Table::new();
+    table.insert("name".into(), family.name.clone().into());
+    table.insert("parameter".into(), family.parameter.into());
+    let samples = family.samples.iter().map(|one| (&one.sequence, Value::Array(Vec::new()), one.value));
+    let frames = |(first, last): (u32, u32)| Value::Array(vec![first.into(), last.into()]);
+    let recorded = family.members.iter().map(|one| (&one.sequence, frames(one.frames), one.value));
+    let all: Vec<_> = samples.chain(recorded).collect();
+    table.insert("sequences".into(), all.iter().map(|one| one.0.clone().into()).collect::<Vec<Value>>().into());
+    table.insert("frames".into(), all.iter().map(|one| one.1.clone()).collect::<Vec<Value>>().into());
+    table.insert("values".into(), all.iter().map(|one| f64::from(one.2).into()).collect::<Vec<Value>>().into());
+    table.into()
 }
 
 /// What came of a family, for people.

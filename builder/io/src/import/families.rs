@@ -47,6 +47,9 @@ pub struct ManifestFamily {
     /// For each sequence the first and the last frame within which its cycle is looked for, or nothing where all of it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<Vec<Vec<u32>>>,
+    /// For each sequence its parameter, where all members are there already: then nothing is made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<f32>>,
 }
 
 impl ManifestFamily {
@@ -69,6 +72,15 @@ impl ManifestFamily {
                 return Err("samples must be finite numbers".into());
             }
             _ => {}
+        }
+        if let Some(values) = &self.values {
+            let (has, names) = (values.len(), self.sequences.len());
+            if has != names || values.iter().any(|value| !value.is_finite()) {
+                return Err(format!("values must be a number for each of its {names} sequences"));
+            }
+            if self.samples.is_some() {
+                return Err("it has samples to be made, and values of what is there: it can have one of both".into());
+            }
         }
         let Some(frames) = &self.frames else {
             let mut names = self.sequences.clone();
@@ -155,6 +167,9 @@ mod tests {
         assert!(told(&format!("{two}samples = 'many'")).contains("samples"));
         assert!(told(&format!("{two}frames = [[1, 2]]")).contains("1 entries for 2 sequences"));
         assert!(told(&format!("{two}frames = [[5, 2], []]")).contains("pairs"));
+        assert!(told(&format!("{two}values = [1.5]")).contains("each of its 2 sequences"));
+        assert!(told(&format!("{two}values = [1.5, inf]")).contains("each of its 2 sequences"));
+        assert!(told(&format!("{two}samples = 3\nvalues = [1.5, 2]")).contains("one of both"));
         assert!(told(&format!("{two}step = 0.1")).contains("unknown field"));
         assert!(read("name = 'x'\nparameter = 'colour'\nsequences = ['a', 'b']").unwrap_err().contains("speed"));
         assert!(read("name = ' '\nparameter = 'speed'\nsequences = ['a', 'b']").unwrap_err().contains("name"));

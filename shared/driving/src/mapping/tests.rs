@@ -66,6 +66,75 @@ fn a_file_corrects_what_is_found_and_limbs_may_be_missing() {
     assert!(matches!(Mapping::of(&clip, &unknown), Err(MappingError::Unknown { .. })));
 }
 
+/// An animal that stands on four legs, its head ahead of it; or one that rests upright.
+fn animal(rests_upright: bool) -> Clip {
+    let mut parts: Vec<(String, Option<usize>, [f32; 3])> = vec![("hip".into(), None, [0.0, 0.6, 0.0])];
+    parts.push(("breast".into(), Some(0), [0.0, 0.62, 0.6]));
+    parts.push(("neck".into(), Some(1), [0.0, 0.75, 0.8]));
+    parts.push(("nose".into(), Some(2), [0.0, 0.8, 0.95]));
+    for (from, z, word) in [(0, 0.0, "hind"), (1, 0.6, "fore")] {
+        for (side, sign) in [("L", 1.0), ("R", -1.0)] {
+            for (k, y) in [0.58, 0.32, 0.1, 0.02].into_iter().enumerate() {
+                let parent = if k == 0 { from } else { parts.len() - 1 };
+                let ahead = if k == 3 { 0.08 } else { 0.0 };
+                parts.push((format!("{word}{k}{side}"), Some(parent), [0.1 * sign, y, z + ahead]));
+            }
+        }
+    }
+    let positions: Vec<Vec3> = parts.iter().map(|(.., at)| Vec3::from(*at)).collect();
+    let joints = parts.iter().map(|(name, parent, _)| ClipJoint { name: name.clone(), parent: *parent }).collect();
+    let rotations = vec![Quat::IDENTITY; positions.len()];
+    let upright = positions.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect();
+    let rest = rests_upright.then(|| Stance { positions: upright, rotations: rotations.clone() });
+    Clip::new(joints, 30.0, vec![Stance { positions, rotations }], rest).unwrap()
+}
+
+#[test]
+fn an_animal_is_no_human_but_may_be_called_one() {
+    let refused = Mapping::of(&animal(false), &MappingFile::default()).unwrap_err();
+    assert!(matches!(refused, MappingError::FourLegs { .. }), "{refused}");
+    assert!(refused.to_string().contains("fore3") && refused.to_string().contains("hind3"), "{refused}");
+    // Who only crawls is a human.
+    assert!(Mapping::of(&animal(true), &MappingFile::default()).is_ok());
+    let file = MappingFile { joints: BTreeMap::from([(Role::Head, "nose".into())]) };
+    assert!(Mapping::of(&animal(false), &file).is_ok());
+}
+
+#[test]
+fn legs_that_are_named_are_enough_for_the_rest() {
+    // Legs without an ankle: nothing says where they end.
+    let whole = figure(false, true);
+    let keeps = |name: &str| !["d", "e", "h", "i"].contains(&name);
+    let kept: Vec<usize> = (0..whole.joints().len()).filter(|&k| keeps(&whole.joints()[k].name)).collect();
+    let place = |joint: usize| kept.iter().position(|&k| k == joint);
+    let mut joints: Vec<ClipJoint> = kept
+        .iter()
+        .map(|&k| ClipJoint { name: whole.joints()[k].name.clone(), parent: whole.joints()[k].parent.and_then(place) })
+        .collect();
+    let mut positions: Vec<Vec3> = kept.iter().map(|&k| whole.positions(0)[k]).collect();
+    // As animators have them: feet hang on the root, for a control moves them.
+    for (name, x) in [("d", 0.1), ("h", -0.1)] {
+        joints.push(ClipJoint { name: name.into(), parent: Some(0) });
+        positions.push(Vec3::new(x, 0.1, 0.0));
+    }
+    let rotations = vec![Quat::IDENTITY; positions.len()];
+    let clip = Clip::new(joints, 30.0, vec![Stance { positions, rotations }], None).unwrap();
+    let named = [
+        (Role::Pelvis, "a"),
+        (Role::HipL, "b"),
+        (Role::KneeL, "c"),
+        (Role::AnkleL, "d"),
+        (Role::HipR, "f"),
+        (Role::KneeR, "g"),
+        (Role::AnkleR, "h"),
+        (Role::ElbowR, ""),
+    ];
+    let file = MappingFile { joints: named.into_iter().map(|(role, name)| (role, name.to_owned())).collect() };
+    let found = Mapping::of(&clip, &file).unwrap().file(&clip).joints;
+    let told = [Role::Chest, Role::Head, Role::ShoulderL, Role::WristR, Role::ElbowR].map(|role| found[&role].as_str());
+    assert_eq!(told, ["j", "k", "l", "r", ""]);
+}
+
 #[test]
 fn what_has_no_legs_is_refused() {
     let joints = (0..5).map(|k| ClipJoint { name: format!("j{k}"), parent: (k > 0).then(|| k - 1) }).collect();

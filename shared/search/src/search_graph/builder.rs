@@ -6,6 +6,7 @@ use super::{Edge, SAMPLE_STRIDE, Sample, SearchGraph};
 use crate::behaviours::behaviours;
 use crate::components::main_component;
 use crate::ground_pose::{GroundPose, half_turn, turn_of};
+use crate::members::members;
 use actor::blend::Blend;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
@@ -53,6 +54,7 @@ impl SearchGraphBuilder {
             best_turn: 0.0,
             sequence_of_frame: (0..frames).map(|frame| timeline.sequence_index(frame).unwrap_or(0) as u32).collect(),
             behaviours: behaviours(timeline),
+            members: members(timeline),
             edges: Vec::with_capacity(frames as usize + graph.transitions().len()),
             first_edge: vec![0],
             samples: Vec::new(),

@@ -9,6 +9,7 @@ use glam::{Vec2, Vec3};
 
 use super::behaviours::{Behaviour, find_behaviour};
 use super::ground_pose::GroundPose;
+use super::members::{Member, find_member};
 use super::request::RequestError;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
@@ -82,6 +83,7 @@ pub struct SearchGraph {
     travelled: Vec<[f32; 2]>,
     sequence_of_frame: Vec<u32>,
     behaviours: Vec<Behaviour>,
+    members: Vec<Member>,
     edges: Vec<Edge>,
     first_edge: Vec<u32>,
     samples: Vec<Sample>,
@@ -141,17 +143,33 @@ impl SearchGraph {
         &self.behaviours
     }
 
-    /// The number of the behaviour with this name.
+    /// The number of the behaviour with this name, or beyond those that have one, of the member of a family that `NAME@VALUE` asks
+    /// for ([`Self::member`]).
     ///
     /// # Errors
     /// There is none.
     pub fn behaviour(&self, name: &str) -> Result<usize, RequestError> {
-        Ok(find_behaviour(&self.behaviours, name)?)
+        let unknown = match find_behaviour(&self.behaviours, name) {
+            Ok(number) => return Ok(number),
+            Err(unknown) => unknown,
+        };
+        let shows = |number: usize, frame: u32| self.shows(number, frame);
+        let found = find_member(&self.members, &self.behaviours, shows, name).ok_or(unknown)?;
+        Ok(self.behaviours.len() + found)
+    }
+
+    /// The member of a family that a behaviour of this number is; `None` where it has a name of its own.
+    #[must_use]
+    pub fn member(&self, behaviour: usize) -> Option<&Member> {
+        self.members.get(behaviour.checked_sub(self.behaviours.len())?)
     }
 
     /// Whether `frame` shows a behaviour.
     #[must_use]
     pub fn shows(&self, behaviour: usize, frame: u32) -> bool {
+        if let Some(member) = self.member(behaviour) {
+            return (member.frames[0]..=member.frames[1]).contains(&frame);
+        }
         let (Some(behaviour), Some(&sequence)) =
             (self.behaviours.get(behaviour), self.sequence_of_frame.get(frame as usize))
         else {

@@ -1,0 +1,108 @@
+//! Section 14: edits of recorded frames, the rig that moves them, and what is driven by it (Tejera, Casas and Hilton 2013, sections III
+//! and V, figures 4 to 10).
+
+mod basis;
+mod driven;
+mod held_out;
+mod joints;
+mod propagated;
+mod shape;
+mod surface;
+
+use job::Job;
+use rig::{RigOptions, estimate};
+
+use self::driven::driven;
+use self::held_out::{HeldOut, held_out};
+use self::joints::against_truth;
+use self::propagated::{Propagated, propagated};
+use super::EvaluateError;
+use super::document::{Agreement, SectionReport, Verdict};
+use super::subject::Subject;
+
+/// The marks: learned over as rigid as possible; volume and limbs in percent, slide in millimetres.
+const LEARNED: f64 = 1.1;
+const PROPAGATED: [f64; 3] = [1.0, 2.0, 0.1];
+/// Rows of what is held against each other, by [`held_out::METHODS`].
+const RIGID_ROW: usize = 2;
+const LEARNED_ROW: usize = 4;
+
+/// Makes the section.
+pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateError> {
+    let capture = &subject.capture;
+    let mut section = SectionReport {
+        text: vec![
+            "Six patches (belly, head, hands and feet of a human\u{2019}s rig; else the ends of the surface) of one frame are put where a frame \
+             of another sequence has them, both standing on one another; that sequence is held out of the learned space and of the rig. \
+             The learned methods are equation 7 in displacements and edges, its rotations found in turn; the product has Laplacian, \
+             as rigid as possible, and the rig, by which only the patches\u{2019} middles are dragged. The learned ones are here alone."
+                .into(),
+        ],
+        ..SectionReport::default()
+    };
+    if capture.timeline.sequences().len() < 2 {
+        section.text.push("Held-out reconstruction is missing: there is one sequence alone.".into());
+    } else {
+        let HeldOut { tables, off, tasks } = held_out(capture, job)?;
+        section.tables.extend(tables);
+        let ratio = off[LEARNED_ROW] / off[RIGID_ROW];
+        section.agreements.push(agreement(
+            "Mark: learned is never above 1.1 times as rigid as possible",
+            format!("{ratio:.2} times over {tasks} frames"),
+            ratio <= LEARNED,
+        ));
+    }
+    job.begin("rig")?;
+    match estimate(&capture.topology, &capture.poses, &RigOptions::default()) {
+        Ok(found) => with_rig(subject, &found.rig, &mut section, job)?,
+        Err(error) => section.text.push(format!("Propagation, joints and driven sequences are missing: {error}.")),
+    }
+    section.text.push(
+        "Missing: the learned space in the product, as a section of the bundle and as a method of edits; linear blend skinning beside \
+         driven sequences; the paper\u{2019}s Table I and pictures of its figures. The table of families is section 12."
+            .into(),
+    );
+    Ok(section)
+}
+
+/// What needs a rig.
+fn with_rig(
+    subject: &Subject,
+    rig: &editing::Rig,
+    section: &mut SectionReport,
+    job: &Job,
+) -> Result<(), EvaluateError> {
+    let capture = &subject.capture;
+    let Propagated { table, notes, nonlinear } = propagated(capture, rig, job)?;
+    section.tables.push(table);
+    section.text.extend(notes);
+    if let Some([volume, limbs, slide]) = nonlinear {
+        let holds = volume <= PROPAGATED[0] && !(limbs > PROPAGATED[1]) && slide <= PROPAGATED[2];
+        section.agreements.push(agreement(
+            "Mark: non-linear propagation keeps volume to 1 %, limbs to 2 %, and feet slide at most 0.1 mm a frame more",
+            format!("{volume:.2} %, {limbs:.2} %, {slide:.3} mm"),
+            holds,
+        ));
+    }
+    match subject.truth.as_ref().map(|truth| against_truth(capture, rig, truth)) {
+        Some(Some((table, all))) => {
+            section.tables.push(table);
+            let papers = "Mark: knees and ankles within 10 mm, shoulders, elbows and hips within 30 mm";
+            section.agreements.push(agreement(papers, if all { "all" } else { "not all" }.into(), all));
+        }
+        Some(None) => section.text.push("Joints against the truth are missing: the rig is no human\u{2019}s.".into()),
+        None => section.text.push("Joints against the truth are missing: this capture has no skeleton.".into()),
+    }
+    if subject.options.clips.is_empty() {
+        section.text.push("Driven sequences are missing: no clip was given (--clips).".into());
+        return Ok(());
+    }
+    let (table, notes) = driven(capture, rig, &subject.options.clips, job)?;
+    section.tables.push(table);
+    section.text.extend(notes);
+    Ok(())
+}
+
+fn agreement(papers: &str, found: String, holds: bool) -> Agreement {
+    Agreement { papers: papers.into(), found, verdict: Verdict::of(holds, holds), why: String::new() }
+}
