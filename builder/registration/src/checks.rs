@@ -8,6 +8,9 @@ use super::template::Template;
 /// Metres that a surface may lie off before it counts as not covered.
 const COVERED: f32 = 0.01;
 
+/// Metres off that count as much as all of the frame not being covered.
+const UNCOVERED: f64 = 0.2;
+
 /// How the template lies on a frame. Measured by area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
@@ -50,6 +53,13 @@ impl Default for Limits {
 }
 
 impl Fit {
+    /// How bad it is, to compare results on one frame: the distance from the frame, and as much for each percent that is not
+    /// covered as a viewer would mind.
+    #[must_use]
+    pub fn badness(&self, scale: f32) -> f64 {
+        self.rms_backward / f64::from(scale) + UNCOVERED * self.uncovered
+    }
+
     /// What is wrong, if anything. No limit finds a surface that only slid.
     #[must_use]
     pub fn fault(&self, limits: &Limits, scale: f32) -> Option<Fault> {

@@ -14,6 +14,7 @@ use super::checks::{Fault, Fit, Limits, fit};
 use super::descriptor::{Descriptor, DescriptorOptions};
 use super::detail::{Detail, DetailError};
 use super::dissimilarity::Dissimilarity;
+use super::far::track_far;
 use super::groups::{Anchors, MeshMark, groups};
 use super::scan::{Cleaned, Scan};
 use super::surface::Surface;
@@ -21,14 +22,16 @@ use super::template::Template;
 use super::track::{Target, TrackOptions, track};
 use super::tree::{Candidate, Tree, choose_root};
 
-/// A frame is tried from so many others.
-const TRIES: usize = 4;
+/// Where a frame is far from all that are known, it is tried from so many of them.
+const FAR_TRIES: usize = 4;
+/// Frames that are nearer in time than so many are too much alike to try both.
+const APART: usize = 8;
 /// Area of a frame over the usual one, or the other way, beyond which it is no scan of this body.
 const MOST_GROWTH: f32 = 2.0;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
 /// Changes whenever tracking finds something else in the same input.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// How a scan is registered.
 #[derive(Clone, Debug, PartialEq)]
@@ -313,18 +316,19 @@ where
     let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
     let done = AtomicU64::new(0);
     job.tell("registering", 0, count as u64)?;
-    registrar.work(&[(tree.root, None)], &mut state, &done)?;
+    registrar.work(&[(tree.root, Way::Root)], &mut state, &done)?;
     loop {
-        // First along the tree; what is left, from whatever else is near.
-        let waits = |k: usize, state: &[State]| state[k].pose.is_none() && state[k].tried.len() < TRIES;
-        let mut open: Vec<(usize, Option<usize>)> = (0..count)
-            .filter(|&k| waits(k, &state))
-            .filter_map(|k| tree.parents[k].map(|parent| (k, Some(parent))))
-            .filter(|&(k, parent)| parent.is_some_and(|p| state[p].pose.is_some() && !state[k].tried.contains(&p)))
-            .collect();
+        // First along the tree, then from what is beside in time; what is left is far from all.
+        let able = |k: usize, parent: usize| state[parent].pose.is_some() && !state[k].tried.contains(&parent);
+        let waiting: Vec<usize> = (0..count).filter(|&k| state[k].pose.is_none()).collect();
+        let of_tree = |&k: &usize| tree.parents[k].filter(|&p| able(k, p)).map(|p| (k, Way::Near(p)));
+        let mut open: Vec<(usize, Way)> = waiting.iter().filter_map(of_tree).collect();
         if open.is_empty() {
-            let next = |k: usize| registrar.nearest(k, &state).map(|parent| (k, Some(parent)));
-            open = (0..count).filter(|&k| waits(k, &state)).filter_map(next).collect();
+            let beside = |&k: &usize| registrar.beside(k, &able).map(|p| (k, Way::Near(p)));
+            open = waiting.iter().filter_map(beside).collect();
+        }
+        if open.is_empty() {
+            open = registrar.far(&waiting, &state);
         }
         if open.is_empty() {
             break;
@@ -353,7 +357,30 @@ struct State {
     anchors: Option<[Anchors; 2]>,
     tracked: Option<Tracked>,
     tried: Vec<usize>,
+    /// Whether it was tried as a frame that is far from all.
+    far: bool,
     failed: Option<(Fault, Fit)>,
+}
+
+/// How a frame is come by.
+#[derive(Clone, Debug)]
+enum Way {
+    /// It is the template's own.
+    Root,
+    /// From a frame that is near.
+    Near(usize),
+    /// From each of some that are far, of which the best is kept.
+    Far(Vec<usize>),
+}
+
+impl Way {
+    fn parents(&self) -> &[usize] {
+        match self {
+            Self::Root => &[],
+            Self::Near(parent) => std::slice::from_ref(parent),
+            Self::Far(parents) => parents,
+        }
+    }
 }
 
 struct Registrar<'a, S: Source> {
@@ -384,25 +411,68 @@ impl<S: Source> Registrar<'_, S>
 where
     S::Error: From<DetailError>,
 {
-    /// Another tracked frame to try `k` from: one beside it in time, else the most alike.
-    fn nearest(&self, k: usize, state: &[State]) -> Option<usize> {
+    /// The frame beside `k` in time that it can be tried from, the more alike where both can.
+    fn beside(&self, k: usize, able: &impl Fn(usize, usize) -> bool) -> Option<usize> {
+        let found = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter(|&p| self.follow(p, k) && able(k, p));
+        found.min_by(|&a, &b| self.unlike(k, a).total_cmp(&self.unlike(k, b)))
+    }
+
+    /// Whether frames follow each other in a sequence.
+    fn follow(&self, a: usize, b: usize) -> bool {
         let frames = &self.survey.frames;
-        let able = |p: &usize| state[*p].pose.is_some() && !state[k].tried.contains(p);
-        let beside = |p: &usize| {
-            frames[*p].abs_diff(frames[k]) == 1 && self.source.sequence(frames[*p]) == self.source.sequence(frames[k])
+        a.max(b) < frames.len()
+            && frames[a].abs_diff(frames[b]) == 1
+            && self.source.sequence(frames[a]) == self.source.sequence(frames[b])
+    }
+
+    fn unlike(&self, a: usize, b: usize) -> f32 {
+        self.survey.dissimilarity.get(a, b)
+    }
+
+    /// Of every run of frames that wait, the one that is most alike to tracked frames, and these: the others may follow it.
+    fn far(&self, waiting: &[usize], state: &[State]) -> Vec<(usize, Way)> {
+        let nearest = |k: usize| {
+            let mut known: Vec<usize> = (0..state.len()).filter(|&p| state[p].pose.is_some()).collect();
+            known.sort_by(|&a, &b| self.unlike(k, a).total_cmp(&self.unlike(k, b)).then(a.cmp(&b)));
+            self.apart(&known)
         };
-        let of = |p: usize| self.survey.dissimilarity.get(k, p);
-        let nearest = |a: &usize, b: &usize| of(*a).total_cmp(&of(*b)).then(a.cmp(b));
-        let all = || (0..frames.len()).filter(able);
-        all().filter(beside).min_by(nearest).or_else(|| all().min_by(nearest))
+        let mut open = Vec::new();
+        for run in waiting.chunk_by(|&a, &b| self.follow(a, b)) {
+            let tries = run.iter().filter(|&&k| !state[k].far).map(|&k| (k, nearest(k)));
+            let of =
+                |(k, parents): &(usize, Vec<usize>)| parents.first().map_or(f32::INFINITY, |&p| self.unlike(*k, p));
+            let best = tries.min_by(|a, b| of(a).total_cmp(&of(b)).then(a.0.cmp(&b.0)));
+            open.extend(best.filter(|(_, parents)| !parents.is_empty()).map(|(k, parents)| (k, Way::Far(parents))));
+        }
+        open
+    }
+
+    /// The first of `frames`, without those that are too much alike to give another result.
+    fn apart(&self, frames: &[usize]) -> Vec<usize> {
+        let mut apart: Vec<usize> = Vec::new();
+        for &frame in frames {
+            if apart.len() == FAR_TRIES {
+                break;
+            }
+            if !apart.iter().any(|&other| self.near_in_time(frame, other)) {
+                apart.push(frame);
+            }
+        }
+        apart
+    }
+
+    /// Whether frames are of one run.
+    fn near_in_time(&self, a: usize, b: usize) -> bool {
+        let frames = &self.survey.frames;
+        frames[a].abs_diff(frames[b]) < APART && self.source.sequence(frames[a]) == self.source.sequence(frames[b])
     }
 
     /// Tracks frames side by side.
-    fn work(&self, open: &[(usize, Option<usize>)], state: &mut [State], done: &AtomicU64) -> Result<(), S::Error> {
+    fn work(&self, open: &[(usize, Way)], state: &mut [State], done: &AtomicU64) -> Result<(), S::Error> {
         let total = self.survey.frames.len() as u64;
         let before: &[State] = state;
-        let one = |&(k, parent): &(usize, Option<usize>)| -> Result<Outcome, S::Error> {
-            let found = self.frame(k, parent, before)?;
+        let one = |(k, way): &(usize, Way)| -> Result<Outcome, S::Error> {
+            let found = self.frame(*k, way, before)?;
             if matches!(found, Outcome::Good(..)) {
                 self.job.tell("registering", done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
             } else {
@@ -411,9 +481,10 @@ where
             Ok(found)
         };
         let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
-        for (&(k, parent), found) in open.iter().zip(found) {
-            let state = &mut state[k];
-            state.tried.extend(parent);
+        for ((k, way), found) in open.iter().zip(found) {
+            let state = &mut state[*k];
+            state.tried.extend(way.parents());
+            state.far |= matches!(way, Way::Far(_));
             match found? {
                 Outcome::Good(good) => {
                     let Good { pose, anchors, tracked } = *good;
@@ -428,28 +499,26 @@ where
         Ok(())
     }
 
-    fn frame(&self, k: usize, parent: Option<usize>, state: &[State]) -> Result<Outcome, S::Error> {
+    fn frame(&self, k: usize, way: &Way, state: &[State]) -> Result<Outcome, S::Error> {
         let frame = self.survey.frames[k];
         let (mut scan, extra) = self.source.read(frame)?;
         let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
         let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
         let Cleaned { surface, uvs, kept, .. } = cleaned;
         let target = Target::new(surface, template.scale);
-        let of_parent = |p: usize| state[p].pose.as_ref().map(|pose| (p, pose));
-        let followed = parent.and_then(|p| self.followed(&state[p], &scan, &target));
+        let followed = match way {
+            Way::Near(parent) => self.followed(&state[*parent], &scan, &target),
+            _ => None,
+        };
         let is_followed = followed.is_some();
-        let (pose, detailed, fit) = match (followed, parent.and_then(of_parent)) {
-            (Some((pose, detailed, fit)), _) => (pose, Some(detailed), fit),
+        let found = if is_followed { None } else { self.found(k, way, state, &target) };
+        let (parent, pose, detailed, fit) = match (followed, found) {
+            (Some((pose, detailed, fit)), _) => (way.parents().first().copied(), pose, Some(detailed), fit),
+            (None, Some((parent, pose, fit))) => (Some(parent), pose, None, fit),
             (None, None) => {
                 let own = template.surface.mesh.positions.clone();
                 let fit = fit(template, &template.surface, &own, &target.surface);
-                (own.clone(), Some(own), fit)
-            }
-            (None, Some((p, from))) => {
-                let start = moved(template, from, &target.surface, self.survey.dissimilarity.turn(p, k));
-                let pose = self.tracked(&start, &target);
-                let fit = fit(template, &template.surface.posed(pose.clone()), &start, &target.surface);
-                (pose, None, fit)
+                (None, own.clone(), Some(own), fit)
             }
         };
         if let Some(fault) = fit.fault(&self.options.limits, template.scale).filter(|_| parent.is_some()) {
@@ -477,6 +546,20 @@ where
         Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
     }
 
+    /// The parent, the pose that is found from it and how it fits: the best of all parents.
+    fn found(&self, k: usize, way: &Way, state: &[State], target: &Target) -> Option<(usize, Vec<Vec3>, Fit)> {
+        let template = self.template;
+        let of = |&parent: &usize| {
+            let from = state[parent].pose.as_ref()?;
+            let start = moved(template, from, &target.surface, self.survey.dissimilarity.turn(parent, k));
+            let pose = self.tracked(&start, target, matches!(way, Way::Far(_)));
+            let fit = fit(template, &template.surface.posed(pose.clone()), &start, &target.surface);
+            Some((parent, pose, fit))
+        };
+        let found = way.parents().iter().filter_map(of);
+        found.min_by(|a, b| a.2.badness(template.scale).total_cmp(&b.2.badness(template.scale)))
+    }
+
     /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
     fn followed(&self, parent: &State, scan: &Scan, target: &Target) -> Option<(Vec<Vec3>, Vec<Vec3>, Fit)> {
         let (from, [plain, detailed]) = (parent.pose.as_ref()?, parent.anchors.as_ref()?);
@@ -495,8 +578,10 @@ where
     }
 
     /// The pose tracked from `start`, or what the work folder holds of it.
-    fn tracked(&self, start: &[Vec3], target: &Target) -> Vec<Vec3> {
-        let find = || track(self.template, start, target, &self.options.track);
+    fn tracked(&self, start: &[Vec3], target: &Target, far: bool) -> Vec<Vec3> {
+        let (template, options) = (self.template, &self.options.track);
+        let find =
+            || if far { track_far(template, start, target, options) } else { track(template, start, target, options) };
         let Some(work) = self.job.work() else { return find() };
         let bytes = |surface: &Surface| -> Vec<u8> {
             let mesh = &surface.mesh;
@@ -506,7 +591,7 @@ where
             bytes
         };
         let key = Key::new("registered", VERSION)
-            .told(&self.options.track)
+            .told(&(&self.options.track, far))
             .of(&bytes(&self.template.surface))
             .of(&bytes(&target.surface))
             .of(bytemuck::cast_slice(start));

@@ -85,13 +85,30 @@ impl Default for TrackOptions {
 /// is).
 #[must_use]
 pub fn track(template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
-    let mut pose = start.to_vec();
+    track_on(template, (start, start), target, options)
+}
+
+/// The same, where `near` is a pose of which it is known already that it is near the target's; `start` is what the template is
+/// held against all the same.
+#[must_use]
+pub fn track_on(
+    template: &Template,
+    (start, near): (&[Vec3], &[Vec3]),
+    target: &Target,
+    options: &TrackOptions,
+) -> Vec<Vec3> {
+    let mut pose = near.to_vec();
     let mut moving = template.surface.posed(pose.clone());
+    let told = start != near;
     for (index, level) in template.levels.iter().enumerate() {
-        let mut motions =
-            if index == 0 { vec![Motion::NONE; level.graph.nodes.len()] } else { level.graph.fit(start, &pose) };
+        let mut motions = if index == 0 && !told {
+            vec![Motion::NONE; level.graph.nodes.len()]
+        } else {
+            level.graph.fit(start, &pose)
+        };
         let tracker = Tracker { template, level, start, target, index, colour: options.colour };
-        for stage in 0..STAGES {
+        let first = if told && index == 0 { 1 } else { 0 };
+        for stage in first..STAGES {
             tracker.stage(stage, &mut motions, &mut moving);
         }
         pose = moving.mesh.positions.clone();
