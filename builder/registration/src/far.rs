@@ -6,73 +6,85 @@ use glam::Vec3;
 use super::energy::{Pull, deform};
 use super::graph::Motion;
 use super::template::Template;
-use super::track::{Target, TrackOptions, track, track_on};
+use super::track::{Target, TrackOptions, refine, track};
 use super::transport::{Samples, Strictness, transport};
 
-/// How a far frame is approached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Approach {
-    /// Samples of each surface.
-    pub samples: usize,
-    /// Transports.
-    pub rounds: usize,
-    /// Width of the cost of distance, metres on a person, entropy and stiffness: in the first round and in the last.
-    pub widths: [f32; 2],
-    /// As above.
-    pub entropies: [f32; 2],
-    /// As above.
-    pub stiffnesses: [f64; 2],
-}
-
-impl Default for Approach {
-    fn default() -> Self {
-        Self { samples: 1000, rounds: 8, widths: [0.3, 0.1], entropies: [0.1, 0.02], stiffnesses: [1.0, 0.1] }
-    }
-}
-
+/// Samples of each surface.
+const SAMPLES: usize = 1000;
+/// Transports.
+const ROUNDS: usize = 8;
+/// Width of the cost of distance, metres on a person, entropy and stiffness: in the first round and in the last.
+const WIDTHS: [f32; 2] = [0.3, 0.1];
+const ENTROPIES: [f32; 2] = [0.1, 0.02];
+const STIFFNESSES: [f32; 2] = [1.0, 0.1];
+/// What goes less far than about this is free to slip along the surface, metres on a person: a skirt looks the same wherever it is
+/// turned, and should turn with what it hangs on.
+const SLIP: f32 = 0.05;
+/// Colours count so many times more where they are to.
+const COLOUR: f32 = 10.0;
 /// Steps of the graph in a round.
 const STEPS: usize = 3;
 
-/// The template's pose on `target`, which is far from `start`.
-#[must_use]
-pub fn track_far(template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
-    let near = approach(template, start, target, options, &Approach::default());
-    let pose = track_on(template, (start, &near), target, options);
-    // Once more, held against what was found: what was far from the start may bend now.
-    track(template, &pose, target, options)
+/// How a pose is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manner {
+    /// By closest points alone, for frames that follow each other.
+    Near,
+    /// By transport, and then closest points.
+    Far,
+    /// The same, where colours count more: folds of cloth, which are not where they were, pull less then.
+    Coloured,
+    /// By closest points, the finer ones, from a pose that is right but for what could not bend as far.
+    Again,
+}
+
+impl Manner {
+    /// Those for a frame that is far from all.
+    pub const ALL: [Self; 3] = [Self::Near, Self::Far, Self::Coloured];
+
+    /// The template's pose on `target`, from `start`, turned and moved to where the target is.
+    #[must_use]
+    pub fn track(self, template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
+        let far = |colour: f32| {
+            let near = approach(template, start, target, options);
+            refine(template, (start, &near), target, &TrackOptions { colour: colour * options.colour })
+        };
+        match self {
+            Self::Near => track(template, start, target, options),
+            Self::Far => far(1.0),
+            Self::Coloured => far(COLOUR),
+            Self::Again => refine(template, (start, start), target, options),
+        }
+    }
 }
 
 /// A pose near that of `target`, from `start`, turned and moved to where the target is.
 #[must_use]
-pub fn approach(
-    template: &Template,
-    start: &[Vec3],
-    target: &Target,
-    options: &TrackOptions,
-    how: &Approach,
-) -> Vec<Vec3> {
+pub fn approach(template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
     let level = &template.levels[0];
+    let of = Samples::new(&template.surface, SAMPLES);
+    let on = Samples::new(&target.surface, SAMPLES);
     let mut moving = template.surface.posed(start.to_vec());
-    let of = Samples::new(&template.surface, how.samples);
-    let on = Samples::new(&target.surface, how.samples);
     let mut motions = vec![Motion::NONE; level.graph.nodes.len()];
-    for round in 0..how.rounds {
-        let share = round as f32 / (how.rounds.max(2) - 1) as f32;
+    for round in 0..ROUNDS {
+        let share = round as f32 / (ROUNDS - 1) as f32;
         let between = |[first, last]: [f32; 2]| first * (last / first).powf(share);
-        let strictness = Strictness {
-            width: between(how.widths) * template.scale,
-            entropy: between(how.entropies),
-            colour: options.colour,
-        };
-        let stiffness = between(how.stiffnesses.map(|s| s as f32));
+        let strictness =
+            Strictness { width: between(WIDTHS) * template.scale, entropy: between(ENTROPIES), colour: options.colour };
         let found = transport((&moving, &of), (&target.surface, &on), &strictness);
         for _ in 0..STEPS {
             let mut pulls = vec![Pull::NONE; start.len()];
             for (&vertex, to) in of.vertices.iter().zip(&found) {
-                pulls[vertex as usize].add_point(to.mass, moving.mesh.positions[vertex as usize] - to.place);
+                let off = moving.mesh.positions[vertex as usize] - to.place;
+                let slip = SLIP * template.scale;
+                let held = off.length_squared() / (off.length_squared() + slip * slip);
+                let normal = moving.normals[vertex as usize];
+                let pull = &mut pulls[vertex as usize];
+                pull.add_point(to.mass * held, off);
+                pull.add(to.mass * (1.0 - held), normal, normal.dot(off));
             }
-            let kept = motions.clone();
-            if level.system.step(&level.graph, start, &pulls, f64::from(stiffness), &mut motions).is_none() {
+            let (kept, stiffness) = (motions.clone(), f64::from(between(STIFFNESSES)));
+            if level.system.step(&level.graph, start, &pulls, stiffness, &mut motions).is_none() {
                 motions = kept;
                 break;
             }
