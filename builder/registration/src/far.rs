@@ -30,30 +30,30 @@ const STEPS: usize = 3;
 pub enum Manner {
     /// By closest points alone, for frames that follow each other.
     Near,
-    /// By transport, and then closest points.
-    Far,
+    /// By transport, which only comes near.
+    Approach,
+    /// By closest points, the finer ones, from what has come near.
+    Refine,
     /// The same, where colours count more: folds of cloth, which are not where they were, pull less then.
     Coloured,
-    /// By closest points, the finer ones, from a pose that is right but for what could not bend as far.
-    Again,
 }
 
 impl Manner {
-    /// Those for a frame that is far from all.
-    pub const ALL: [Self; 3] = [Self::Near, Self::Far, Self::Coloured];
-
-    /// The template's pose on `target`, from `start`, turned and moved to where the target is.
+    /// The template's pose on `target`, from the pose `near`, turned and moved to where the target is; it is held against `start`.
     #[must_use]
-    pub fn track(self, template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
-        let far = |colour: f32| {
-            let near = approach(template, start, target, options);
-            refine(template, (start, &near), target, &TrackOptions { colour: colour * options.colour })
-        };
+    pub fn track(
+        self,
+        template: &Template,
+        (start, near): (&[Vec3], &[Vec3]),
+        target: &Target,
+        options: &TrackOptions,
+    ) -> Vec<Vec3> {
+        let coloured = TrackOptions { colour: COLOUR * options.colour };
         match self {
             Self::Near => track(template, start, target, options),
-            Self::Far => far(1.0),
-            Self::Coloured => far(COLOUR),
-            Self::Again => refine(template, (start, start), target, options),
+            Self::Approach => approach(template, start, target, options),
+            Self::Refine => refine(template, (start, near), target, options),
+            Self::Coloured => refine(template, (start, near), target, &coloured),
         }
     }
 }
@@ -92,4 +92,48 @@ pub fn approach(template: &Template, start: &[Vec3], target: &Target, options: &
         }
     }
     moving.mesh.positions
+}
+
+#[cfg(test)]
+mod tests {
+    use geometry::polygonise::polygonise;
+
+    use super::*;
+    use crate::checks::{Fault, Limits, fit};
+    use crate::surface::Surface;
+
+    /// A trunk with two arms, of which one ends at `hand`.
+    fn body(hand: Vec3, cell: f32) -> Surface {
+        let bone = |p: Vec3, a: Vec3, b: Vec3, radius: f32| {
+            let share = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            p.distance(a + (b - a) * share) - radius
+        };
+        let distance = |p: Vec3| {
+            let trunk = bone(p, Vec3::new(0.0, 0.2, 0.0), Vec3::new(0.0, 1.5, 0.0), 0.2);
+            let arm = bone(p, Vec3::new(0.2, 1.5, 0.0), hand, 0.07);
+            let other = bone(p, Vec3::new(-0.2, 1.5, 0.0), Vec3::new(-0.7, 1.1, 0.3), 0.07);
+            trunk.min(arm).min(other)
+        };
+        Surface::new(polygonise(Vec3::new(-1.2, -0.4, -1.0), Vec3::new(1.3, 2.6, 1.0), cell, distance), None)
+    }
+
+    #[test]
+    fn an_arm_that_was_raised_is_found() {
+        let down = Vec3::new(0.55, 0.85, 0.0);
+        let template = Template::new(body(down, 0.045)).unwrap();
+        let start = template.surface.mesh.positions.clone();
+        let target = Target::new(body(Vec3::new(0.75, 2.0, 0.0), 0.04), template.scale);
+        let fault = |manner: Manner| {
+            let options = TrackOptions::default();
+            let mut pose = manner.track(&template, (&start, &start), &target, &options);
+            if manner == Manner::Approach {
+                pose = Manner::Refine.track(&template, (&start, &pose), &target, &options);
+                pose = Manner::Refine.track(&template, (&pose, &pose), &target, &options);
+            }
+            let found = fit(&template, &template.surface.posed(pose), &start, &target.surface);
+            found.fault(&Limits::default(), template.scale)
+        };
+        assert_eq!(fault(Manner::Near), Some(Fault::Uncovered));
+        assert_eq!(fault(Manner::Approach), None);
+    }
 }

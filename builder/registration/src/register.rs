@@ -21,7 +21,10 @@ use super::track::Target;
 use super::tree::Tree;
 use super::ways::{Known, Way, Ways};
 
-/// Of the poses that were found so many are refined.
+/// Headings that a far frame is tried with, radians from the one by which it is most alike: a leg that is raised turns that.
+const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
+/// Of the poses that came near so many are refined, and of those so many once more.
+const REFINED: usize = 5;
 const AGAIN: usize = 4;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
@@ -132,6 +135,15 @@ struct State {
     failed: Option<(Fault, Fit)>,
 }
 
+/// A pose that was found.
+struct Tried {
+    parent: usize,
+    /// What it was held against.
+    start: Vec<Vec3>,
+    pose: Vec<Vec3>,
+    fit: Fit,
+}
+
 struct Registrar<'a, S: Source> {
     source: &'a S,
     survey: &'a Survey,
@@ -211,7 +223,7 @@ where
         let found = if is_followed { None } else { self.found(k, way, state, &target) };
         let (parent, pose, detailed, fit) = match (followed, found) {
             (Some((pose, detailed, fit)), _) => (way.parents().first().copied(), pose, Some(detailed), fit),
-            (None, Some((parent, pose, fit))) => (Some(parent), pose, None, fit),
+            (None, Some(tried)) => (Some(tried.parent), tried.pose, None, tried.fit),
             (None, None) => {
                 let own = template.surface.mesh.positions.clone();
                 let fit = fit(template, &template.surface, &own, &target.surface);
@@ -243,43 +255,69 @@ where
         Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
     }
 
-    /// The parent, the pose that is found from it and how it fits: the best of all parents and ways.
-    fn found(&self, k: usize, way: &Way, state: &[State], target: &Target) -> Option<(usize, Vec<Vec3>, Fit)> {
-        let template = self.template;
-        let fit_of = |start: &[Vec3], pose: &[Vec3]| {
-            fit(template, &template.surface.posed(pose.to_vec()), start, &target.surface)
-        };
-        let start_of = |parent: usize| {
-            let from = state[parent].pose.as_ref()?;
-            Some(moved(template, from, &target.surface, self.survey.dissimilarity.turn(parent, k)))
-        };
-        if let &Way::Near(parent) = way {
-            let start = start_of(parent)?;
-            let pose = self.tracked(&start, target, Manner::Near);
-            let fit = fit_of(&start, &pose);
-            return Some((parent, pose, fit));
+    /// The parent, the pose that is found from it and how it fits.
+    fn found(&self, k: usize, way: &Way, state: &[State], target: &Target) -> Option<Tried> {
+        match way {
+            Way::Root => None,
+            Way::Near(parent) => {
+                let start = self.start(k, *parent, 0.0, state, target)?;
+                Some(self.tried(*parent, (&start, &start), target, Manner::Near))
+            }
+            Way::Far(parents) => self.found_far(k, parents, state, target),
         }
-        let tries: Vec<(usize, Manner)> =
-            way.parents().iter().flat_map(|&parent| Manner::ALL.map(|manner| (parent, manner))).collect();
-        let of = |&(parent, manner): &(usize, Manner)| {
-            let start = start_of(parent)?;
-            let pose = self.tracked(&start, target, manner);
-            let fit = fit_of(&start, &pose);
-            Some((parent, start, pose, fit))
+    }
+
+    /// The pose of `parent`, where frame `k` is, turned by `turn` radians more than the likeness of both says.
+    fn start(&self, k: usize, parent: usize, turn: f32, state: &[State], target: &Target) -> Option<Vec<Vec3>> {
+        let from = state[parent].pose.as_ref()?;
+        let turn = turn + self.survey.dissimilarity.turn(parent, k);
+        Some(moved(self.template, from, &target.surface, turn))
+    }
+
+    /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.
+    fn found_far(&self, k: usize, parents: &[usize], state: &[State], target: &Target) -> Option<Tried> {
+        let template = self.template;
+        let best = |mut found: Vec<Tried>, count: usize| {
+            let bad = |tried: &Tried| tried.fit.badness(template.scale);
+            found.sort_by(|a, b| bad(a).total_cmp(&bad(b)));
+            found.truncate(count);
+            found
         };
-        let mut found: Vec<_> = tries.par_iter().map(of).collect::<Vec<_>>().into_iter().flatten().collect();
-        let bad = |fit: &Fit| fit.badness(template.scale);
-        found.sort_by(|a, b| bad(&a.3).total_cmp(&bad(&b.3)));
-        found.truncate(AGAIN);
+        let starts = parents.iter().flat_map(|&parent| TURNS.map(|turn| (parent, turn)));
+        let starts: Vec<(usize, f32, Vec<Vec3>)> = starts
+            .filter_map(|(parent, turn)| Some((parent, turn, self.start(k, parent, turn, state, target)?)))
+            .collect();
+        let near = |(parent, turn, start): &(usize, f32, Vec<Vec3>)| {
+            let plain = (*turn == 0.0).then(|| self.tried(*parent, (start, start), target, Manner::Near));
+            [plain, Some(self.tried(*parent, (start, start), target, Manner::Approach))]
+        };
+        let found: Vec<[Option<Tried>; 2]> = starts.par_iter().map(near).collect();
+        let (plain, near): (Vec<_>, Vec<_>) = found.into_iter().map(|[plain, near]| (plain, near)).unzip();
+        let near = best(near.into_iter().flatten().collect(), REFINED);
+        let refined = |tried: &Tried| {
+            [Manner::Refine, Manner::Coloured]
+                .map(|manner| self.tried(tried.parent, (&tried.start, &tried.pose), target, manner))
+        };
+        let refined: Vec<[Tried; 2]> = near.par_iter().map(refined).collect();
+        let found = best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN);
         // Once more, held against what was found: what was far from the start may bend now.
-        let again = |(parent, start, pose, _): &(usize, Vec<Vec3>, Vec<Vec3>, Fit)| {
-            let pose = self.tracked(pose, target, Manner::Again);
-            let fit = fit_of(start, &pose);
-            (*parent, pose, fit)
+        let again = |tried: &Tried| {
+            let mut again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
+            again.fit.stretch = again.fit.stretch.max(tried.fit.stretch);
+            again
         };
-        let found: Vec<_> = found.par_iter().map(again).collect();
-        let faulty = |fit: &Fit| fit.fault(&self.options.limits, template.scale).is_some();
-        found.into_iter().min_by(|a, b| faulty(&a.2).cmp(&faulty(&b.2)).then_with(|| bad(&a.2).total_cmp(&bad(&b.2))))
+        let found: Vec<Tried> = found.par_iter().map(again).collect();
+        let (good, bad): (Vec<Tried>, Vec<Tried>) =
+            found.into_iter().partition(|tried| tried.fit.fault(&self.options.limits, template.scale).is_none());
+        best(if good.is_empty() { bad } else { good }, 1).pop()
+    }
+
+    /// What `manner` finds on `target` from the second pose, held against the first.
+    fn tried(&self, parent: usize, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Tried {
+        let pose = self.tracked((start, near), target, manner);
+        let posed = self.template.surface.posed(pose.clone());
+        let fit = fit(self.template, &posed, start, &target.surface);
+        Tried { parent, start: start.to_vec(), pose, fit }
     }
 
     /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
@@ -299,9 +337,9 @@ where
         others && parent.is_none_or(|parent| groups[parent] != groups[k])
     }
 
-    /// The pose tracked from `start`, or what the work folder holds of it.
-    fn tracked(&self, start: &[Vec3], target: &Target, manner: Manner) -> Vec<Vec3> {
-        let find = || manner.track(self.template, start, target, &self.options.track);
+    /// The pose tracked from `near` and held against `start`, or what the work folder holds of it.
+    fn tracked(&self, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Vec<Vec3> {
+        let find = || manner.track(self.template, (start, near), target, &self.options.track);
         let Some(work) = self.job.work() else { return find() };
         let bytes = |surface: &Surface| -> Vec<u8> {
             let mesh = &surface.mesh;
@@ -314,7 +352,8 @@ where
             .told(&(&self.options.track, manner))
             .of(&bytes(&self.template.surface))
             .of(&bytes(&target.surface))
-            .of(bytemuck::cast_slice(start));
+            .of(bytemuck::cast_slice(start))
+            .of(bytemuck::cast_slice(near));
         if let Some(kept) = work.get(&key).filter(|kept| kept.len() == size_of_val(start)) {
             return bytemuck::pod_collect_to_vec(&kept);
         }

@@ -157,3 +157,46 @@ fn transposed(kernel: &[f32], columns: usize, u: &[f32]) -> Vec<f32> {
     };
     blocks.par_iter().flat_map_iter(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::tests::sheet;
+
+    #[test]
+    fn what_lies_on_itself_stays_and_colours_say_where_the_rest_goes() {
+        let mesh = sheet(20);
+        let red = |x: f32| Vec3::new(f32::from(u8::from(x > 0.7)), 0.0, 0.0);
+        let colours: Vec<Vec3> = mesh.positions.iter().map(|p| red(p.x)).collect();
+        let surface = Surface::new(mesh.clone(), Some(colours));
+        // The same, where the red part is at the other side.
+        let mut moved = mesh;
+        moved.positions.iter_mut().for_each(|p| p.x = if p.x > 0.7 { p.x - 0.7 } else { p.x + 0.3 });
+        let moved = Surface::new(moved, surface.colours.clone());
+        let samples = Samples::new(&surface, 400);
+        assert!((samples.masses.iter().sum::<f32>() - 1.0).abs() < 1e-4);
+        let strictness = Strictness { width: 0.3, entropy: 0.02, colour: 1.0 };
+        let off = |to: &Surface, strictness: &Strictness, only: &dyn Fn(Vec3) -> bool| {
+            let found = transport((&surface, &samples), (to, &samples), strictness);
+            let pairs = found.iter().zip(&samples.vertices).map(|(found, &v)| (found.place, v as usize));
+            let off = pairs.filter(|&(_, v)| only(surface.mesh.positions[v]));
+            let off: Vec<f32> = off.map(|(place, v)| place.distance(to.mesh.positions[v])).collect();
+            off.iter().sum::<f32>() / off.len() as f32
+        };
+        let stays = off(&surface, &strictness, &|_| true);
+        assert!(stays < 0.05, "{stays}");
+        // Red is far away, and what is not red does not care.
+        let goes = off(&moved, &strictness, &|p| p.x > 0.7);
+        assert!(goes < 0.12, "{goes}");
+        let blind = off(&moved, &Strictness { colour: 0.0, ..strictness }, &|p| p.x > 0.7);
+        assert!(blind > 2.0 * goes, "{blind} and {goes}");
+    }
+
+    #[test]
+    fn nothing_goes_nowhere() {
+        let empty = Surface::new(geometry::mesh::Mesh::default(), None);
+        let none = Samples::new(&empty, 10);
+        let strictness = Strictness { width: 0.3, entropy: 0.02, colour: 1.0 };
+        assert!(transport((&empty, &none), (&empty, &none), &strictness).is_empty());
+    }
+}
