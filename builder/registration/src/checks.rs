@@ -43,6 +43,8 @@ pub enum Fault {
     Uncovered,
     /// The template does not fit the frame closely.
     Loose,
+    /// The template fits, but is stretched and squeezed: parts of it lie where others belong.
+    Strained,
 }
 
 /// Limits beyond which a frame counts as lost.
@@ -52,11 +54,13 @@ pub struct Limits {
     pub uncovered: f64,
     /// Of [`Fit::rms_backward`], metres on a person.
     pub rms_backward: f64,
+    /// Of [`Fit::strain`], of frames that are far from all that were known; noise strains edges, too.
+    pub strain: f64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { uncovered: 0.02, rms_backward: 0.006 }
+        Self { uncovered: 0.02, rms_backward: 0.006, strain: 0.13 }
     }
 }
 
@@ -66,6 +70,13 @@ impl Fit {
     #[must_use]
     pub fn badness(&self, scale: f32) -> f64 {
         self.rms_backward / f64::from(scale) + UNCOVERED * self.uncovered + STRAIN * self.strain + COLOUR * self.colour
+    }
+
+    /// What is wrong with a frame that was far from all that were known, if anything: there, parts may be taken for others.
+    #[must_use]
+    pub fn far_fault(&self, limits: &Limits, scale: f32) -> Option<Fault> {
+        let strained = (self.strain > limits.strain).then_some(Fault::Strained);
+        self.fault(limits, scale).or(strained)
     }
 
     /// What is wrong, if anything. No limit finds a surface that only slid.

@@ -24,7 +24,7 @@ use super::ways::{Known, Way, Ways};
 /// Headings that a far frame is tried with, radians from the one by which it is most alike: a leg that is raised turns that.
 const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
 /// Of the poses that came near so many are refined, and of those so many once more.
-const REFINED: usize = 5;
+const REFINED: usize = 10;
 const AGAIN: usize = 4;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
@@ -230,7 +230,9 @@ where
                 (None, own.clone(), Some(own), fit)
             }
         };
-        if let Some(fault) = fit.fault(&self.options.limits, template.scale).filter(|_| parent.is_some()) {
+        let (limits, scale) = (&self.options.limits, template.scale);
+        let fault = if matches!(way, Way::Far(_)) { fit.far_fault(limits, scale) } else { fit.fault(limits, scale) };
+        if let Some(fault) = fault.filter(|_| parent.is_some()) {
             return Ok(Outcome::Bad(fault, fit));
         }
         let detailed = match detailed {
@@ -308,7 +310,7 @@ where
         };
         let found: Vec<Tried> = found.par_iter().map(again).collect();
         let (good, bad): (Vec<Tried>, Vec<Tried>) =
-            found.into_iter().partition(|tried| tried.fit.fault(&self.options.limits, template.scale).is_none());
+            found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
         best(if good.is_empty() { bad } else { good }, 1).pop()
     }
 

@@ -100,6 +100,9 @@ impl fmt::Display for Lost {
             Self::Untracked(Fault::Loose, fit) => {
                 write!(f, "the template lies {:.1} mm off it", 1000.0 * fit.rms_backward)
             }
+            Self::Untracked(Fault::Strained, fit) => {
+                write!(f, "the template's edges are {:.1} % too long or too short on it", 100.0 * fit.strain)
+            }
         }
     }
 }

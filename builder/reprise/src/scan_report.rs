@@ -64,6 +64,10 @@ pub struct FrameReport {
     pub hausdorff: f64,
     /// How much longer an edge is than in the parent's pose: the 99th percentile.
     pub stretch: f64,
+    /// How much longer or shorter edges are than the template's own: the mean of the logarithms, without signs.
+    pub strain: f64,
+    /// How much the colours of the template differ from those under it, 0 to 1.
+    pub colour: f64,
     /// From how many frames it was tried.
     pub tries: usize,
     /// Whether it has its parent's mesh and follows it, instead of being tracked.
@@ -98,6 +102,8 @@ impl FrameReport {
             rms_forward: fit.rms_forward,
             hausdorff: fit.hausdorff,
             stretch: fit.stretch,
+            strain: fit.strain,
+            colour: fit.colour,
             tries: tracked.tries,
             followed: tracked.followed,
             truth,

@@ -14,6 +14,7 @@ use capture_io::export::{CaptureWriter, ExportError, WrittenCapture, WrittenSequ
 use capture_io::import::{ImportError, ImportOptions, ScannedFrame, ScannedTexture, Scans, Warning, scans};
 use glam::{Vec2, Vec3};
 use job::{Job, Stopped};
+use registration::checks::Fit;
 use registration::detail::DetailError;
 use registration::projection::{Projection, Texture};
 use registration::register::{Found, Lost, RegisterOptions, Registered, Source, Survey};
@@ -29,6 +30,11 @@ pub use super::scan_truth::{TruthError, TruthReport};
 
 /// Of the frames at most this share may be lost.
 const MOST_LOST: f64 = 0.5;
+/// Beyond these a frame is doubtful: edges over those of the frame that it was tracked from, the share of the template that lies off
+/// the scan, and how much edges are longer or shorter than the template's own.
+const MOST_STRETCH: f64 = 1.3;
+const MOST_BEYOND: f64 = 0.06;
+const MOST_STRAIN: f64 = 0.12;
 /// Width of the template's texture: a power of two from and to.
 const SIZES: (usize, usize) = (256, 4096);
 /// Share of an atlas that charts cover, roughly.
@@ -354,15 +360,18 @@ fn colourless() -> Warning {
 /// What the user should know of frames that are registered, or are left out because they stand alone.
 fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
     let alone = told(scans, "W_SCAN_ALONE", alone, |_| "it stands alone between lost frames, and is left out".into());
-    let stretched = registered.tracked.iter().filter(|tracked| tracked.fit.stretch > 1.3 || tracked.fit.beyond > 0.06);
+    let doubtful = |fit: &Fit| fit.stretch > MOST_STRETCH || fit.beyond > MOST_BEYOND || fit.strain > MOST_STRAIN;
+    let stretched = registered.tracked.iter().filter(|tracked| doubtful(&tracked.fit));
     let stretched: Vec<usize> = stretched.map(|tracked| tracked.frame).collect();
     let doubtful = told(scans, "W_SCAN_DOUBTFUL", &stretched, |frame| {
         let found = registered.tracked.iter().find(|tracked| tracked.frame == frame).map(|tracked| tracked.fit);
         let fit = found.unwrap_or_default();
         format!(
-            "{:.1} % of the template lies off the scan, and edges are {:.2} times as long as before: look at it",
+            "{:.1} % of the template lies off the scan, and edges are up to {:.2} times as long as before, {:.1} % off their \
+             length on average: look at it",
             100.0 * fit.beyond,
-            fit.stretch
+            fit.stretch,
+            100.0 * fit.strain
         )
     });
     alone.into_iter().chain(doubtful).collect()
