@@ -175,7 +175,7 @@ mod tests {
         let moved = Surface::new(moved, surface.colours.clone());
         let samples = Samples::new(&surface, 400);
         assert!((samples.masses.iter().sum::<f32>() - 1.0).abs() < 1e-4);
-        let strictness = Strictness { width: 0.3, entropy: 0.02, colour: 1.0 };
+        let strictness = Strictness { width: 0.6, entropy: 0.02, colour: 1.0 };
         let off = |to: &Surface, strictness: &Strictness, only: &dyn Fn(Vec3) -> bool| {
             let found = transport((&surface, &samples), (to, &samples), strictness);
             let pairs = found.iter().zip(&samples.vertices).map(|(found, &v)| (found.place, v as usize));
@@ -196,7 +196,7 @@ mod tests {
     fn nothing_goes_nowhere() {
         let empty = Surface::new(geometry::mesh::Mesh::default(), None);
         let none = Samples::new(&empty, 10);
-        let strictness = Strictness { width: 0.3, entropy: 0.02, colour: 1.0 };
+        let strictness = Strictness { width: 0.6, entropy: 0.02, colour: 1.0 };
         assert!(transport((&empty, &none), (&empty, &none), &strictness).is_empty());
     }
 }
