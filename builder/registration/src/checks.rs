@@ -8,6 +8,13 @@ use super::template::Template;
 /// Metres that a surface may lie off before it counts as not covered.
 const COVERED: f32 = 0.01;
 
+/// Metres off that count as much as all of the frame not being covered.
+const UNCOVERED: f64 = 0.2;
+/// Metres off that count as much as all edges being e times too long, and as colours that differ by all that they can: these tell a
+/// surface that only slid, or a leg that is taken for the other. Chosen on pairs of frames of the performer.
+const STRAIN: f64 = 0.1;
+const COLOUR: f64 = 0.25;
+
 /// How the template lies on a frame. Measured by area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
@@ -23,6 +30,10 @@ pub struct Fit {
     pub hausdorff: f64,
     /// How much longer an edge of the template is than in the parent's pose: the 99th percentile.
     pub stretch: f64,
+    /// How much the colours of the template differ from those under it, 0 to 1; 0 where there are none.
+    pub colour: f64,
+    /// How much longer or shorter edges are than the template's own: the mean of the logarithms, without signs.
+    pub strain: f64,
 }
 
 /// What is wrong with a frame that was tracked.
@@ -32,6 +43,8 @@ pub enum Fault {
     Uncovered,
     /// The template does not fit the frame closely.
     Loose,
+    /// The template fits, but is stretched and squeezed: parts of it lie where others belong.
+    Strained,
 }
 
 /// Limits beyond which a frame counts as lost.
@@ -41,15 +54,31 @@ pub struct Limits {
     pub uncovered: f64,
     /// Of [`Fit::rms_backward`], metres on a person.
     pub rms_backward: f64,
+    /// Of [`Fit::strain`], of frames that are far from all that were known; noise strains edges, too.
+    pub strain: f64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { uncovered: 0.02, rms_backward: 0.006 }
+        Self { uncovered: 0.02, rms_backward: 0.006, strain: 0.13 }
     }
 }
 
 impl Fit {
+    /// How bad it is, to compare results on one frame: the distance from the frame, and as much for each percent that is not
+    /// covered as a viewer would mind.
+    #[must_use]
+    pub fn badness(&self, scale: f32) -> f64 {
+        self.rms_backward / f64::from(scale) + UNCOVERED * self.uncovered + STRAIN * self.strain + COLOUR * self.colour
+    }
+
+    /// What is wrong with a frame that was far from all that were known, if anything: there, parts may be taken for others.
+    #[must_use]
+    pub fn far_fault(&self, limits: &Limits, scale: f32) -> Option<Fault> {
+        let strained = (self.strain > limits.strain).then_some(Fault::Strained);
+        self.fault(limits, scale).or(strained)
+    }
+
     /// What is wrong, if anything. No limit finds a surface that only slid.
     #[must_use]
     pub fn fault(&self, limits: &Limits, scale: f32) -> Option<Fault> {
@@ -84,7 +113,49 @@ pub fn fit(template: &Template, posed: &Surface, start: &[glam::Vec3], target: &
         Some(_) => f64::from(*stretches.select_nth_unstable_by(index, f32::total_cmp).1),
         None => 1.0,
     };
-    Fit { uncovered, rms_backward, beyond, rms_forward, hausdorff: most_forward.max(most_backward), stretch }
+    Fit {
+        uncovered,
+        rms_backward,
+        beyond,
+        rms_forward,
+        hausdorff: most_forward.max(most_backward),
+        stretch,
+        colour: colour(posed, target, limit),
+        strain: strain(template, &mesh.positions),
+    }
+}
+
+/// The mean difference of the colours of `from` and of what lies under it on `to`, no farther off than `limit`.
+fn colour(from: &Surface, to: &Surface, limit: f32) -> f64 {
+    let (Some(own), Some(others)) = (&from.colours, &to.colours) else { return 0.0 };
+    let closest = Closest::new(to, 0.0);
+    let of = |k: usize| -> Option<f32> {
+        let found = closest.find(to, from.mesh.positions[k], from.normals[k])?;
+        let near = found.position.distance(from.mesh.positions[k]) < limit;
+        near.then(|| to.interpolated(others, found.triangle, found.weights).distance(own[k]))
+    };
+    let differences: Vec<Option<f32>> = (0..own.len()).into_par_iter().map(of).collect();
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (difference, &own) in differences.iter().zip(&from.areas) {
+        if let Some(difference) = difference {
+            sum += f64::from(*difference) * f64::from(own);
+            area += f64::from(own);
+        }
+    }
+    sum / f64::max(area, 1e-12)
+}
+
+/// The mean of how much longer or shorter edges are than the template's own, by their logarithms.
+fn strain(template: &Template, pose: &[glam::Vec3]) -> f64 {
+    let mesh = &template.surface.mesh;
+    let of = |&[a, b, c]: &[u32; 3]| {
+        let edge = |[a, b]: [u32; 2]| {
+            let length = |pose: &[glam::Vec3]| pose[a as usize].distance(pose[b as usize]).max(1e-9);
+            f64::from(length(pose) / length(&mesh.positions)).ln().abs()
+        };
+        edge([a, b]) + edge([b, c]) + edge([c, a])
+    };
+    mesh.triangles.iter().map(of).sum::<f64>() / (3 * mesh.triangles.len()).max(1) as f64
 }
 
 /// The share of `from` that is farther than `limit` from `to`, the root of the mean square distance, and the largest.

@@ -1,137 +1,35 @@
 //! All frames of a scan, tracked along the tree: frames whose parents are tracked go side by side; what fails is tried again
 //! from others, and what fails then is lost, with the reason.
 
-use std::collections::BTreeSet;
-use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{Quat, Vec3};
+use job::Job;
 use job::work::Key;
-use job::{Job, Stopped};
 use rayon::prelude::*;
 
-use super::checks::{Fault, Fit, Limits, fit};
-use super::descriptor::{Descriptor, DescriptorOptions};
+use super::checks::{Fault, Fit, fit};
 use super::detail::{Detail, DetailError};
-use super::dissimilarity::Dissimilarity;
-use super::groups::{Anchors, MeshMark, groups};
+use super::far::Manner;
+use super::groups::Anchors;
 use super::scan::{Cleaned, Scan};
 use super::surface::Surface;
+use super::survey::cleaned;
+pub use super::survey::{Lost, RegisterOptions, Source, Survey, survey, template};
 use super::template::Template;
-use super::track::{Target, TrackOptions, track};
-use super::tree::{Candidate, Tree, choose_root};
+use super::track::Target;
+use super::tree::Tree;
+use super::ways::{Known, Way, Ways};
 
-/// A frame is tried from so many others.
-const TRIES: usize = 4;
-/// Area of a frame over the usual one, or the other way, beyond which it is no scan of this body.
-const MOST_GROWTH: f32 = 2.0;
+/// Headings that a far frame is tried with, radians from the one by which it is most alike: a leg that is raised turns that.
+const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
+/// Of the poses that came near so many are refined, and of those so many once more.
+const REFINED: usize = 10;
+const AGAIN: usize = 4;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
 /// Changes whenever tracking finds something else in the same input.
-const VERSION: u32 = 1;
-
-/// How a scan is registered.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct RegisterOptions {
-    /// How frames are described.
-    pub descriptor: DescriptorOptions,
-    /// The frame whose mesh is the template; chosen where not given.
-    pub template: Option<usize>,
-    /// How frames are tracked.
-    pub track: TrackOptions,
-    /// When a frame counts as lost.
-    pub limits: Limits,
-    /// How smooth detail is, square metres on a person; 0 without any.
-    pub detail: f32,
-}
-
-impl Default for RegisterOptions {
-    fn default() -> Self {
-        Self {
-            descriptor: DescriptorOptions::default(),
-            template: None,
-            track: TrackOptions::default(),
-            limits: Limits::default(),
-            detail: 2e-4,
-        }
-    }
-}
-
-/// Where frames come from. Frames are counted over all sequences.
-pub trait Source: Sync {
-    /// What a frame holds beside its surface.
-    type Extra: Send;
-    /// Why a frame cannot be read.
-    type Error: From<Stopped> + Send;
-
-    /// Number of frames.
-    fn count(&self) -> usize;
-
-    /// The sequence of a frame.
-    fn sequence(&self, frame: usize) -> usize;
-
-    /// Reads a frame.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    fn read(&self, frame: usize) -> Result<(Scan, Self::Extra), Self::Error>;
-
-    /// Reads a frame without its colours, where that is less work.
-    ///
-    /// # Errors
-    /// What is wrong with it.
-    fn shape(&self, frame: usize) -> Result<Scan, Self::Error> {
-        self.read(frame).map(|(scan, _)| scan)
-    }
-}
-
-/// Why a frame is not part of the result.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Lost {
-    /// It holds no surface.
-    Empty,
-    /// Its area is so many times that of most frames.
-    Size(f32),
-    /// The template did not cover it, from whichever frame it was tracked.
-    Untracked(Fault, Fit),
-}
-
-impl fmt::Display for Lost {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => write!(f, "no surface is left without crumbs"),
-            Self::Size(times) => {
-                write!(f, "its surface is {times:.2} times that of most frames (is it in the same unit?)")
-            }
-            Self::Untracked(Fault::Uncovered, fit) => {
-                write!(f, "the template leaves {:.1} % of it uncovered", 100.0 * fit.uncovered)
-            }
-            Self::Untracked(Fault::Loose, fit) => {
-                write!(f, "the template lies {:.1} mm off it", 1000.0 * fit.rms_backward)
-            }
-        }
-    }
-}
-
-/// What is known of all frames before one is tracked.
-#[derive(Clone, Debug)]
-pub struct Survey {
-    /// The frames that hold a body, in order; what follows is of these.
-    pub frames: Vec<usize>,
-    /// What each is like.
-    pub candidates: Vec<Candidate>,
-    /// How unlike they are.
-    pub dissimilarity: Dissimilarity,
-    /// Frames that hold none, and why.
-    pub lost: Vec<(usize, Lost)>,
-    /// Frames whose triangles were turned, for they faced inwards.
-    pub turned: Vec<usize>,
-    /// Frames of which parts that float about were left out.
-    pub littered: Vec<usize>,
-    /// The keyframe group of each of `frames`.
-    pub groups: Vec<usize>,
-}
+const VERSION: u32 = 2;
 
 /// A frame that was tracked.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,9 +66,6 @@ pub struct Found<'a, X> {
 /// Who is given every frame that is tracked, from many threads at once.
 pub type Emit<'a, S> = &'a (dyn Fn(Found<'_, <S as Source>::Extra>) -> Result<(), <S as Source>::Error> + Sync);
 
-/// What a frame is like, whether it was turned inside out and whether parts of it float about, and what tells its mesh.
-type Look = (Candidate, [bool; 2], MeshMark);
-
 /// What became of all frames.
 #[derive(Clone, Debug)]
 pub struct Registered {
@@ -178,115 +73,6 @@ pub struct Registered {
     pub tracked: Vec<Tracked>,
     /// The frames that were lost, in order, and why.
     pub lost: Vec<(usize, Lost)>,
-}
-
-/// A frame, cleaned; whether it was turned inside out.
-fn cleaned(scan: &mut Scan) -> Option<(Cleaned, bool)> {
-    let cleaned = scan.cleaned()?;
-    if cleaned.surface.mesh.volume() >= 0.0 {
-        return Some((cleaned, false));
-    }
-    scan.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-    scan.uvs.iter_mut().for_each(|uvs| uvs.swap(1, 2));
-    scan.cleaned().map(|cleaned| (cleaned, true))
-}
-
-/// Looks at all frames of `source` and compares them.
-///
-/// # Errors
-/// What `source` says, or being told to stop.
-pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Result<Survey, S::Error> {
-    let count = source.count();
-    let looked_at = |what: &'static str, done: &AtomicU64| -> Result<(), Stopped> {
-        job.tell(what, done.fetch_add(1, Ordering::Relaxed) + 1, count as u64)
-    };
-    job.tell("looking at scans", 0, count as u64)?;
-    let done = AtomicU64::new(0);
-    let look = |frame: usize| -> Result<Option<Look>, S::Error> {
-        let mut scan = source.shape(frame)?;
-        let mark = MeshMark::new(&scan);
-        let found = cleaned(&mut scan).map(|(cleaned, turned)| {
-            let surface = &cleaned.surface;
-            let handles = handles_of(surface, cleaned.parts);
-            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, [turned, cleaned.debris > 0], mark)
-        });
-        looked_at("looking at scans", &done)?;
-        Ok(found)
-    };
-    let seen: Vec<Result<Option<Look>, S::Error>> = (0..count).into_par_iter().map(look).collect();
-    let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
-    let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, ..)| candidate.area).collect();
-    areas.sort_by(f32::total_cmp);
-    let usual = areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12);
-    let (mut frames, mut candidates, mut lost) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut turned, mut littered, mut marks) = (Vec::new(), Vec::new(), Vec::new());
-    for (frame, seen) in seen.into_iter().enumerate() {
-        match seen {
-            None => lost.push((frame, Lost::Empty)),
-            Some((candidate, ..)) if !(usual / MOST_GROWTH..=usual * MOST_GROWTH).contains(&candidate.area) => {
-                lost.push((frame, Lost::Size(candidate.area / usual)));
-            }
-            Some((candidate, [inside_out, debris], mark)) => {
-                frames.push(frame);
-                candidates.push(candidate);
-                marks.push(mark);
-                turned.extend(inside_out.then_some(frame));
-                littered.extend(debris.then_some(frame));
-            }
-        }
-    }
-    let scale = (usual / 2.2).sqrt();
-    let done = AtomicU64::new(lost.len() as u64);
-    let describe = |&frame: &usize| -> Result<Option<Descriptor>, S::Error> {
-        let mut scan = source.shape(frame)?;
-        let found = cleaned(&mut scan);
-        let found = found.map(|(cleaned, _)| Descriptor::new(&cleaned.surface, scale, &options.descriptor));
-        looked_at("describing scans", &done)?;
-        Ok(found)
-    };
-    let described: Vec<Result<Option<Descriptor>, S::Error>> = frames.par_iter().map(describe).collect();
-    let described: Vec<Option<Descriptor>> = described.into_iter().collect::<Result<_, _>>()?;
-    let descriptors: Vec<Descriptor> = described.into_iter().flatten().collect();
-    job.begin("comparing scans")?;
-    let dissimilarity = Dissimilarity::new(&descriptors);
-    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, groups: groups(&marks) })
-}
-
-/// Handles by the Euler number, rounded up; what is open counts as handles, too.
-fn handles_of(surface: &Surface, parts: usize) -> i64 {
-    let mesh = &surface.mesh;
-    let edges: BTreeSet<[u32; 2]> = mesh
-        .triangles
-        .iter()
-        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
-        .map(|[a, b]| [a.min(b), a.max(b)])
-        .collect();
-    let euler = mesh.positions.len() as i64 - edges.len() as i64 + mesh.triangles.len() as i64;
-    (2 * parts as i64 - euler + 1).div_euclid(2).abs()
-}
-
-impl Survey {
-    /// The frame that is the template, as a number among [`Self::frames`]: `wanted`, if it is one of them.
-    #[must_use]
-    pub fn root(&self, wanted: Option<usize>) -> usize {
-        let wanted = wanted.and_then(|wanted| self.frames.iter().position(|&frame| frame == wanted));
-        wanted.unwrap_or_else(|| choose_root(&self.candidates, &self.dissimilarity))
-    }
-
-    /// The order in which frames are tracked.
-    #[must_use]
-    pub fn tree(&self, wanted: Option<usize>) -> Tree {
-        Tree::new(&self.dissimilarity, self.root(wanted)).grouped(&self.groups)
-    }
-}
-
-/// The template from frame `frame` of `source`; `None` where it has no surface.
-///
-/// # Errors
-/// What `source` says.
-pub fn template<S: Source>(source: &S, frame: usize) -> Result<Option<Template>, S::Error> {
-    let (mut scan, _) = source.read(frame)?;
-    Ok(cleaned(&mut scan).and_then(|(cleaned, _)| Template::new(cleaned.manifold())))
 }
 
 /// Tracks `template` through all frames of `survey` along `tree`. `emit` is given every frame that is tracked, from many threads
@@ -308,28 +94,22 @@ where
 {
     let detail = Detail::new(&template.surface, template.scale)?;
     let neighbours = template.surface.mesh.neighbours();
-    let registrar = Registrar { source, survey, template, neighbours, detail, options, job, emit };
     let count = survey.frames.len();
+    let registrar = Registrar { source, survey, template, neighbours, detail, options, job, emit };
+    let ways = Ways::new(survey, (tree.root, &tree.parents), |frame| source.sequence(frame));
     let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
+    let mut known = vec![Known::default(); count];
     let done = AtomicU64::new(0);
     job.tell("registering", 0, count as u64)?;
-    registrar.work(&[(tree.root, None)], &mut state, &done)?;
-    loop {
-        // First along the tree; what is left, from whatever else is near.
-        let waits = |k: usize, state: &[State]| state[k].pose.is_none() && state[k].tried.len() < TRIES;
-        let mut open: Vec<(usize, Option<usize>)> = (0..count)
-            .filter(|&k| waits(k, &state))
-            .filter_map(|k| tree.parents[k].map(|parent| (k, Some(parent))))
-            .filter(|&(k, parent)| parent.is_some_and(|p| state[p].pose.is_some() && !state[k].tried.contains(&p)))
-            .collect();
-        if open.is_empty() {
-            let next = |k: usize| registrar.nearest(k, &state).map(|parent| (k, Some(parent)));
-            open = (0..count).filter(|&k| waits(k, &state)).filter_map(next).collect();
+    let mut open = vec![(tree.root, Way::Root)];
+    while !open.is_empty() {
+        registrar.work(&open, &mut state, &known, &done)?;
+        for (k, way) in &open {
+            known[*k].tracked = state[*k].pose.is_some();
+            known[*k].tried.extend(way.parents());
+            known[*k].far += usize::from(matches!(way, Way::Far(_)));
         }
-        if open.is_empty() {
-            break;
-        }
-        registrar.work(&open, &mut state, &done)?;
+        open = ways.next(&known);
     }
     let mut lost = survey.lost.clone();
     let mut tracked = Vec::new();
@@ -352,8 +132,16 @@ struct State {
     /// The template on the frame, without detail and with it, for others of its group.
     anchors: Option<[Anchors; 2]>,
     tracked: Option<Tracked>,
-    tried: Vec<usize>,
     failed: Option<(Fault, Fit)>,
+}
+
+/// A pose that was found.
+struct Tried {
+    parent: usize,
+    /// What it was held against.
+    start: Vec<Vec3>,
+    pose: Vec<Vec3>,
+    fit: Fit,
 }
 
 struct Registrar<'a, S: Source> {
@@ -384,25 +172,18 @@ impl<S: Source> Registrar<'_, S>
 where
     S::Error: From<DetailError>,
 {
-    /// Another tracked frame to try `k` from: one beside it in time, else the most alike.
-    fn nearest(&self, k: usize, state: &[State]) -> Option<usize> {
-        let frames = &self.survey.frames;
-        let able = |p: &usize| state[*p].pose.is_some() && !state[k].tried.contains(p);
-        let beside = |p: &usize| {
-            frames[*p].abs_diff(frames[k]) == 1 && self.source.sequence(frames[*p]) == self.source.sequence(frames[k])
-        };
-        let of = |p: usize| self.survey.dissimilarity.get(k, p);
-        let nearest = |a: &usize, b: &usize| of(*a).total_cmp(&of(*b)).then(a.cmp(b));
-        let all = || (0..frames.len()).filter(able);
-        all().filter(beside).min_by(nearest).or_else(|| all().min_by(nearest))
-    }
-
     /// Tracks frames side by side.
-    fn work(&self, open: &[(usize, Option<usize>)], state: &mut [State], done: &AtomicU64) -> Result<(), S::Error> {
+    fn work(
+        &self,
+        open: &[(usize, Way)],
+        state: &mut [State],
+        known: &[Known],
+        done: &AtomicU64,
+    ) -> Result<(), S::Error> {
         let total = self.survey.frames.len() as u64;
         let before: &[State] = state;
-        let one = |&(k, parent): &(usize, Option<usize>)| -> Result<Outcome, S::Error> {
-            let found = self.frame(k, parent, before)?;
+        let one = |(k, way): &(usize, Way)| -> Result<Outcome, S::Error> {
+            let found = self.frame(*k, way, before, known[*k].tried.len())?;
             if matches!(found, Outcome::Good(..)) {
                 self.job.tell("registering", done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
             } else {
@@ -411,9 +192,8 @@ where
             Ok(found)
         };
         let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
-        for (&(k, parent), found) in open.iter().zip(found) {
-            let state = &mut state[k];
-            state.tried.extend(parent);
+        for ((k, _), found) in open.iter().zip(found) {
+            let state = &mut state[*k];
             match found? {
                 Outcome::Good(good) => {
                     let Good { pose, anchors, tracked } = *good;
@@ -428,31 +208,31 @@ where
         Ok(())
     }
 
-    fn frame(&self, k: usize, parent: Option<usize>, state: &[State]) -> Result<Outcome, S::Error> {
+    fn frame(&self, k: usize, way: &Way, state: &[State], tried: usize) -> Result<Outcome, S::Error> {
         let frame = self.survey.frames[k];
         let (mut scan, extra) = self.source.read(frame)?;
         let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
         let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
         let Cleaned { surface, uvs, kept, .. } = cleaned;
         let target = Target::new(surface, template.scale);
-        let of_parent = |p: usize| state[p].pose.as_ref().map(|pose| (p, pose));
-        let followed = parent.and_then(|p| self.followed(&state[p], &scan, &target));
+        let followed = match way {
+            Way::Near(parent) => self.followed(&state[*parent], &scan, &target),
+            _ => None,
+        };
         let is_followed = followed.is_some();
-        let (pose, detailed, fit) = match (followed, parent.and_then(of_parent)) {
-            (Some((pose, detailed, fit)), _) => (pose, Some(detailed), fit),
+        let found = if is_followed { None } else { self.found(k, way, state, &target) };
+        let (parent, pose, detailed, fit) = match (followed, found) {
+            (Some((pose, detailed, fit)), _) => (way.parents().first().copied(), pose, Some(detailed), fit),
+            (None, Some(tried)) => (Some(tried.parent), tried.pose, None, tried.fit),
             (None, None) => {
                 let own = template.surface.mesh.positions.clone();
                 let fit = fit(template, &template.surface, &own, &target.surface);
-                (own.clone(), Some(own), fit)
-            }
-            (None, Some((p, from))) => {
-                let start = moved(template, from, &target.surface, self.survey.dissimilarity.turn(p, k));
-                let pose = self.tracked(&start, &target);
-                let fit = fit(template, &template.surface.posed(pose.clone()), &start, &target.surface);
-                (pose, None, fit)
+                (None, own.clone(), Some(own), fit)
             }
         };
-        if let Some(fault) = fit.fault(&self.options.limits, template.scale).filter(|_| parent.is_some()) {
+        let (limits, scale) = (&self.options.limits, template.scale);
+        let fault = if matches!(way, Way::Far(_)) { fit.far_fault(limits, scale) } else { fit.fault(limits, scale) };
+        if let Some(fault) = fault.filter(|_| parent.is_some()) {
             return Ok(Outcome::Bad(fault, fit));
         }
         let detailed = match detailed {
@@ -472,9 +252,74 @@ where
             None
         };
         let parent = parent.map(|parent| self.survey.frames[parent]);
-        let tracked = Tracked { frame, parent, fit, tries: state[k].tried.len() + 1, followed: is_followed };
+        let tracked = Tracked { frame, parent, fit, tries: tried + way.parents().len().max(1), followed: is_followed };
         (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &uvs, extra })?;
         Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
+    }
+
+    /// The parent, the pose that is found from it and how it fits.
+    fn found(&self, k: usize, way: &Way, state: &[State], target: &Target) -> Option<Tried> {
+        match way {
+            Way::Root => None,
+            Way::Near(parent) => {
+                let start = self.start(k, *parent, 0.0, state, target)?;
+                Some(self.tried(*parent, (&start, &start), target, Manner::Near))
+            }
+            Way::Far(parents) => self.found_far(k, parents, state, target),
+        }
+    }
+
+    /// The pose of `parent`, where frame `k` is, turned by `turn` radians more than the likeness of both says.
+    fn start(&self, k: usize, parent: usize, turn: f32, state: &[State], target: &Target) -> Option<Vec<Vec3>> {
+        let from = state[parent].pose.as_ref()?;
+        let turn = turn + self.survey.dissimilarity.turn(parent, k);
+        Some(moved(self.template, from, &target.surface, turn))
+    }
+
+    /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.
+    fn found_far(&self, k: usize, parents: &[usize], state: &[State], target: &Target) -> Option<Tried> {
+        let template = self.template;
+        let best = |mut found: Vec<Tried>, count: usize| {
+            let bad = |tried: &Tried| tried.fit.badness(template.scale);
+            found.sort_by(|a, b| bad(a).total_cmp(&bad(b)));
+            found.truncate(count);
+            found
+        };
+        let starts = parents.iter().flat_map(|&parent| TURNS.map(|turn| (parent, turn)));
+        let starts: Vec<(usize, f32, Vec<Vec3>)> = starts
+            .filter_map(|(parent, turn)| Some((parent, turn, self.start(k, parent, turn, state, target)?)))
+            .collect();
+        let near = |(parent, turn, start): &(usize, f32, Vec<Vec3>)| {
+            let plain = (*turn == 0.0).then(|| self.tried(*parent, (start, start), target, Manner::Near));
+            [plain, Some(self.tried(*parent, (start, start), target, Manner::Approach))]
+        };
+        let found: Vec<[Option<Tried>; 2]> = starts.par_iter().map(near).collect();
+        let (plain, near): (Vec<_>, Vec<_>) = found.into_iter().map(|[plain, near]| (plain, near)).unzip();
+        let near = best(near.into_iter().flatten().collect(), REFINED);
+        let refined = |tried: &Tried| {
+            [Manner::Refine, Manner::Coloured]
+                .map(|manner| self.tried(tried.parent, (&tried.start, &tried.pose), target, manner))
+        };
+        let refined: Vec<[Tried; 2]> = near.par_iter().map(refined).collect();
+        let found = best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN);
+        // Once more, held against what was found: what was far from the start may bend now.
+        let again = |tried: &Tried| {
+            let mut again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
+            again.fit.stretch = again.fit.stretch.max(tried.fit.stretch);
+            again
+        };
+        let found: Vec<Tried> = found.par_iter().map(again).collect();
+        let (good, bad): (Vec<Tried>, Vec<Tried>) =
+            found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
+        best(if good.is_empty() { bad } else { good }, 1).pop()
+    }
+
+    /// What `manner` finds on `target` from the second pose, held against the first.
+    fn tried(&self, parent: usize, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Tried {
+        let pose = self.tracked((start, near), target, manner);
+        let posed = self.template.surface.posed(pose.clone());
+        let fit = fit(self.template, &posed, start, &target.surface);
+        Tried { parent, start: start.to_vec(), pose, fit }
     }
 
     /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
@@ -494,9 +339,9 @@ where
         others && parent.is_none_or(|parent| groups[parent] != groups[k])
     }
 
-    /// The pose tracked from `start`, or what the work folder holds of it.
-    fn tracked(&self, start: &[Vec3], target: &Target) -> Vec<Vec3> {
-        let find = || track(self.template, start, target, &self.options.track);
+    /// The pose tracked from `near` and held against `start`, or what the work folder holds of it.
+    fn tracked(&self, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Vec<Vec3> {
+        let find = || manner.track(self.template, (start, near), target, &self.options.track);
         let Some(work) = self.job.work() else { return find() };
         let bytes = |surface: &Surface| -> Vec<u8> {
             let mesh = &surface.mesh;
@@ -506,10 +351,11 @@ where
             bytes
         };
         let key = Key::new("registered", VERSION)
-            .told(&self.options.track)
+            .told(&(&self.options.track, manner))
             .of(&bytes(&self.template.surface))
             .of(&bytes(&target.surface))
-            .of(bytemuck::cast_slice(start));
+            .of(bytemuck::cast_slice(start))
+            .of(bytemuck::cast_slice(near));
         if let Some(kept) = work.get(&key).filter(|kept| kept.len() == size_of_val(start)) {
             return bytemuck::pod_collect_to_vec(&kept);
         }

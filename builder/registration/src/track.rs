@@ -31,6 +31,8 @@ const WIDTHS: [[f32; 2]; 2] = [[0.4, 0.05], [0.05, 0.01]];
 const STIFFNESSES: [[f64; 2]; 2] = [[2.0, 0.1], [0.1, 0.03]];
 const STAGES: usize = 3;
 const STEPS: usize = 6;
+/// The first stage, of both levels, where a pose is near the target's already.
+const REFINED: usize = STAGES + 1;
 /// A stage ends where the energy or the pose changes by less.
 const LEAST_CHANGE: f64 = 0.01;
 const LEAST_STEP: f32 = 2e-4;
@@ -85,16 +87,38 @@ impl Default for TrackOptions {
 /// is).
 #[must_use]
 pub fn track(template: &Template, start: &[Vec3], target: &Target, options: &TrackOptions) -> Vec<Vec3> {
-    let mut pose = start.to_vec();
+    stages(template, (start, start.to_vec()), target, options, 0)
+}
+
+/// The same, from a pose that is near the target's already: the coarse level, which would slide back what lies right by its shape
+/// alone, is left out. The template is held against `start` all the same.
+#[must_use]
+pub fn refine(
+    template: &Template,
+    (start, near): (&[Vec3], &[Vec3]),
+    target: &Target,
+    options: &TrackOptions,
+) -> Vec<Vec3> {
+    stages(template, (start, near.to_vec()), target, options, REFINED)
+}
+
+/// The stages of both levels from `first` on.
+fn stages(
+    template: &Template,
+    (start, mut pose): (&[Vec3], Vec<Vec3>),
+    target: &Target,
+    options: &TrackOptions,
+    first: usize,
+) -> Vec<Vec3> {
     let mut moving = template.surface.posed(pose.clone());
-    for (index, level) in template.levels.iter().enumerate() {
+    for (index, level) in template.levels.iter().enumerate().skip(first / STAGES) {
         let mut motions =
             if index == 0 { vec![Motion::NONE; level.graph.nodes.len()] } else { level.graph.fit(start, &pose) };
         let tracker = Tracker { template, level, start, target, index, colour: options.colour };
-        for stage in 0..STAGES {
+        for stage in first.saturating_sub(STAGES * index)..STAGES {
             tracker.stage(stage, &mut motions, &mut moving);
         }
-        pose = moving.mesh.positions.clone();
+        pose.clone_from(&moving.mesh.positions);
     }
     pose
 }

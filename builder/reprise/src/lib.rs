@@ -71,6 +71,10 @@ mod reach;
 mod registered;
 mod rigged;
 #[cfg(feature = "scans")]
+mod scan_report;
+#[cfg(feature = "scans")]
+mod scan_truth;
+#[cfg(feature = "scans")]
 pub mod scans;
 #[cfg(feature = "variations")]
 pub mod transfer;

@@ -14,18 +14,27 @@ use capture_io::export::{CaptureWriter, ExportError, WrittenCapture, WrittenSequ
 use capture_io::import::{ImportError, ImportOptions, ScannedFrame, ScannedTexture, Scans, Warning, scans};
 use glam::{Vec2, Vec3};
 use job::{Job, Stopped};
+use registration::checks::Fit;
 use registration::detail::DetailError;
 use registration::projection::{Projection, Texture};
-use registration::register::{Found, Lost, RegisterOptions, Registered, Source, Survey, Tracked};
+use registration::register::{Found, Lost, RegisterOptions, Registered, Source, Survey};
 use registration::register::{register as register_frames, survey, template};
 use registration::scan::Scan;
 use registration::template::Template;
 use registration::tree::Tree;
-use serde::Serialize;
 use thiserror::Error;
+
+pub use super::scan_report::{FrameReport, LostReport, RegisterReport};
+use super::scan_truth::Truth;
+pub use super::scan_truth::{TruthError, TruthReport};
 
 /// Of the frames at most this share may be lost.
 const MOST_LOST: f64 = 0.5;
+/// Beyond these a frame is doubtful: edges over those of the frame that it was tracked from, the share of the template that lies off
+/// the scan, and how much edges are longer or shorter than the template's own.
+const MOST_STRETCH: f64 = 1.3;
+const MOST_BEYOND: f64 = 0.06;
+const MOST_STRAIN: f64 = 0.12;
 /// Width of the template's texture: a power of two from and to.
 const SIZES: (usize, usize) = (256, 4096);
 /// Share of an atlas that charts cover, roughly.
@@ -47,6 +56,8 @@ pub struct ScanOptions {
     pub register: RegisterOptions,
     /// Width and height of the textures; as dense as the scan's own where not given.
     pub texture_size: Option<usize>,
+    /// A folder with the truth, where it is known: the capture that the scan was made from.
+    pub truth: Option<PathBuf>,
 }
 
 /// Why there is no capture.
@@ -91,6 +102,9 @@ pub enum RegisterError {
         /// Why.
         why: Lost,
     },
+    /// The truth is none of this scan.
+    #[error(transparent)]
+    Truth(#[from] TruthError),
     /// It was asked to stop: nothing was written.
     #[error(transparent)]
     Stopped(#[from] Stopped),
@@ -111,83 +125,12 @@ impl RegisterError {
             Self::Export(_) => "E_IO",
             Self::Detail(_) | Self::Template { .. } => "E_TEMPLATE",
             Self::Nothing(_) => "E_NO_TRIANGLES",
+            Self::Truth(TruthError::Import(error)) => error.code(),
+            Self::Truth(TruthError::Other { .. }) => "E_TRUTH",
             Self::MostLost { .. } => "E_SCANS_LOST",
             Self::Stopped(_) => "E_STOPPED",
         }
     }
-}
-
-/// What became of a scan; what `--json` prints.
-#[derive(Clone, Debug, Serialize)]
-pub struct RegisterReport {
-    /// The manifest that `pack` reads.
-    pub manifest: PathBuf,
-    /// Name of the subject.
-    pub name: String,
-    /// Frames of the scan.
-    pub frames: usize,
-    /// The frame whose mesh is the template, counted over all sequences.
-    pub template: usize,
-    /// Vertices of the template.
-    pub vertices: usize,
-    /// Triangles of the template.
-    pub triangles: usize,
-    /// Meshes of the frames that hold a body: frames of one mesh follow one of them.
-    pub meshes: usize,
-    /// Width and height of the textures; none where the scan has no colours.
-    pub texture_size: Option<usize>,
-    /// Names of the sequences that were written, with their numbers of frames.
-    pub sequences: Vec<(String, usize)>,
-    /// The frames that were registered.
-    pub registered: Vec<FrameReport>,
-    /// The frames that are not part of the capture.
-    pub lost: Vec<LostReport>,
-    /// How unlike frames are, row by row, square metres on a person; of the frames `compared`.
-    #[serde(skip)]
-    pub dissimilarity: Vec<f32>,
-    /// Frames that hold a body.
-    #[serde(skip)]
-    pub compared: Vec<usize>,
-    /// What the user should know about the input.
-    pub warnings: Vec<Warning>,
-    /// Wall-clock seconds: comparing frames, and registering them.
-    pub seconds: [f64; 2],
-}
-
-/// A frame that was registered. Frames are counted over all sequences; lengths are metres.
-#[derive(Clone, Debug, Serialize)]
-pub struct FrameReport {
-    /// The frame.
-    pub frame: usize,
-    /// The frame that it was tracked from; none for the template's own.
-    pub parent: Option<usize>,
-    /// Share of the scan that is farther than a centimetre from the template.
-    pub uncovered: f64,
-    /// Root of the mean square distance from the scan to the template.
-    pub rms_backward: f64,
-    /// Share of the template that is farther than a centimetre from the scan.
-    pub beyond: f64,
-    /// Root of the mean square distance from the template to the scan.
-    pub rms_forward: f64,
-    /// The largest distance of either.
-    pub hausdorff: f64,
-    /// How much longer an edge is than in the parent's pose: the 99th percentile.
-    pub stretch: f64,
-    /// From how many frames it was tried.
-    pub tries: usize,
-    /// Whether it has its parent's mesh and follows it, instead of being tracked.
-    pub followed: bool,
-}
-
-/// A frame that was lost.
-#[derive(Clone, Debug, Serialize)]
-pub struct LostReport {
-    /// The frame, counted over all sequences.
-    pub frame: usize,
-    /// The same as its user counts.
-    pub place: String,
-    /// Why.
-    pub reason: String,
 }
 
 /// Scans as registration reads them.
@@ -274,6 +217,8 @@ pub fn register(
     let [whole, masked] = writer.seen.each_ref().map(|count| count.load(Ordering::Relaxed));
     let masks = masked > 0 && whole >= LEAST_SEEN;
     let capture = WrittenCapture { name: scans.name.clone(), fps: scans.fps, textures, masks, sequences };
+    let frames = registered.tracked.iter().map(|tracked| FrameReport::new(tracked, writer.truth_of(tracked.frame)));
+    let frames = frames.collect();
     let manifest = writer.files.finish(&capture)?;
     let count = survey.frames.len();
     Ok(RegisterReport {
@@ -286,7 +231,7 @@ pub fn register(
         meshes: survey.groups.iter().max().map_or(0, |last| last + 1),
         texture_size,
         sequences: named,
-        registered: registered.tracked.iter().map(frame_report).collect(),
+        registered: frames,
         lost: lost_reports(&scans, &registered.lost),
         dissimilarity: (0..count * count).map(|k| survey.dissimilarity.get(k / count, k % count)).collect(),
         compared: survey.frames,
@@ -313,22 +258,6 @@ pub(crate) fn lost_reports(scans: &Scans, lost: &[(usize, Lost)]) -> Vec<LostRep
     let report =
         |&(frame, why): &(usize, Lost)| LostReport { frame, place: place(scans, frame), reason: why.to_string() };
     lost.iter().map(report).collect()
-}
-
-fn frame_report(tracked: &Tracked) -> FrameReport {
-    let fit = &tracked.fit;
-    FrameReport {
-        frame: tracked.frame,
-        parent: tracked.parent,
-        uncovered: fit.uncovered,
-        rms_backward: fit.rms_backward,
-        beyond: fit.beyond,
-        rms_forward: fit.rms_forward,
-        hausdorff: fit.hausdorff,
-        stretch: fit.stretch,
-        tries: tracked.tries,
-        followed: tracked.followed,
-    }
 }
 
 /// A frame of the scan, as its user counts.
@@ -431,15 +360,18 @@ fn colourless() -> Warning {
 /// What the user should know of frames that are registered, or are left out because they stand alone.
 fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
     let alone = told(scans, "W_SCAN_ALONE", alone, |_| "it stands alone between lost frames, and is left out".into());
-    let stretched = registered.tracked.iter().filter(|tracked| tracked.fit.stretch > 1.3 || tracked.fit.beyond > 0.06);
+    let doubtful = |fit: &Fit| fit.stretch > MOST_STRETCH || fit.beyond > MOST_BEYOND || fit.strain > MOST_STRAIN;
+    let stretched = registered.tracked.iter().filter(|tracked| doubtful(&tracked.fit));
     let stretched: Vec<usize> = stretched.map(|tracked| tracked.frame).collect();
     let doubtful = told(scans, "W_SCAN_DOUBTFUL", &stretched, |frame| {
         let found = registered.tracked.iter().find(|tracked| tracked.frame == frame).map(|tracked| tracked.fit);
         let fit = found.unwrap_or_default();
         format!(
-            "{:.1} % of the template lies off the scan, and edges are {:.2} times as long as before: look at it",
+            "{:.1} % of the template lies off the scan, and edges are up to {:.2} times as long as before, {:.1} % off their \
+             length on average: look at it",
             100.0 * fit.beyond,
-            fit.stretch
+            fit.stretch,
+            100.0 * fit.strain
         )
     });
     alone.into_iter().chain(doubtful).collect()
@@ -452,6 +384,7 @@ struct Writer<'a> {
     projection: Option<Projection>,
     /// Frames whose textures were seen in full, and frames with masks.
     seen: [AtomicUsize; 2],
+    truth: Option<Truth>,
 }
 
 impl<'a> Writer<'a> {
@@ -481,12 +414,21 @@ impl<'a> Writer<'a> {
         let plain = vec![[Vec2::ZERO; 3]; mesh.triangles.len()];
         let uvs = projection.as_ref().map_or(&plain, |projection| &projection.atlas.uvs);
         let files = CaptureWriter::new(out, &mesh.triangles, uvs, scans.sequences.len())?;
-        Ok(Self { scans, files, projection, seen: Default::default() })
+        let truth =
+            options.truth.as_deref().map(|folder| Truth::read(folder, scans, (template, root, &read.positions)));
+        Ok(Self { scans, files, projection, seen: Default::default(), truth: truth.transpose()? })
+    }
+
+    fn truth_of(&self, frame: usize) -> Option<TruthReport> {
+        self.truth.as_ref().and_then(|truth| truth.of(frame))
     }
 
     fn take(&self, found: Found<Option<ScannedTexture>>) -> Result<(), RegisterError> {
         let Some((sequence, number)) = self.scans.place_of(found.tracked.frame) else { return Ok(()) };
         self.files.frame(sequence, number, found.pose)?;
+        if let Some(truth) = &self.truth {
+            truth.take(found.tracked.frame, found.pose)?;
+        }
         let Some(projection) = &self.projection else { return Ok(()) };
         let texture = found.extra.as_ref().map(decoded).transpose()?;
         let posed = found.template.surface.posed(found.pose.to_vec());

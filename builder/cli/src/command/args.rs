@@ -201,6 +201,10 @@ pub struct RegisterArguments {
     /// Width and height of the textures in pixels; as dense as the scan's where not given.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(64..=8192))]
     pub texture_size: Option<u32>,
+    /// The folder with the truth, as `builder performer --scanned` writes it: frames are held against it, and it is told how far
+    /// off they are.
+    #[arg(long, value_name = "DIR")]
+    pub truth: Option<PathBuf>,
     /// Write a page with figures of all frames, their order, and the worst of them as pictures.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,

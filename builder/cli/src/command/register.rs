@@ -3,7 +3,7 @@
 use evaluate::html;
 use evaluate::scans::scan_page;
 use job::Job;
-use reprise::scans::{RegisterReport, ScanOptions, register};
+use reprise::scans::{RegisterReport, ScanOptions, TruthReport, register};
 
 use super::args::RegisterArguments;
 use super::failure::Failure;
@@ -47,6 +47,7 @@ fn options(arguments: &RegisterArguments) -> Result<ScanOptions, Failure> {
     options.register.template = arguments.template_frame;
     options.register.track.colour = arguments.colour;
     options.register.detail = arguments.detail;
+    options.truth.clone_from(&arguments.truth);
     options.texture_size = arguments.texture_size.map(|size| size as usize);
     Ok(options)
 }
@@ -54,10 +55,12 @@ fn options(arguments: &RegisterArguments) -> Result<ScanOptions, Failure> {
 fn summary(report: &RegisterReport) -> String {
     let worst = |of: fn(&reprise::scans::FrameReport) -> f64| report.registered.iter().map(of).fold(0.0, f64::max);
     let sequences: Vec<String> = report.sequences.iter().map(|(name, frames)| format!("{name} {frames}")).collect();
+    let truth: Vec<TruthReport> = report.registered.iter().filter_map(|frame| frame.truth).collect();
+    let truth = truth_line(&truth).unwrap_or_default();
     let texture = report.texture_size.map_or("no texture".into(), |size| format!("textures of {size} x {size}"));
     format!(
         "{}: {} of {} frames on the mesh of frame {}, {} vertices, {} triangles, {texture} ({})\nworst frame: {:.2} % of the \
-         scan uncovered, {:.1} mm off it\nseconds: comparing {:.1}, registering {:.1}",
+         scan uncovered, {:.1} mm off it\n{truth}seconds: comparing {:.1}, registering {:.1}",
         report.manifest.display(),
         report.registered.len(),
         report.frames,
@@ -70,4 +73,22 @@ fn summary(report: &RegisterReport) -> String {
         report.seconds[0],
         report.seconds[1]
     )
+}
+
+/// How far frames are from the truth, without the template's own, which is the nearest.
+fn truth_line(frames: &[TruthReport]) -> Option<String> {
+    let own = frames.iter().map(|frame| frame.mean).fold(f64::INFINITY, f64::min);
+    let others: Vec<&TruthReport> = frames.iter().filter(|frame| frame.mean > own).collect();
+    let mean = |of: fn(&TruthReport) -> f64| 1000.0 * others.iter().map(|f| of(f)).sum::<f64>() / others.len() as f64;
+    let worst = |of: fn(&TruthReport) -> f64| 1000.0 * others.iter().map(|f| of(f)).fold(0.0, f64::max);
+    (!others.is_empty()).then(|| {
+        format!(
+            "off the truth: {:.1} mm on average, {:.1} in the worst frame; 95th percentile {:.1}, {:.1} in the worst; farthest {:.0}\n",
+            mean(|f| f.mean),
+            worst(|f| f.mean),
+            mean(|f| f.p95),
+            worst(|f| f.p95),
+            worst(|f| f.worst)
+        )
+    })
 }
