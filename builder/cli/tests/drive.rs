@@ -94,7 +94,7 @@ fn z_up(text: &str) -> String {
 fn a_clip_whose_z_points_up_is_packed_into_an_actor() {
     let temporary = tempfile::tempdir().unwrap();
     let folder = temporary.path();
-    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "1500", "--texture-size", "128", "-q"];
+    let performer = ["performer", "-o", "p", "--frames", "220", "--vertices", "2500", "--texture-size", "128", "-q"];
     done(&builder(folder, &performer));
     fs::write(folder.join("squat.bvh"), squat()).unwrap();
     fs::write(folder.join("z.bvh"), z_up(&squat())).unwrap();
