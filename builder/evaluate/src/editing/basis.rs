@@ -29,7 +29,7 @@ impl Basis {
         let product = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum::<f64>();
         let gram: Vec<f64> = (0..n * n).into_par_iter().map(|at| product(&rows[at / n], &rows[at % n])).collect();
         let found = eigen(&gram, n);
-        let kept = found.values.iter().take(count).take_while(|&&value| value > 1e-9 * found.values[0]).count();
+        let kept = found.values.iter().take(count).take_while(|&&value| value > 1e-7 * found.values[0]).count();
         let mode = |k: usize| -> Vec<Vec3> {
             let scale = 1.0 / found.values[k].sqrt();
             let weights: Vec<f32> = found.vectors[k].iter().map(|weight| (weight * scale) as f32).collect();

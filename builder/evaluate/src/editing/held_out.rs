@@ -20,8 +20,8 @@ const PART_MODES: usize = 16;
 /// Iterations of rotations.
 const ITERATIONS: usize = 20;
 /// The prior's weight in square metres, and those that are held against it. Chosen on the built-in performer of seed 1.
-pub const LAMBDA: f64 = 1e-2;
-const LAMBDAS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+const LAMBDA: f64 = 1e-3;
+const LAMBDAS: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Frames that are learned from, and tasks, at most.
 const LEARNED: usize = 160;
 const TASKS: usize = 10;
@@ -106,11 +106,8 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
     let columns: Vec<&str> = ["sequence held out", "frame"].into_iter().chain(METHODS).collect();
     let mut each = Table::new("editing_held_out_frames", "The same, frame by frame, mm", &columns);
     each.rows = rows;
-    let mut prior = Table::new(
-        "editing_prior",
-        "Learned with rotations by the prior's weight, and without one frame's rest: which weight is best here",
-        &["prior m^2", "off mm"],
-    );
+    let mut prior =
+        Table::new("editing_prior", "Learned with rotations, by the weight of its prior", &["prior m^2", "off mm"]);
     for (lambda, off) in LAMBDAS.iter().zip(&priors) {
         prior.rows.push(vec![format!("{lambda}").into(), Cell::Number(root_mean_square(off), 1)]);
     }

@@ -77,7 +77,7 @@ fn with_rig(
     section.tables.push(table);
     section.text.extend(notes);
     if let Some([volume, limbs, slide]) = nonlinear {
-        let holds = volume <= PROPAGATED[0] && !(limbs > PROPAGATED[1]) && slide <= PROPAGATED[2];
+        let holds = volume <= PROPAGATED[0] && (limbs.is_nan() || limbs <= PROPAGATED[1]) && slide <= PROPAGATED[2];
         section.agreements.push(agreement(
             "Mark: non-linear propagation keeps volume to 1 %, limbs to 2 %, and feet slide at most 0.1 mm a frame more",
             format!("{volume:.2} %, {limbs:.2} %, {slide:.3} mm"),

@@ -13,8 +13,6 @@ const LIMBS: [(&str, &str); 6] = [
     ("upper_arm_l", "forearm_l"),
     ("upper_arm_r", "forearm_r"),
 ];
-/// What is so near to a joint where the rig rests stands for it, as a share of the body's height.
-const NEAR: f32 = 0.05;
 
 /// Mean of |l' / l - 1| over the edges of the mesh.
 pub fn stretch(topology: &Topology, before: &[Vec3], after: &[Vec3]) -> f64 {
@@ -67,28 +65,26 @@ pub fn tall(pose: &[Vec3]) -> f32 {
     heights().fold(f32::NEG_INFINITY, f32::max) - heights().fold(f32::INFINITY, f32::min)
 }
 
-/// The limbs of a human rig: between the vertices about both their joints.
-pub struct Limbs(Vec<[Vec<u32>; 2]>);
+/// The limbs of a human rig, by the bones that begin and end them.
+pub struct Limbs<'a> {
+    rig: &'a Rig,
+    bones: Vec<[usize; 2]>,
+}
 
-impl Limbs {
+impl<'a> Limbs<'a> {
     /// Those of `rig`; none where it is no human's.
-    pub fn of(rig: &Rig) -> Self {
-        let near = NEAR * tall(rig.rest());
-        let around = |name: &str| -> Option<Vec<u32>> {
-            let joint = rig.bones().iter().find(|bone| bone.name == name)?.joint;
-            let found = (0..).zip(rig.rest()).filter(|(_, point)| point.distance(joint) < near);
-            Some(found.map(|(vertex, _)| vertex).collect()).filter(|ring: &Vec<u32>| !ring.is_empty())
-        };
-        Self(LIMBS.iter().filter_map(|&(upper, lower)| Some([around(upper)?, around(lower)?])).collect())
+    pub fn of(rig: &'a Rig) -> Self {
+        let bone = |name: &str| rig.bones().iter().position(|bone| bone.name == name);
+        let bones = LIMBS.iter().filter_map(|&(upper, lower)| Some([bone(upper)?, bone(lower)?])).collect();
+        Self { rig, bones }
     }
 
-    /// The largest share by which a limb has become longer or shorter; `None` where there is none.
+    /// The largest share by which a limb has become longer or shorter, from joint to joint, each where its bone's vertices have it;
+    /// `None` where there is none.
     pub fn change(&self, before: &[Vec3], after: &[Vec3]) -> Option<f64> {
-        let length = |[a, b]: &[Vec<u32>; 2], pose: &[Vec3]| {
-            let middle = |ring: &[u32]| ring.iter().map(|&v| pose[v as usize]).sum::<Vec3>() / ring.len() as f32;
-            f64::from(middle(a).distance(middle(b)))
-        };
-        let changes = self.0.iter().map(|limb| (length(limb, after) / length(limb, before) - 1.0).abs());
+        let [before, after] = [before, after].map(|pose| self.rig.joints(&self.rig.fit(pose)));
+        let length = |joints: &[Vec3], [upper, lower]: [usize; 2]| f64::from(joints[upper].distance(joints[lower]));
+        let changes = self.bones.iter().map(|&limb| (length(&after, limb) / length(&before, limb) - 1.0).abs());
         changes.reduce(f64::max)
     }
 }

@@ -150,7 +150,7 @@ mod tests {
         // Nothing wanted is nothing moved.
         let mut still = Surface::new(&mut deformer, &pose, &held, &pose).unwrap();
         for found in [still.learned(&basis, 1e-3, 3).unwrap(), still.rigid(2).unwrap()] {
-            found.iter().zip(&pose).for_each(|(a, b)| assert!(a.distance(*b) < 1e-6));
+            found.iter().zip(&pose).for_each(|(a, b)| assert!(a.distance(*b) < 1e-4));
         }
     }
 }
