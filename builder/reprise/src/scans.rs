@@ -363,18 +363,35 @@ fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -
     let doubtful = |fit: &Fit| fit.stretch > MOST_STRETCH || fit.beyond > MOST_BEYOND || fit.strain > MOST_STRAIN;
     let stretched = registered.tracked.iter().filter(|tracked| doubtful(&tracked.fit));
     let stretched: Vec<usize> = stretched.map(|tracked| tracked.frame).collect();
+    let heirs = heirs(registered, &stretched);
+    let inherited = match heirs {
+        0 => String::new(),
+        _ => format!("; {heirs} more were tracked from these, and are where these are wrong, too"),
+    };
     let doubtful = told(scans, "W_SCAN_DOUBTFUL", &stretched, |frame| {
         let found = registered.tracked.iter().find(|tracked| tracked.frame == frame).map(|tracked| tracked.fit);
         let fit = found.unwrap_or_default();
         format!(
             "{:.1} % of the template lies off the scan, and edges are up to {:.2} times as long as before, {:.1} % off their \
-             length on average: look at it",
+             length on average: look at it{inherited}",
             100.0 * fit.beyond,
             fit.stretch,
             100.0 * fit.strain
         )
     });
     alone.into_iter().chain(doubtful).collect()
+}
+
+/// How many frames were tracked from those of `doubtful`, which are in order, from their children and so on.
+fn heirs(registered: &Registered, doubtful: &[usize]) -> usize {
+    let from: BTreeMap<usize, usize> =
+        registered.tracked.iter().filter_map(|tracked| Some((tracked.frame, tracked.parent?))).collect();
+    let is_doubtful = |frame: &usize| doubtful.binary_search(frame).is_ok();
+    let is_heir = |frame: &&usize| {
+        let ancestors = std::iter::successors(Some(**frame), |frame| from.get(frame).copied());
+        !is_doubtful(frame) && ancestors.take(from.len() + 1).any(|ancestor| is_doubtful(&ancestor))
+    };
+    from.keys().filter(is_heir).count()
 }
 
 /// Writes frames as they are tracked.

@@ -96,10 +96,49 @@ function unbound(statements, path) {
   });
 }
 
+/** The style sheets that statements declare: templates whose names say so. Expressions in them stand for any value. */
+function sheets(statements) {
+  const found = [];
+  for (const { declarations } of statements) {
+    for (const { id, init } of declarations ?? []) {
+      if (!id.name?.endsWith('Styles') || init?.type !== 'TemplateLiteral') continue;
+      found.push([id.name, init.quasis.map(({ value }) => value.cooked).join('0')]);
+    }
+  }
+  return found;
+}
+
+/** Statements whose style sheets have no white space, nor semicolons that nothing follows: what that changes is looked at apart. */
+function packed(statements) {
+  const pack = (text) => text.replace(/\s+/g, '').replaceAll(';}', '}');
+  return JSON.parse(JSON.stringify(statements), (key, node) => {
+    if (node?.type !== 'VariableDeclarator' || !node.id.name?.endsWith('Styles') || node.init?.type !== 'TemplateLiteral') return node;
+    const quasis = node.init.quasis.map((quasi) => ({ ...quasi, value: { cooked: pack(quasi.value.cooked), raw: pack(quasi.value.raw) } }));
+    return { ...node, init: { ...node.init, quasis } };
+  });
+}
+
+/** The rules of style sheets, as the browser understands them. */
+const rules = (browser, texts) => onAPage(browser, (page) => page.evaluate((all) => all.map((text) => {
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(text);
+  // Values that hold variables are kept as they were written.
+  return [...sheet.cssRules].map(({ cssText }) => cssText.replace(/,\s+/g, ','));
+}), texts));
+
+async function onAPage(browser, look) {
+  const page = await browser.chromium.newPage();
+  try {
+    return await look(page);
+  } finally {
+    await page.close();
+  }
+}
+
 const literal = (value) => ({ type: 'Literal', value, raw: `'${value}'` });
 
 export const tests = {
-  'the joined scripts are the modules, each once': async () => {
+  'the joined scripts are the modules, each once': async (browser) => {
     const modules = await sources();
     const first = await read(join(dist, ENTRY));
     const [later] = await read(join(dist, LATER));
@@ -121,13 +160,21 @@ export const tests = {
     assert.deepEqual(all.map(({ id }) => id), [...numbers.values()]);
     assert.equal(first.filter(isModule).length, atOnce);
 
+    const [styles, stripped] = [[], []];
     for (const [path, { imports, exports, statements }] of modules) {
       const joined = path === ENTRY ? own : all.find(({ id }) => id === numbers.get(path));
       const bound = imports.filter(({ names }) => names.length > 0).map(({ from, names }) => ({ from: numbers.get(from), names }));
       assert.deepEqual(joined.imports, bound, `what ${path} imports`);
       assert.deepEqual(joined.exports, exports, `what ${path} exports`);
-      assert.deepEqual(unbound(joined.statements, path), statements, `what ${path} does`);
+      const does = unbound(joined.statements, path);
+      assert.deepEqual(packed(does), packed(statements), `what ${path} does`);
+      styles.push(...sheets(statements));
+      stripped.push(...sheets(does));
     }
+    assert.ok(styles.length > 2, 'there are style sheets');
+    const [meant, made] = [await rules(browser, styles.map(([, text]) => text)), await rules(browser, stripped.map(([, text]) => text))];
+    styles.forEach(([name], at) => assert.deepEqual(made[at], meant[at], `the rules of ${name}`));
+    assert.ok(meant.every((one) => one.length > 0));
 
     // The tools are handed what they use of the first script, and by a name that only scripts of one build have.
     const used = new Set(all.slice(atOnce).flatMap(({ imports }) => imports.map(({ from }) => from)).filter((from) => Number(from.slice(1)) < atOnce));
