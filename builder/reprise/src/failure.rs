@@ -13,6 +13,7 @@ pub struct FamilyFailure {
     pub cause: FamilyError,
 }
 
+#[cfg(feature = "variations")]
 impl FamilyFailure {
     /// Whether it was only asked to stop.
     pub(crate) fn is_stopped(&self) -> bool {
