@@ -29,7 +29,7 @@ export function withSection(bundle, { kind, minor, raw }) {
   head.writeBigUInt64LE(BigInt(raw.length), table + 16);
   head.writeBigUInt64LE(BigInt(raw.length), table + 24);
   head.writeUInt32LE(checksum(raw), table + 32);
-  head.writeUInt16LE(minor, 10);
+  head.writeUInt16LE(Math.max(minor, head.readUInt16LE(10)), 10);
   head.writeUInt32LE(head.length, 12);
   head.writeUInt32LE(count + 1, 16);
   head.writeBigUInt64LE(BigInt(bundle.length + ENTRY + raw.length), 20);

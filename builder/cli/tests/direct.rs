@@ -94,7 +94,7 @@ fn write_bundle(path: &Path) -> Capture {
         let mut ground = PosesOnGround::new(&mut capture.poses, &weights, &mut memory);
         let placement =
             transition_placement(&capture.timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
-        transitions.push(Transition { from, to, deformation: 0.2, warp, placement });
+        transitions.push(Transition { from, to, deformation: 0.2, warp, placement, turn: 0.0 });
     }
     let graph = EssentialGraph::new(0.01, transitions, &capture.timeline).unwrap();
     let generator = "test".into();

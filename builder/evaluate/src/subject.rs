@@ -72,7 +72,7 @@ impl Subject {
     ) -> Result<Self, EvaluateError> {
         let measured = distance::measure(&capture.topology, &capture.poses, &DistanceOptions::default(), job)?;
         let centres = capture.poses.ground_centres(capture.topology.weights());
-        let contacts = pipeline::contacts::contacts(&capture.topology, &capture.timeline, &capture.poses);
+        let (contacts, _) = pipeline::contacts::contacts(&capture.topology, &capture.timeline, &capture.poses);
         Ok(Self {
             contacts,
             capture,

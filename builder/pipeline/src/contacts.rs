@@ -4,9 +4,10 @@
 //! Nothing is known about feet: a capture whose actor never stands has no parts, and its transitions are the papers'.
 
 use actor::capture::Poses;
-use actor::contacts::{Contact, Contacts, MOST_PARTS};
+use actor::contacts::{Contact, Contacts, Facings, MOST_PARTS};
 use actor::timeline::{Sequence, Timeline};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use kernels::align::align_heading;
 use kernels::topology::Topology;
 use rayon::prelude::*;
 
@@ -57,14 +58,27 @@ pub fn floors(timeline: &Timeline, poses: &Poses) -> Vec<f32> {
     Floor::of(timeline, poses).heights
 }
 
-/// The contacts of all frames.
+/// The contacts of all frames, and which way each part points in them.
 #[must_use]
-pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> Contacts {
+pub fn contacts(topology: &Topology, timeline: &Timeline, poses: &Poses) -> (Contacts, Facings) {
     let Standing { floor, parts } = Standing::of(topology, timeline, poses);
     let tracks: Vec<Vec<Contact>> = parts.iter().map(|part| track(poses, timeline, part, &floor)).collect();
     let frames = 0..timeline.frame_count() as usize;
     let contacts = frames.flat_map(|frame| tracks.iter().map(move |track| track[frame])).collect();
-    Contacts::new(parts.len(), contacts, timeline).unwrap_or_default()
+    let contacts = Contacts::new(parts.len(), contacts, timeline).unwrap_or_default();
+    let facings: Vec<Vec<f32>> = parts.iter().zip(&tracks).map(|(part, track)| facings(poses, part, track)).collect();
+    let facings = (0..poses.len()).flat_map(|frame| facings.iter().map(move |facings| facings[frame])).collect();
+    let facings = Facings::new(parts.len(), facings);
+    (contacts, facings)
+}
+
+/// How a part is turned about +Y in every frame, from the first one of those in which it stands firmest.
+fn facings(poses: &Poses, part: &[u32], track: &[Contact]) -> Vec<f32> {
+    let firmest = |best: usize, frame: usize| if track[frame].weight > track[best].weight { frame } else { best };
+    let reference = (0..track.len()).fold(0, firmest) as u32;
+    let of = |frame: u32| part.iter().map(|&vertex| poses.frame(frame)[vertex as usize]).collect::<Vec<Vec3>>();
+    let (reference, weights) = (of(reference), vec![1.0 / part.len() as f32; part.len()]);
+    (0..poses.len() as u32).map(|frame| align_heading(&of(frame), &reference, &weights)).collect()
 }
 
 /// The ground, and what near and slow mean for this body.

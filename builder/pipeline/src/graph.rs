@@ -1,7 +1,7 @@
 //! From measured poses to the graph that the player walks: transitions, the essential ones among them, their warps.
 
 use actor::capture::Capture;
-use actor::contacts::Contacts;
+use actor::contacts::{Contacts, Facings};
 use actor::feet::Feet;
 use actor::graph::{DEFAULT_ALPHA, EssentialGraph, rounded_alpha};
 use actor::ties::Ties;
@@ -126,7 +126,7 @@ pub fn essential_graph(
     job.begin("temporal warps")?;
     let contacts = match options.hold_contacts {
         true => contacts::contacts(&capture.topology, timeline, &capture.poses),
-        false => Contacts::default(),
+        false => Default::default(),
     };
     let feet = match options.hold_contacts {
         true => feet::feet(&capture.topology, timeline, &capture.poses),
@@ -149,7 +149,7 @@ pub fn graph_of(
     measured: &Measured,
     kept: &Candidates,
     options: &GraphOptions,
-    contacts: Contacts,
+    contacts: (Contacts, Facings),
 ) -> Result<Graphed, GraphError> {
     let timeline = &capture.timeline;
     let findings =

@@ -4,9 +4,9 @@
 use glam::Vec2;
 
 use super::ground::{Ground, Next, recorded_step};
-use crate::contacts::{Contact, Contacts};
-use crate::graph::{EssentialGraph, Transition};
-use crate::hold::{Stance, carried};
+use crate::contacts::{Contact, Contacts, Facings};
+use crate::graph::{EssentialGraph, TURN_STEP, Transition};
+use crate::hold::{Stance, carried, turned};
 use crate::pose_source::PoseError;
 pub use crate::temporal_warp::ease;
 use crate::temporal_warp::{PLACES_A_FRAME, Pace, TemporalWarp};
@@ -47,6 +47,8 @@ pub struct Blend {
     /// Frames of each segment that lie behind.
     places: [u32; 2],
     paces: [Pace; 2],
+    /// [`Transition::turn`].
+    turn: f32,
     /// Where the destination's first frame stands once the last one stands where the transition leads, if that is known.
     towards: Option<Placement>,
 }
@@ -82,6 +84,7 @@ impl Blend {
             recorded,
             places: [0; 2],
             paces: [0, 1].map(|side| Pace::of(warp, side, timeline.fps())),
+            turn: 0.0,
             towards: None,
         })
     }
@@ -98,7 +101,7 @@ impl Blend {
         contacts: &Contacts,
     ) -> Result<Self, PoseError> {
         let (ends, warp) = ((transition.from, transition.to), &transition.warp);
-        let mut blend = Self::begin(timeline, ground, ends, warp, placement)?;
+        let mut blend = Self { turn: transition.turn, ..Self::begin(timeline, ground, ends, warp, placement)? };
         if contacts.steers() {
             let mut alone = Placement::IDENTITY;
             let mut frame = blend.frames[1];
@@ -134,8 +137,9 @@ impl Blend {
         let lambda = next.lambda;
         let displacements = [0, 1].map(|side| ground_point(next.placements[side], next.recorded[side]) - self.centre);
         let apart = half_turn(next.placements[0].heading + next.turn(ground)? - next.placements[1].heading);
-        let headings =
-            [next.placements[0].heading - lambda * apart, next.placements[1].heading + (1.0 - lambda) * apart];
+        let besides = (lambda - self.lambda) * self.turn;
+        let headings = [-lambda, 1.0 - lambda].map(|share| share * apart + besides);
+        let headings = [0, 1].map(|side: usize| next.placements[side].heading + headings[side]);
         let free = displacements[0].lerp(displacements[1], self.lambda);
         for (placement, heading) in next.placements.iter_mut().zip(headings) {
             placement.heading = heading;
@@ -253,6 +257,15 @@ impl Blend {
         };
         Contact { point, weight }
     }
+
+    /// Which way a part of one side points, between frames.
+    fn facing(&self, side: usize, part: usize, facings: &Facings) -> f32 {
+        let (here, next) = (facings.of(self.frames[side], part), self.next[side]);
+        if next.share <= 0.0 {
+            return here;
+        }
+        here + next.share * half_turn(next.step.heading + facings.of(next.frame, part) - here)
+    }
 }
 
 /// Nothing is looked at after `frame`.
@@ -261,7 +274,7 @@ fn none_after(frame: u32) -> Next {
 }
 
 /// Placement of the destination's recorded frames after a transition whose source frames stand as they were recorded:
-/// [`Transition::placement`]. No pose is interpolated.
+/// [`Transition::placement`] of one that does not turn besides. No pose is interpolated.
 ///
 /// # Errors
 /// A segment that leaves its sequence, or a frame that cannot be read.
@@ -272,22 +285,60 @@ pub fn transition_placement(
     warp: &TemporalWarp,
     contacts: &Contacts,
 ) -> Result<Placement, PoseError> {
-    let mut nodes = vec![Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)?];
+    let nodes = nodes(timeline, ground, (ends, warp, 0.0), contacts)?;
+    Ok(leads_to(&nodes, timeline, contacts))
+}
+
+/// [`Transition::placement`] and [`Transition::turn`]: so that what cannot step neither goes nor turns.
+///
+/// # Errors
+/// As [`transition_placement`].
+pub fn transition_way(
+    timeline: &Timeline,
+    ground: &mut impl Ground,
+    ends: (u32, u32),
+    warp: &TemporalWarp,
+    (contacts, facings): (&Contacts, &Facings),
+) -> Result<(Placement, f32), PoseError> {
+    let straight = nodes(timeline, ground, (ends, warp, 0.0), contacts)?;
+    if !contacts.steers() {
+        return Ok((leads_to(&straight, timeline, contacts), 0.0));
+    }
+    let turn = turned(&stances(&straight, contacts, facings), timeline.fps());
+    let turn = (turn / TURN_STEP).round() * TURN_STEP;
+    let nodes = nodes(timeline, ground, (ends, warp, turn), contacts)?;
+    Ok((leads_to(&nodes, timeline, contacts), turn))
+}
+
+/// The nodes of a transition that begins as it was recorded, from its ends, its warp, and how far it turns besides.
+fn nodes(
+    timeline: &Timeline,
+    ground: &mut impl Ground,
+    (ends, warp, turn): ((u32, u32), &TemporalWarp, f32),
+    contacts: &Contacts,
+) -> Result<Vec<Blend>, PoseError> {
+    let first = Blend { turn, ..Blend::begin(timeline, ground, ends, warp, Placement::IDENTITY)? };
+    let mut nodes = vec![first];
     let nothing = Contacts::default();
     let held = if contacts.steers() { &nothing } else { contacts };
     while let Some(next) = nodes[nodes.len() - 1].next(timeline, ground, warp, held)? {
         nodes.push(next);
     }
-    let mut placement = nodes[nodes.len() - 1].placements[1];
+    Ok(nodes)
+}
+
+/// Where a transition of these nodes leads.
+fn leads_to(nodes: &[Blend], timeline: &Timeline, contacts: &Contacts) -> Placement {
+    let mut placement = nodes.last().map_or(Placement::IDENTITY, |last| last.placements[1]);
     if contacts.steers() {
-        placement.translation += carried(&stances(&nodes, contacts), timeline.fps());
+        placement.translation += carried(&stances(nodes, contacts, &Facings::default()), timeline.fps());
     }
-    Ok(Placement { heading: half_turn(placement.heading), ..placement })
+    Placement { heading: half_turn(placement.heading), ..placement }
 }
 
 /// How each part stands in a transition of these nodes: in the source, played on alone, and in the destination, played alone
 /// into where the nodes lead.
-fn stances(nodes: &[Blend], contacts: &Contacts) -> Vec<Stance> {
+fn stances(nodes: &[Blend], contacts: &Contacts, facings: &Facings) -> Vec<Stance> {
     let mut stances = vec![Stance::default(); contacts.parts()];
     let Some(last) = nodes.last() else { return stances };
     let destination = last.placements[1].after(&last.alone[1].inverse());
@@ -296,7 +347,8 @@ fn stances(nodes: &[Blend], contacts: &Contacts) -> Vec<Stance> {
             let alone = [node.alone[0], destination.after(&node.alone[1])];
             for side in 0..2 {
                 let contact = node.contact(side, part, contacts);
-                stance.see(side, contact.weight, ground_point(alone[side], contact.point));
+                let heading = alone[side].heading + node.facing(side, part, facings);
+                stance.see(side, contact.weight, ground_point(alone[side], contact.point), heading);
             }
         }
     }

@@ -88,3 +88,26 @@ impl Contacts {
         self.contacts.get(start..start.saturating_add(self.parts)).unwrap_or_default()
     }
 }
+
+/// Which way the parts of [`Contacts`] point in every frame: what the builder needs to know beside where they are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facings {
+    parts: usize,
+    /// Radians about +Y from a direction of the part's own, frame after frame.
+    facings: Vec<f32>,
+}
+
+impl Facings {
+    /// Facings of `parts` parts in radians about +Y, each from a direction of its own, frame after frame.
+    #[must_use]
+    pub fn new(parts: usize, facings: Vec<f32>) -> Self {
+        Self { parts, facings }
+    }
+
+    /// Which way a part points in `frame`; 0 where nothing is known of it.
+    #[must_use]
+    pub fn of(&self, frame: u32, part: usize) -> f32 {
+        let at = (frame as usize).saturating_mul(self.parts).saturating_add(part);
+        if part < self.parts { self.facings.get(at).copied().unwrap_or(0.0) } else { 0.0 }
+    }
+}

@@ -39,7 +39,13 @@ pub struct Transition {
     /// Placement of the destination's recorded frames once the source's stand as they were recorded (`Blend` of thesis
     /// algorithm 2, TVCG algorithm 1, followed to its end): `source_from_destination`.
     pub placement: Placement,
+    /// How far both sides are turned about +Y meanwhile, in radians, beyond what their own headings and the blend make of it,
+    /// so that the foot that bears does not turn on the ground; part of `placement`. A multiple of [`TURN_STEP`].
+    pub turn: f32,
 }
+
+/// [`Transition::turn`] is a multiple of this many radians.
+pub const TURN_STEP: f32 = 1.0 / 1024.0;
 
 impl Transition {
     /// E(i, j) = D + alpha L (TVCG equation 10; thesis equation 3.3).
@@ -126,6 +132,15 @@ impl EssentialGraph {
     #[must_use]
     pub fn with_contacts(self, contacts: Contacts) -> Self {
         Self { contacts, ..self }
+    }
+
+    /// The same graph, whose transitions turn besides, each by so many radians; those beyond the last number do not.
+    /// Their placements have to be found with the same turns.
+    #[must_use]
+    pub fn with_turns(mut self, turns: &[f32]) -> Self {
+        let turns = turns.iter().copied().chain(std::iter::repeat(0.0));
+        self.transitions.iter_mut().zip(turns).for_each(|(transition, turn)| transition.turn = turn);
+        self
     }
 
     /// The same graph, in whose transitions feet that stand stay where they are. Where its transitions lead does not change.

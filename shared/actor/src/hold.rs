@@ -2,7 +2,8 @@
 //!
 //! Not in the papers. A blend follows the centre of mass; where the destination has a foot elsewhere below it than the source,
 //! that foot has to go there. One that is in the air for a while in both takes its step then. One that never is would slide,
-//! or hop: for the one of these that stands most, the body goes where it is needed instead, as smoothly as the blend itself.
+//! or hop: for the one of these that stands most, the body goes where it is needed instead, as smoothly as the blend itself, and
+//! turns as far as that foot would otherwise turn on the ground.
 
 use glam::Vec2;
 
@@ -10,6 +11,8 @@ use glam::Vec2;
 const STEP: f32 = 0.2;
 /// The furthest that a body is carried, in metres.
 const FURTHEST: f32 = 0.5;
+/// The furthest that a body is turned, in radians.
+const FURTHEST_TURN: f32 = 0.6;
 /// What stands for less than this is no foot that could be held, in nodes.
 const LEAST: f32 = 1.0;
 
@@ -20,13 +23,16 @@ pub(crate) struct Stance {
     weights: [Vec<f32>; 2],
     /// For each side the sum of its places, each counting as firmly as it stands.
     sums: [Vec2; 2],
+    /// The same of the directions in which it points, as unit vectors (cosine, sine).
+    pointing: [Vec2; 2],
 }
 
 impl Stance {
-    /// At the next node a side has it at `place`, in metres along (X, Z), where it stands so firmly.
-    pub fn see(&mut self, side: usize, weight: f32, place: Vec2) {
+    /// At the next node a side has it at `place`, in metres along (X, Z), pointing to `heading`, where it stands so firmly.
+    pub fn see(&mut self, side: usize, weight: f32, place: Vec2, heading: f32) {
         self.weights[side].push(weight);
         self.sums[side] += weight * place;
+        self.pointing[side] += weight * Vec2::from_angle(heading);
     }
 
     fn total(&self, side: usize) -> f32 {
@@ -44,15 +50,29 @@ impl Stance {
     fn apart(&self) -> Vec2 {
         self.sums[0] / self.total(0) - self.sums[1] / self.total(1)
     }
+
+    /// From how it points in the destination to how it points in the source, in radians.
+    fn turned(&self) -> f32 {
+        let [source, destination] = self.pointing;
+        destination.angle_to(source)
+    }
+}
+
+/// Which part has least time to step, and how much of it has to stay, from 0 to 1; of parts alike, the one that stands longest.
+fn held(stances: &[Stance], fps: f32) -> Option<(&Stance, f32)> {
+    let width = ((STEP * fps).round() as usize).max(1);
+    let stand = stances.iter().filter(|stance| stance.total(0) >= LEAST && stance.total(1) >= LEAST);
+    let measured = stand.map(|stance| (stance, stance.in_the_way(width), stance.total(0).min(stance.total(1))));
+    let held = measured.max_by(|a, b| (a.1 * a.2).total_cmp(&(b.1 * b.2)));
+    held.map(|(stance, hold, _)| (stance, hold))
 }
 
 /// How far the destination has to be carried along (X, Z), in metres, so that the part stays that has least time to step.
 pub(crate) fn carried(stances: &[Stance], fps: f32) -> Vec2 {
-    let width = ((STEP * fps).round() as usize).max(1);
-    let held = stances
-        .iter()
-        .filter(|stance| stance.total(0) >= LEAST && stance.total(1) >= LEAST)
-        .map(|stance| (stance.in_the_way(width), stance.total(0).min(stance.total(1)), stance.apart()))
-        .max_by(|a, b| (a.0 * a.1).total_cmp(&(b.0 * b.1)));
-    held.map_or(Vec2::ZERO, |(hold, _, apart)| hold * apart.clamp_length_max(FURTHEST))
+    held(stances, fps).map_or(Vec2::ZERO, |(held, hold)| hold * held.apart().clamp_length_max(FURTHEST))
+}
+
+/// How far the destination has to be turned about +Y, in radians, so that this part does not turn on the ground.
+pub(crate) fn turned(stances: &[Stance], fps: f32) -> f32 {
+    held(stances, fps).map_or(0.0, |(held, hold)| hold * held.turned().clamp(-FURTHEST_TURN, FURTHEST_TURN))
 }

@@ -2,14 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
 
-use actor::blend::{Blend, transition_placement};
-use actor::contacts::{Contact, Contacts, Held};
-use actor::graph::Transition;
+use actor::blend::{Blend, transition_placement, transition_way};
+use actor::contacts::{Contact, Contacts, Facings, Held};
+use actor::graph::{TURN_STEP, Transition};
 use actor::motion::Motion;
 use actor::temporal_warp::{Move, TemporalWarp};
 use actor::timeline::{Sequence, Timeline};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use kernels::align::Placement;
+use kernels::scalar::half_turn;
 use proptest::prelude::*;
 
 const FRAMES: u32 = 16;
@@ -53,7 +54,7 @@ fn transition(motion: &Motion, contacts: &Contacts) -> Transition {
     let (ends, warp) = ((0, FRAMES + STEPS), TemporalWarp::new(vec![Move::Both; STEPS as usize]));
     let mut ground = motion;
     let placement = transition_placement(&timeline(), &mut ground, ends, &warp, contacts).unwrap();
-    Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement }
+    Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement, turn: 0.0 }
 }
 
 /// How far the transition takes a foot: from where its source has it to where its destination will.
@@ -159,10 +160,52 @@ fn a_segment_may_go_round_a_loop_more_than_once() {
     let (ends, warp) = ((0, 18), TemporalWarp::new(vec![Move::Both; 12]));
     let mut ground = &motion;
     let placement = transition_placement(&timeline, &mut ground, ends, &warp, &contacts).unwrap();
-    let transition = Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement };
+    let transition = Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement, turn: 0.0 };
     let mut blend = Blend::of(&timeline, &mut ground, &transition, Placement::IDENTITY, &contacts).unwrap();
     while let Some(next) = blend.next(&timeline, &mut ground, &transition.warp, &contacts).unwrap() {
         blend = next;
     }
     assert!(blend.placements[1].translation.distance(placement.translation) < 1e-4, "{blend:?}");
+}
+
+proptest! {
+    #[test]
+    fn a_body_turns_so_that_what_cannot_step_does_not(
+        sway in prop::array::uniform2(-0.1_f32..0.1),
+        points in prop::array::uniform2(-0.25_f32..0.25),
+    ) {
+        let feet: [Foot; 2] = [([Vec2::ZERO, Vec2::new(0.1, -0.05)], &always), ([Vec2::X; 2], &steps)];
+        let (motion, contacts) = scene(sway, &feet);
+        let facing = |frame: u32| [points[(frame / FRAMES) as usize], 0.4];
+        let facings = Facings::new(2, (0..2 * FRAMES).flat_map(facing).collect());
+        let (timeline, mut ground) = (timeline(), &motion);
+        let (ends, warp) = ((0, FRAMES + STEPS), TemporalWarp::new(vec![Move::Both; STEPS as usize]));
+        let way = transition_way(&timeline, &mut ground, ends, &warp, (&contacts, &facings)).unwrap();
+        let transition = Transition { from: ends.0, to: ends.1, deformation: 0.0, warp, placement: way.0, turn: way.1 };
+        prop_assert!(moved(&transition, &feet[0]) < 1e-3);
+        let facing = half_turn(transition.placement.heading + points[1] - points[0]);
+        prop_assert!(facing.abs() < TURN_STEP, "turns by {facing}");
+        let mut blend = Blend::of(&timeline, &mut ground, &transition, Placement::IDENTITY, &contacts).unwrap();
+        while let Some(next) = blend.next(&timeline, &mut ground, &transition.warp, &contacts).unwrap() {
+            blend = next;
+        }
+        let arrives = blend.placements[1];
+        prop_assert!(half_turn(arrives.heading - transition.placement.heading).abs() < 1e-4);
+        prop_assert!(arrives.translation.distance(transition.placement.translation) < 1e-4);
+    }
+}
+
+#[test]
+fn nothing_turns_far_nor_for_what_can_step() {
+    let place = [Vec2::ZERO, Vec2::new(0.1, 0.0)];
+    let turn = |stands: &dyn Fn(u32) -> bool, apart: f32| {
+        let (motion, contacts) = scene([0.0; 2], &[(place, stands)]);
+        let facings = Facings::new(1, (0..2 * FRAMES).map(|frame| apart * (frame / FRAMES) as f32).collect());
+        let warp = TemporalWarp::new(vec![Move::Both; STEPS as usize]);
+        let mut ground = &motion;
+        transition_way(&timeline(), &mut ground, (0, FRAMES + STEPS), &warp, (&contacts, &facings)).unwrap().1
+    };
+    assert!((turn(&always, 0.3) + 0.3).abs() < TURN_STEP);
+    assert!((turn(&always, 2.0) + 0.6).abs() < TURN_STEP);
+    assert_eq!((turn(&steps, 0.3), turn(&|_| false, 0.3)), (0.0, 0.0));
 }

@@ -14,7 +14,7 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, motion, rig, surface, ties};
+use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, motion, rig, surface, ties, turns};
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
@@ -321,6 +321,9 @@ fn drafts(input: &BundleInput, meta: &Meta, geometry: Geometry) -> Result<Vec<Dr
     }
     if !input.graph.ties().all().is_empty() {
         drafts.push(one(SectionKind::Ties, ties::encode(input.graph.ties())));
+    }
+    if let Some(turns) = turns::encode(input.graph.transitions()) {
+        drafts.push(one(SectionKind::Turns, turns));
     }
     drafts.push(one(SectionKind::Graph, graph));
     if let Some(motion) = motion_of(capture).as_ref().and_then(motion::encode) {

@@ -106,6 +106,7 @@ pub(super) fn decode(bytes: &[u8], count: u32, timeline: &Timeline) -> Result<Es
             deformation,
             warp: TemporalWarp::new(warp),
             placement: restored(placement),
+            turn: 0.0,
         });
         before = Before { from, to, high, moves, placement };
     }

@@ -30,6 +30,7 @@ mod sections;
 mod surface;
 mod ties;
 mod triangles;
+mod turns;
 mod validate;
 
 pub use alternatives::AlternativesDecoder;

@@ -13,7 +13,7 @@ use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
     AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, graph,
-    integers, layout, motion, rig, surface, ties,
+    integers, layout, motion, rig, surface, ties, turns,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -70,6 +70,7 @@ pub struct BundleReader {
     contacts: Contacts,
     feet: Feet,
     ties: Ties,
+    turns: Vec<f32>,
     looks: [ArrivedTextures; 2],
 }
 
@@ -446,7 +447,8 @@ impl BundleReader {
             let graph = graph::decode(&raw, meta.transition_count, timeline)?;
             let (contacts, feet) = (std::mem::take(&mut self.contacts), std::mem::take(&mut self.feet));
             let ties = std::mem::take(&mut self.ties);
-            self.graph = Some(graph.with_contacts(contacts).with_feet(feet).with_ties(ties));
+            let graph = graph.with_contacts(contacts).with_feet(feet).with_ties(ties);
+            self.graph = Some(graph.with_turns(&std::mem::take(&mut self.turns)));
             return Ok(());
         }
         if matches!(kind, SectionKind::Contacts | SectionKind::EarlierContacts) {
@@ -463,6 +465,14 @@ impl BundleReader {
             match self.graph.take() {
                 Some(graph) => self.graph = Some(graph.with_feet(feet)),
                 None => self.feet = feet,
+            }
+            return Ok(());
+        }
+        if kind == SectionKind::Turns {
+            let turns = turns::decode(&raw, meta.transition_count).map_err(wrong)?;
+            match self.graph.take() {
+                Some(graph) => self.graph = Some(graph.with_turns(&turns)),
+                None => self.turns = turns,
             }
             return Ok(());
         }
@@ -543,6 +553,7 @@ impl BundleReader {
             | SectionKind::Contacts
             | SectionKind::EarlierContacts
             | SectionKind::Feet
+            | SectionKind::Turns
             | SectionKind::FilePlace => {}
         }
         Ok(())

@@ -11,6 +11,7 @@ use actor::alternatives::{Alternatives, Stretch};
 use actor::capture::{Capture, Poses};
 use actor::contacts::{Contacts, Held};
 use actor::families::{Family, FamilyMember};
+use actor::graph::TURN_STEP;
 use actor::feet::Feet;
 use actor::files::{FaceRun, FileFaces, FilePlace, Files};
 use actor::motion::Motion;
@@ -37,6 +38,7 @@ const GOLDEN_WITH_TIES: &[u8] = include_bytes!("golden/v1.6-ties.reprise");
 const GOLDEN_WITH_RIG: &[u8] = include_bytes!("golden/v1.7-rig.reprise");
 const GOLDEN_WITH_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.8-alternatives.reprise");
 const GOLDEN_WITH_PARTS: &[u8] = include_bytes!("golden/v1.10-parts.reprise");
+const GOLDEN_WITH_TURNS: &[u8] = include_bytes!("golden/v1.12-turns.reprise");
 const GOLDEN_WITH_FAMILIES: &[u8] = include_bytes!("golden/v1.11-families.reprise");
 const GOLDEN_WITH_STEERING_CONTACTS: &[u8] = include_bytes!("golden/v1.9-contacts.reprise");
 const GOLDEN_WITH_FEET: &[u8] = include_bytes!("golden/v1.5-feet.reprise");
@@ -372,6 +374,35 @@ fn version_1_11_can_be_written_and_read() {
     let timeline = reader.timeline_with_families().unwrap().unwrap();
     assert_eq!((reader.header().unwrap().minor, timeline.families()), (11, &families[..]));
     assert_eq!(reader.timeline().unwrap().families(), [], "they are read where they are asked for");
+}
+
+#[test]
+fn version_1_12_can_be_written_and_read() {
+    let capture = pyramid();
+    let turns = |index: usize| ((index * 7919) % 1201) as f32 - 600.0;
+    let graph = graph_without_transcendentals(&capture);
+    let turns: Vec<f32> = (0..graph.transitions().len()).map(|index| turns(index) * TURN_STEP).collect();
+    let graph = graph.with_turns(&turns);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 10,
+        max_error: 0.001,
+        poisson_order: Some(&[4, 2, 0, 1, 3]),
+        generator: "reprise 0.1.0".into(),
+    };
+    let (bytes, _) = bundle::encode(&input).unwrap();
+    if bytes != GOLDEN_WITH_TURNS {
+        let path = format!("{}/written-turns.reprise", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, &bytes).unwrap();
+        panic!(
+            "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside it"
+        );
+    }
+    assert_eq!(validate(&bytes), []);
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    let read: Vec<f32> = reader.graph().unwrap().transitions().iter().map(|transition| transition.turn).collect();
+    assert_eq!((reader.header().unwrap().minor, read), (12, turns));
 }
 
 #[test]

@@ -9,6 +9,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use actor::files::Files;
+use actor::graph::TURN_STEP;
 use actor::pose_source::PoseSource;
 use bundle::{BundleError, BundleInput, BundleReader, SectionKind, Severity, VERSION_MAJOR, encode_with_rig, validate};
 use captures::{cloth, feet, graph, rig, ties};
@@ -45,6 +46,8 @@ fn small_bundle() -> Vec<u8> {
     let capture = cloth(4, 3, &[5, 3]);
     let feet = feet(capture.topology.vertex_count(), &capture.timeline);
     let graph = graph(&capture.timeline).with_feet(feet).with_ties(ties(&capture.topology));
+    let turns: Vec<f32> = (0..graph.transitions().len()).map(|index| (index % 100) as f32 * TURN_STEP).collect();
+    let graph = graph.with_turns(&turns);
     let order: Vec<u32> = (0..21).rev().collect();
     let generator = "reprise test".into();
     let poisson_order = Some(&order[..]);
@@ -157,6 +160,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Rig,
             SectionKind::BodyParts,
             SectionKind::Families,
+            SectionKind::Turns,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);

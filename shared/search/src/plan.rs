@@ -78,7 +78,7 @@ mod tests {
             timeline.offset(from, 2)?;
             timeline.offset(to, -2)?;
             let warp = TemporalWarp::new(vec![Move::Both; 2]);
-            Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY })
+            Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY, turn: 0.0 })
         };
         EssentialGraph::new(0.01, edges.iter().filter_map(jump).collect(), timeline).unwrap()
     }

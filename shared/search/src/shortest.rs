@@ -232,7 +232,7 @@ mod tests {
 
     fn transition(from: u32, to: u32, deformation: f32) -> Transition {
         let warp = TemporalWarp::new(vec![Move::Both; 2]);
-        Transition { from, to, deformation, warp, placement: Placement::IDENTITY }
+        Transition { from, to, deformation, warp, placement: Placement::IDENTITY, turn: 0.0 }
     }
 
     #[test]

@@ -76,7 +76,7 @@ fn scene(seed: u64) -> Scene {
         let mut memory = PoseMemory::default();
         let mut ground = PosesOnGround::new(&mut poses, topology.weights(), &mut memory);
         let placement = transition_placement(&timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
-        transitions.push(Transition { from, to, deformation: random.range(0.05, 0.3), warp, placement });
+        transitions.push(Transition { from, to, deformation: random.range(0.05, 0.3), warp, placement, turn: 0.0 });
     }
     let stands = (0..2 * first_frame).map(|_| random.below(3) > 0).collect();
     let feet = Feet::new(feet(), stands, vertex_count as usize, &timeline).unwrap();

@@ -172,7 +172,7 @@ fn what_stands_is_where_its_side_played_alone_has_it() {
         let mut ground = PosesOnGround::new(poses, topology.weights(), &mut memory);
         let none = Contacts::default();
         let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &none).unwrap();
-        let transition = Transition { from, to, deformation: 0.1, warp, placement };
+        let transition = Transition { from, to, deformation: 0.1, warp, placement, turn: 0.0 };
         let plain = EssentialGraph::new(0.01, vec![transition.clone()], timeline).unwrap();
         let share = |vertex: u32| match vertex / AROUND {
             0 => Some((255, 255)),

@@ -33,7 +33,7 @@ fn transition(
     let mut memory = PoseMemory::default();
     let mut ground = PosesOnGround::new(poses, topology.weights(), &mut memory);
     let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
-    Transition { from, to, deformation: 0.1, warp, placement }
+    Transition { from, to, deformation: 0.1, warp, placement, turn: 0.0 }
 }
 
 struct Played {

@@ -47,7 +47,7 @@ fn most_apart(ties: Ties) -> f32 {
     let topology = Topology::new(12, triangles(), vec![1.0; 12]).unwrap();
     let warp = TemporalWarp::new(vec![Move::Both; 9]);
     let placement = Placement { heading: 0.0, translation: Vec2::ZERO };
-    let transition = Transition { from: 2, to: 39, deformation: 1.0, warp, placement };
+    let transition = Transition { from: 2, to: 39, deformation: 1.0, warp, placement, turn: 0.0 };
     let graph = EssentialGraph::new(0.01, vec![transition], &timeline).unwrap().with_ties(ties);
     let mut synthesiser = Synthesiser::new(&topology, None).unwrap();
     let walk = Walk { legs: vec![Leg::Synthetic(0)], ..Walk::default() };

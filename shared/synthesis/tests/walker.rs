@@ -24,6 +24,7 @@ fn scene(edges: &[(u32, u32)]) -> (Timeline, EssentialGraph) {
         deformation: 0.125,
         warp: TemporalWarp::new(vec![Move::Both; 2]),
         placement: Placement::IDENTITY,
+        turn: 0.0,
     };
     let graph = EssentialGraph::new(0.01, edges.iter().map(jump).collect(), &timeline).unwrap();
     (timeline, graph)

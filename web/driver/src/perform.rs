@@ -140,7 +140,7 @@ impl Performance {
             let mut ground = PosesOnGround::new(&mut source, &weights, &mut memory);
             let placement = transition_placement(&timeline, &mut ground, (from, to), &warp, &Contacts::default());
             let placement = placement.map_err(|_| misfit())?;
-            transitions.push(Transition { from, to, deformation: 0.0, warp, placement });
+            transitions.push(Transition { from, to, deformation: 0.0, warp, placement, turn: 0.0 });
         }
         let (to, from) = (transitions[0].to, transitions[1].from);
         let home = placement.after(&transitions[0].placement).after(&transitions[1].placement);

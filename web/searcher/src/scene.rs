@@ -59,6 +59,7 @@ fn write_transition(writer: &mut Writer, transition: &Transition) {
     writer.number(transition.to);
     writer.float(transition.deformation);
     writer.placement(&transition.placement);
+    writer.float(transition.turn);
     let moves = transition.warp.moves();
     writer.number(moves.len() as u32);
     for chunk in moves.chunks(MOVES_A_WORD) {
@@ -68,6 +69,7 @@ fn write_transition(writer: &mut Writer, transition: &Transition) {
 
 fn read_transition(reader: &mut Reader) -> Option<Transition> {
     let (from, to, deformation, placement) = (reader.number()?, reader.number()?, reader.float()?, reader.placement()?);
+    let turn = reader.float()?;
     let count = reader.number()? as usize;
     let mut moves = Vec::new();
     while moves.len() < count {
@@ -77,7 +79,7 @@ fn read_transition(reader: &mut Reader) -> Option<Transition> {
             moves.push(steps.find(|&step| step as u32 == word >> (2 * place) & 3)?);
         }
     }
-    Some(Transition { from, to, deformation, warp: TemporalWarp::new(moves), placement })
+    Some(Transition { from, to, deformation, warp: TemporalWarp::new(moves), placement, turn })
 }
 
 impl Known {

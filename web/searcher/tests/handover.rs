@@ -37,6 +37,7 @@ fn known(seed: u64) -> Known {
         deformation: float().abs(),
         warp: TemporalWarp::new((0..from as usize).map(|at| moves[at * at % 3]).collect()),
         placement: placement(&mut float),
+        turn: float(),
     });
     let transitions: Vec<_> = transitions.filter(|transition| fits(&timeline, transition)).collect();
     assert!(transitions.len() > 2);

@@ -43,7 +43,7 @@ pub fn jump(timeline: &Timeline, from: u32, to: u32) -> Option<Transition> {
     timeline.offset(from, 2)?;
     timeline.offset(to, -2)?;
     let warp = TemporalWarp::new(vec![Move::Both; 2]);
-    Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY })
+    Some(Transition { from, to, deformation: 0.125, warp, placement: Placement::IDENTITY, turn: 0.0 })
 }
 
 const CORNERS: [Vec3; 4] =

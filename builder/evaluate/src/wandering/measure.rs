@@ -159,6 +159,7 @@ mod tests {
             deformation: 1.0,
             warp: TemporalWarp::new(vec![Move::Both; 2]),
             placement: Placement::IDENTITY,
+            turn: 0.0,
         };
         let graph = EssentialGraph::new(0.01, vec![transition(5, 10), transition(13, 2)], &timeline).unwrap();
         let recorded = |first, last: u32| Leg::Recorded { first, last, steps: last - first };

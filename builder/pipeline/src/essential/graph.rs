@@ -1,8 +1,8 @@
 //! From the edges that are kept to the graph that the player walks: their warps, and where they lead.
 
-use actor::blend::transition_placement;
+use actor::blend::transition_way;
 use actor::capture::Capture;
-use actor::contacts::Contacts;
+use actor::contacts::{Contacts, Facings};
 use actor::graph::{EssentialGraph, GraphError, Transition};
 use actor::ground::Ground;
 use actor::pose_source::PoseError;
@@ -50,7 +50,7 @@ pub struct GraphInput<'a> {
 
 /// The essential graph of `capture` from the transitions that are kept.
 ///
-/// `contacts` are what its transitions keep still; none of them, and they follow the papers alone.
+/// `contacts` are what its transitions keep still, and which way these point; none of them, and they follow the papers alone.
 ///
 /// The warp of each edge is found again here, since only costs and lengths are kept for all pairs.
 ///
@@ -61,7 +61,7 @@ pub fn build_graph(
     input: &GraphInput,
     kept: &Candidates,
     alpha: f64,
-    contacts: Contacts,
+    (contacts, facings): (Contacts, Facings),
 ) -> Result<EssentialGraph, BuildError> {
     let timeline = &capture.timeline;
     let centres = capture.poses.ground_centres(capture.topology.weights());
@@ -76,8 +76,8 @@ pub fn build_graph(
                 .find(from, to, cost.source_length.into(), cost.destination_length.into())
                 .map_err(|cause| BuildError::TemporalWarp { from, to, cause })?;
             let mut ground = Recorded { headings: input.headings, centres: &centres };
-            let placement = transition_placement(timeline, &mut ground, (from, to), &warp, &contacts)?;
-            Ok(Transition { from, to, deformation: cost.deformation, warp, placement })
+            let (placement, turn) = transition_way(timeline, &mut ground, (from, to), &warp, (&contacts, &facings))?;
+            Ok(Transition { from, to, deformation: cost.deformation, warp, placement, turn })
         })
         .collect::<Result<Vec<_>, BuildError>>()?;
     Ok(EssentialGraph::new(alpha, transitions, timeline)?.with_contacts(contacts))

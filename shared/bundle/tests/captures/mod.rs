@@ -122,6 +122,7 @@ pub fn graph(timeline: &Timeline) -> EssentialGraph {
                     heading: (from as f32 * 0.3 - to as f32 * 0.2).sin(),
                     translation: Vec2::new(from as f32 * 0.03, -(to as f32) * 0.01),
                 },
+                turn: 0.0,
             };
             let (li, lj) = transition.warp.lengths();
             let room = timeline.offset(from, li as i64 - 1).is_some() && timeline.offset(to, 1 - lj as i64).is_some();

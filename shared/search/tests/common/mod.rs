@@ -77,7 +77,7 @@ pub mod random_scene {
                 let mut ground = motion;
                 let placement =
                     transition_placement(timeline, &mut ground, (from, to), &warp, &Contacts::default()).unwrap();
-                made.push(Transition { from, to, deformation: random.range(0.05, 2.0), warp, placement });
+                made.push(Transition { from, to, deformation: random.range(0.05, 2.0), warp, placement, turn: 0.0 });
             }
         }
         made
