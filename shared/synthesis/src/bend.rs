@@ -5,13 +5,14 @@
 //! ([`actor::feet`]); between two stances it goes from one to the other while it is in the air.
 
 use actor::blend::ease;
-use actor::feet::{Feet, FootVertex, SHARE_STEP};
+use actor::feet::{Feet, FootVertex};
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::Leg;
 use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 
+use crate::lean::{lean, share};
 use crate::steps::foot_steps;
 use crate::walker::{Step, Walker};
 
@@ -128,11 +129,12 @@ impl Bending {
     }
 
     /// Puts a finished frame where it belongs.
-    pub fn apply(&mut self, feet: &Feet, pose: &mut [Vec3]) {
+    pub fn apply(&mut self, feet: &Feet, weights: &[f32], pose: &mut [Vec3]) {
         let here = self.at(self.taken);
         if here != Placement::IDENTITY {
             here.apply_all(pose);
         }
+        let mut carried = Vec3::ZERO;
         for (index, foot) in self.feet.iter_mut().enumerate() {
             let (from, to) = foot.places(self.taken, here);
             foot.now = Some(to.map_or(from, |(to, share)| between(&from, &to, share)));
@@ -142,9 +144,10 @@ impl Bending {
                     let [a, b] = [from, to.map_or(from, |to| to.0)].map(|place| place.after(&back).apply(point));
                     a.lerp(b, to.map_or(0.0, |to| to.1))
                 };
-                step(feet.vertices(index), moved, pose);
+                carried += step(feet.vertices(index), moved, weights, pose);
             }
         }
+        lean(feet, carried, weights, pose);
     }
 }
 
@@ -171,8 +174,8 @@ fn between(from: &Placement, to: &Placement, share: f32) -> Placement {
     }
 }
 
-/// Moves a foot as a whole, and its leg with it.
-fn step(vertices: &[FootVertex], moved: impl Fn(Vec3) -> Vec3, pose: &mut [Vec3]) {
+/// Moves a foot as a whole, and its leg with it. Returns how far that carries the centre of mass by `weights`.
+fn step(vertices: &[FootVertex], moved: impl Fn(Vec3) -> Vec3, weights: &[f32], pose: &mut [Vec3]) -> Vec3 {
     let (mut by, mut weight) = (Vec3::ZERO, 0.0);
     for vertex in vertices {
         let point = pose[vertex.vertex as usize];
@@ -180,11 +183,15 @@ fn step(vertices: &[FootVertex], moved: impl Fn(Vec3) -> Vec3, pose: &mut [Vec3]
         weight += f32::from(vertex.sole);
     }
     by /= weight;
+    let mut carried = Vec3::ZERO;
     for vertex in vertices {
         let point = &mut pose[vertex.vertex as usize];
         let besides = moved(*point) - *point - by;
-        *point += by * (f32::from(vertex.leg) * SHARE_STEP) + besides * (f32::from(vertex.sole) * SHARE_STEP);
+        let by = by * share(vertex.leg) + besides * share(vertex.sole);
+        *point += by;
+        carried += by * weights[vertex.vertex as usize];
     }
+    carried
 }
 
 /// For each foot whether it stands now and after each of the next steps of a route, `most` of them.

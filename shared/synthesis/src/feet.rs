@@ -1,14 +1,15 @@
 //! Puts the feet of a blended frame where they stand.
 //!
 //! Not in the papers. The whole foot goes where it is wanted, and what is around it follows by as much as it is said to follow
-//! ([`actor::feet`]): a field that was found once, so that nothing is solved here. Work and memory are those of the vertices
-//! of the legs.
+//! ([`actor::feet`]): a field that was found once, so that nothing is solved here. Work and memory are those
+//! of the vertices of the legs, and a pass over all that leans ([`crate::lean`]).
 
 use actor::blend::Blend;
-use actor::feet::{Feet, FootVertex, SHARE_STEP};
+use actor::feet::{Feet, FootVertex};
 use glam::Vec3;
 use kernels::align::Placement;
 
+use crate::lean::{lean, share};
 use crate::steps::FootStep;
 
 /// A foot that goes far is lifted by this much of its own size: by 6 cm or so.
@@ -33,17 +34,27 @@ pub(crate) fn alone(blend: &Blend, last: &Placement) -> [Placement; 2] {
     [blend.alone[0].after(&blend.placements[0].inverse()), destination.after(&blend.placements[1].inverse())]
 }
 
-/// Moves the feet of `pose`, a blend of `sides` at `node`, to where their steps have them.
-pub(crate) fn keep(feet: &Feet, steps: &[Option<FootStep>], node: usize, sides: &Sides, pose: &mut [Vec3]) {
+/// Moves the feet of `pose`, a blend of `sides` at `node`, to where their steps have them, and the body so that its centre of
+/// mass by `weights`, which have a sum of 1, stays above where it was.
+pub(crate) fn keep(
+    feet: &Feet,
+    steps: &[Option<FootStep>],
+    node: usize,
+    sides: &Sides,
+    weights: &[f32],
+    pose: &mut [Vec3],
+) {
     let blended: Vec<Option<Moved>> = (0..feet.count())
         .map(|foot| Some(Moved::of(feet.vertices(foot), steps.get(foot).copied()??, node, sides, pose)))
         .collect();
     // All feet are looked at before the first is moved: where two meet, their order must not count.
+    let mut carried = Vec3::ZERO;
     for (foot, moved) in blended.into_iter().enumerate() {
         if let Some(moved) = moved {
-            moved.apply(feet.vertices(foot), pose);
+            carried += moved.apply(feet.vertices(foot), weights, pose);
         }
     }
+    lean(feet, carried, weights, pose);
 }
 
 /// How a foot moves.
@@ -69,7 +80,7 @@ impl Moved {
         let besides = |vertex: &FootVertex| {
             let own = here(vertex) - middle;
             let apart = (at(0, vertex) - source - own) * before + (at(1, vertex) - destination - own) * after;
-            apart * (f32::from(vertex.sole) * SHARE_STEP)
+            apart * share(vertex.sole)
         };
         let besides: Vec<Vec3> = vertices.iter().map(besides).collect();
         let mut by = source.lerp(destination, weight) - middle;
@@ -90,10 +101,15 @@ impl Moved {
         Self { by, besides }
     }
 
-    fn apply(&self, vertices: &[FootVertex], pose: &mut [Vec3]) {
+    /// Moves it. Returns how far that carries the centre of mass.
+    fn apply(&self, vertices: &[FootVertex], weights: &[f32], pose: &mut [Vec3]) -> Vec3 {
+        let mut carried = Vec3::ZERO;
         for (vertex, &besides) in vertices.iter().zip(&self.besides) {
-            pose[vertex.vertex as usize] += self.by * (f32::from(vertex.leg) * SHARE_STEP) + besides;
+            let (index, by) = (vertex.vertex as usize, self.by * share(vertex.leg) + besides);
+            pose[index] += by;
+            carried += by * weights[index];
         }
+        carried
     }
 }
 

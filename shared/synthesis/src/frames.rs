@@ -188,7 +188,8 @@ impl FrameMaker {
                 if is_done {
                     ahead.effort = Some(interpolator.finish(&mut ahead.pose));
                     self.components.hold(over.graph.ties(), &self.placed, blend.lambda, &mut ahead.pose);
-                    keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, &mut ahead.pose)?;
+                    let plan = self.plan.as_ref();
+                    keep_feet(over.graph, plan, (index, &blend), (&self.placed, &self.weights), &mut ahead.pose)?;
                 }
                 Ok(Piece { more: !is_done, factorised })
             }
@@ -198,6 +199,11 @@ impl FrameMaker {
                 Err(PoseError::Damaged(frame))
             }
         }
+    }
+
+    /// Weights of the vertices in the centre of mass, with a sum of 1.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
     }
 
     /// Whether the first node of this transition is made.
@@ -276,7 +282,7 @@ impl FrameMaker {
         let effort = interpolator.interpolate(source, destination, blend.lambda, out);
         let effort = effort.map_err(|_| PoseError::Damaged(source.frame))?;
         self.components.hold(over.graph.ties(), &self.placed, blend.lambda, out);
-        keep_feet(over.graph, self.plan.as_ref(), index, &blend, &self.placed, out)?;
+        keep_feet(over.graph, self.plan.as_ref(), (index, &blend), (&self.placed, &self.weights), out)?;
         Ok((Standing::Node { transition: index, blend }, effort))
     }
 
@@ -333,15 +339,14 @@ impl Ahead {
 fn keep_feet(
     graph: &EssentialGraph,
     plan: Option<&Plan>,
-    index: u32,
-    blend: &Blend,
-    placed: &[Vec<Vec3>; 2],
+    (index, blend): (u32, &Blend),
+    (placed, weights): (&[Vec<Vec3>; 2], &[f32]),
     pose: &mut [Vec3],
 ) -> Result<(), PoseError> {
     let Some(plan) = plan.filter(|plan| plan.transition == index && graph.feet().count() > 0) else { return Ok(()) };
     let end = blend.start.after(&transition(graph, index)?.placement);
     let sides = Sides { placed, alone: feet::alone(blend, &end.after(&plan.alone.inverse())) };
-    feet::keep(graph.feet(), &plan.steps, blend.node, &sides, pose);
+    feet::keep(graph.feet(), &plan.steps, blend.node, &sides, weights, pose);
     Ok(())
 }
 

@@ -17,6 +17,7 @@
 mod bend;
 mod feet;
 mod frames;
+mod lean;
 pub mod steps;
 mod ties;
 mod varied;
@@ -422,7 +423,7 @@ impl Synthesiser {
             self.enter(source, frame);
             self.maker.recorded(source, frame, placement, out)?;
             self.is_due = false;
-            self.bending.apply(graph.feet(), out);
+            self.bending.apply(graph.feet(), self.maker.weights(), out);
             return Ok(Some(self.info(standing, Effort::default())));
         }
         let Some(step) = self.walker.next(timeline) else { return Ok(None) };
@@ -433,7 +434,7 @@ impl Synthesiser {
         self.walker.take(graph, timeline);
         self.standing = Some(standing);
         self.bending.take();
-        self.bending.apply(graph.feet(), out);
+        self.bending.apply(graph.feet(), self.maker.weights(), out);
         self.settle();
         if matches!(step, Step::Node { .. }) {
             self.coming = None;
