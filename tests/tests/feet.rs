@@ -9,8 +9,11 @@ use actor::capture::{Capture, Poses};
 use actor::feet::Feet;
 use actor::graph::EssentialGraph;
 use actor::pose_source::{PoseError, PoseSource};
+use actor::timeline::{Sequence, Timeline};
 use actor::walk::Walk;
 use capture_io::import::{ImportOptions, import};
+use capture_io::mocap::{MocapOptions, read_clip};
+use drive::{Mapping, MappingFile, retarget};
 use glam::{Vec3, Vec3Swizzles};
 use job::Job;
 use kernels::align::Placement;
@@ -170,4 +173,37 @@ fn a_captured_actor_stands_in_transitions() {
     let inputs = files.map(|files| files[0].parent().unwrap().to_str().unwrap().to_owned());
     let options = ImportOptions { fps: Some(25.0), ..ImportOptions::default() };
     check(&import(&inputs, &options, &Job::silent()).unwrap().capture, 1.5);
+}
+
+/// Real movements on a body that is known: clips of motion capture, done by the performer.
+fn stranger() -> Capture {
+    let folder = tempfile::tempdir().unwrap();
+    let small = PerformerOptions { frames: 600, vertices: 1_500, texture_size: 128, ..PerformerOptions::default() };
+    write_performer(&small, folder.path(), &|_| ()).unwrap();
+    let inputs = [folder.path().to_str().unwrap().to_owned()];
+    let performer = import(&inputs, &ImportOptions::default(), &Job::silent()).unwrap().capture;
+    let (topology, fps) = (&performer.topology, performer.timeline.fps());
+    let rig = rig::estimate(topology, &performer.poses, &rig::RigOptions::default()).unwrap().rig;
+    let body = drive::body(&rig, &performer.poses).unwrap();
+    let (mut sequences, mut positions, mut first_frame) = (Vec::new(), Vec::new(), 0);
+    for name in ["02_01", "02_04"] {
+        let mocap = fixtures::data().join("mocap");
+        let files = format!("{}+{}", mocap.join("02.asf").display(), mocap.join(format!("{name}.amc")).display());
+        let clip = read_clip(&files, &MocapOptions::default()).unwrap().clip;
+        let mapping = Mapping::of(&clip, &MappingFile::default()).unwrap();
+        let driven = retarget((&clip, &mapping), &body, (topology, None), (&performer.poses, fps)).unwrap();
+        let frame_count = driven.poses.len() as u32;
+        sequences.push(Sequence { name: name.into(), labels: vec![], first_frame, frame_count, cyclic: false });
+        first_frame += frame_count;
+        positions.extend(driven.poses.into_iter().flatten());
+    }
+    let poses = Poses::from_positions(topology.vertex_count(), positions);
+    let timeline = Timeline::new(fps, sequences).unwrap();
+    Capture::new("stranger", topology.clone(), performer.surface, timeline, poses).unwrap()
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn a_stranger_stands_in_transitions() {
+    check(&stranger(), 1.5);
 }
