@@ -69,6 +69,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Rig
         | SectionKind::Alternatives
         | SectionKind::BodyParts
+        | SectionKind::FoundParts
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::encode::is_permutation;
 use super::error::BundleError;
+use super::found_parts::FoundParts;
 use super::geometry::decode::{ChunkBytes, FrameDecoder};
 use super::geometry::model::Model;
 use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, SectionEntry};
@@ -12,8 +13,8 @@ use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
-    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, graph,
-    integers, layout, motion, rig, surface, ties,
+    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, found_parts,
+    graph, integers, layout, motion, rig, surface, ties,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -62,8 +63,9 @@ pub struct BundleReader {
     rig: Option<Vec<u8>>,
     /// The section as it is: it is read in pieces.
     alternatives: Option<Vec<u8>>,
-    /// The section as it is: the page does not want it.
+    /// The sections as they are: read when they are asked for.
     body_parts: Option<Vec<u8>>,
+    found_parts: Option<Vec<u8>>,
     /// The section as it is: the page reads it by itself.
     families: Option<Vec<u8>>,
     motion: Option<Motion>,
@@ -265,6 +267,16 @@ impl BundleReader {
         let (Some(bytes), Some(topology)) = (&self.body_parts, &self.topology) else { return Ok(None) };
         let parts = body_parts::decode(bytes, topology);
         parts.map(Some).map_err(|reason| BundleError::section(SectionKind::BodyParts, reason))
+    }
+
+    /// The parts of the body that were found, where the bundle says; `None` also where it does not.
+    ///
+    /// # Errors
+    /// A section that does not hold parts of this mesh.
+    pub fn found_parts(&self) -> Result<Option<FoundParts>, BundleError> {
+        let (Some(bytes), Some(topology)) = (&self.found_parts, &self.topology) else { return Ok(None) };
+        let parts = found_parts::decode(bytes, topology);
+        parts.map(Some).map_err(|reason| BundleError::section(SectionKind::FoundParts, reason))
     }
 
     /// The section of families as it is, for whoever reads it elsewhere; `None` also where the bundle has none.
@@ -514,6 +526,7 @@ impl BundleReader {
             SectionKind::Rig => self.rig = Some(raw),
             SectionKind::Alternatives => self.alternatives = Some(raw),
             SectionKind::BodyParts => self.body_parts = Some(raw),
+            SectionKind::FoundParts => self.found_parts = Some(raw),
             SectionKind::Families => self.families = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
