@@ -239,7 +239,7 @@ fn alternatives_draft(all: &Alternatives, capture: &Capture) -> Result<Option<Dr
     if Alternatives::new(modes, stretches, capture.topology.vertex_count(), &capture.timeline).is_none() {
         return Err(EncodeError::Inconsistent("the alternatives are those of another capture".into()));
     }
-    Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all) }))
+    Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all, &capture.topology) }))
 }
 
 /// The section of painted parts of this capture.

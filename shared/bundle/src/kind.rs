@@ -54,7 +54,9 @@ pub enum SectionKind {
     Ties,
     /// Bones, joints and weights, by which edits move the body. Since 1.7.
     Rig,
-    /// Motion that differs from recorded stretches. Since 1.8.
+    /// As `Alternatives`, coded more plainly. Since 1.8; written until 1.13.
+    EarlierAlternatives,
+    /// Motion that differs from recorded stretches. Since 1.14.
     Alternatives,
     /// Which part of the body each vertex belongs to, as it was painted. Since 1.10.
     BodyParts,
@@ -70,7 +72,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -93,6 +95,7 @@ impl SectionKind {
         Self::Feet,
         Self::Ties,
         Self::Rig,
+        Self::EarlierAlternatives,
         Self::Alternatives,
         Self::BodyParts,
         Self::Families,
@@ -127,11 +130,12 @@ impl SectionKind {
             Self::Feet => 66,
             Self::Ties => 67,
             Self::Rig => 68,
-            Self::Alternatives => 69,
+            Self::EarlierAlternatives => 69,
             Self::Contacts => 70,
             Self::BodyParts => 71,
             Self::Families => 72,
             Self::FoundParts => 90,
+            Self::Alternatives => 91,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -169,6 +173,7 @@ impl SectionKind {
             Self::Feet => "feet",
             Self::Ties => "ties",
             Self::Rig => "rig",
+            Self::EarlierAlternatives => "earlier-alternatives",
             Self::Alternatives => "alternatives",
             Self::BodyParts => "body-parts",
             Self::Families => "families",
@@ -189,11 +194,11 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
-            Self::FoundParts => 14,
+            Self::FoundParts | Self::Alternatives => 14,
             Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,
-            Self::Alternatives => 8,
+            Self::EarlierAlternatives => 8,
             Self::Rig => 7,
             Self::Ties => 6,
             Self::Feet => 5,

@@ -67,6 +67,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Order
         | SectionKind::Ties
         | SectionKind::Rig
+        | SectionKind::EarlierAlternatives
         | SectionKind::Alternatives
         | SectionKind::BodyParts
         | SectionKind::FoundParts

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::alternatives::Coding as AlternativesCoding;
 use super::encode::is_permutation;
 use super::error::BundleError;
 use super::found_parts::FoundParts;
@@ -62,7 +63,7 @@ pub struct BundleReader {
     /// The section as it is: the page hands it on.
     rig: Option<Vec<u8>>,
     /// The section as it is: it is read in pieces.
-    alternatives: Option<Vec<u8>>,
+    alternatives: Option<(Vec<u8>, AlternativesCoding)>,
     /// The sections as they are: read when they are asked for.
     body_parts: Option<Vec<u8>>,
     found_parts: Option<Vec<u8>>,
@@ -303,8 +304,8 @@ impl BundleReader {
     /// A section that does not hold any.
     pub fn take_alternatives(&mut self) -> Result<Option<AlternativesDecoder>, BundleError> {
         let (Some(topology), Some(timeline)) = (&self.topology, &self.timeline) else { return Ok(None) };
-        let Some(bytes) = self.alternatives.take() else { return Ok(None) };
-        let decoder = AlternativesDecoder::new(bytes, topology.vertex_count(), timeline);
+        let Some((bytes, coding)) = self.alternatives.take() else { return Ok(None) };
+        let decoder = AlternativesDecoder::new(bytes, coding, topology, timeline);
         decoder.map(Some).map_err(|reason| BundleError::section(SectionKind::Alternatives, reason))
     }
 
@@ -524,7 +525,10 @@ impl BundleReader {
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::Rig => self.rig = Some(raw),
-            SectionKind::Alternatives => self.alternatives = Some(raw),
+            SectionKind::EarlierAlternatives => {
+                self.alternatives.get_or_insert((raw, AlternativesCoding::Earlier));
+            }
+            SectionKind::Alternatives => self.alternatives = Some((raw, AlternativesCoding::Later)),
             SectionKind::BodyParts => self.body_parts = Some(raw),
             SectionKind::FoundParts => self.found_parts = Some(raw),
             SectionKind::Families => self.families = Some(raw),

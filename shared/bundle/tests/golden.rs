@@ -36,6 +36,7 @@ const GOLDEN_WITH_FILES: &[u8] = include_bytes!("golden/v1.4-files.reprise");
 const GOLDEN_WITH_TIES: &[u8] = include_bytes!("golden/v1.6-ties.reprise");
 const GOLDEN_WITH_RIG: &[u8] = include_bytes!("golden/v1.7-rig.reprise");
 const GOLDEN_WITH_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.8-alternatives.reprise");
+const GOLDEN_WITH_LATER_ALTERNATIVES: &[u8] = include_bytes!("golden/v1.14-alternatives.reprise");
 const GOLDEN_WITH_PARTS: &[u8] = include_bytes!("golden/v1.10-parts.reprise");
 const GOLDEN_WITH_FOUND_PARTS: &[u8] = include_bytes!("golden/v1.14-found-parts.reprise");
 const GOLDEN_WITH_FAMILIES: &[u8] = include_bytes!("golden/v1.11-families.reprise");
@@ -276,7 +277,7 @@ fn version_1_7_can_be_written_and_read() {
 }
 
 #[test]
-fn version_1_8_can_be_written_and_read() {
+fn alternatives_of_version_1_14_can_be_written_and_those_of_1_8_read() {
     let capture = pyramid();
     let graph = graph_without_transcendentals(&capture);
     let input = BundleInput {
@@ -294,7 +295,7 @@ fn version_1_8_can_be_written_and_read() {
     let mut extras = Extras::default();
     extras.alternatives = Some(&all);
     let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
-    if bytes != GOLDEN_WITH_ALTERNATIVES {
+    if bytes != GOLDEN_WITH_LATER_ALTERNATIVES {
         let path = format!("{}/written-alternatives.reprise", env!("CARGO_TARGET_TMPDIR"));
         std::fs::write(&path, &bytes).unwrap();
         panic!(
@@ -303,7 +304,10 @@ fn version_1_8_can_be_written_and_read() {
     }
     assert_eq!(validate(&bytes), []);
     let mut reader = BundleReader::from_bytes(&bytes).unwrap();
-    assert_eq!((reader.header().unwrap().minor, reader.read_alternatives()), (8, Ok(Some(all))));
+    assert_eq!((reader.header().unwrap().minor, reader.read_alternatives()), (14, Ok(Some(all.clone()))));
+    let mut earlier = BundleReader::from_bytes(GOLDEN_WITH_ALTERNATIVES).unwrap();
+    assert_eq!((earlier.header().unwrap().minor, earlier.read_alternatives()), (8, Ok(Some(all))));
+    assert_eq!(validate(GOLDEN_WITH_ALTERNATIVES), []);
     assert_eq!(reader.read_alternatives(), Ok(None), "they are taken");
 }
 

@@ -1,11 +1,16 @@
-//! Variety: whenever a walk comes to a stretch that has alternatives, one of them is drawn, and never the same twice in a row.
+//! Variety: whenever a walk comes to a stretch that has alternatives, two of them are drawn and mixed, by an angle that is drawn, too: what
+//! is shown is never the same again.
+//!
+//! What alternatives differ by from the recording are samples d of one process about it (thesis section 6.6). For small differences
+//! it is Gaussian, so that d(a) cos x + d(b) sin x is another sample of it for every angle x.
 
 use std::sync::Arc;
 
 use actor::alternatives::Alternatives;
 use actor::pose_source::{PoseError, PoseSource};
 use glam::Vec3;
-use kernels::random::mix;
+use kernels::random::{mix, signed};
+use kernels::scalar::sin_cos;
 
 /// Which alternative is shown now, and how the next one is drawn. The same seed draws the same for the same walk.
 #[derive(Clone, Debug)]
@@ -16,19 +21,23 @@ pub struct Varied {
     amount: f32,
     /// Draws so far.
     drawn: u64,
-    /// The stretch, its alternative, and the amount that it was begun with.
-    present: Option<(usize, usize, f32)>,
-    /// What was drawn last of each stretch: an alternative's number and one, or 0 for the recording.
-    last: Vec<u16>,
+    present: Option<Present>,
+}
+
+/// What is shown now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Present {
+    stretch: usize,
+    /// Two alternatives and how much of each.
+    shares: [(usize, f32); 2],
 }
 
 impl Varied {
     /// Draws from `alternatives` by `seed`; `amount` is the share of their differences that is added, from 0 to 1.
     #[must_use]
     pub fn new(alternatives: Arc<Alternatives>, seed: u64, amount: f32) -> Self {
-        let last = vec![0; alternatives.stretches().len()];
         let amount = if amount.is_finite() { amount.clamp(0.0, 1.0) } else { 0.0 };
-        Self { alternatives, seed, amount, drawn: 0, present: None, last }
+        Self { alternatives, seed, amount, drawn: 0, present: None }
     }
 
     /// Takes another amount, from the next stretch on.
@@ -42,10 +51,10 @@ impl Varied {
         self.amount
     }
 
-    /// The stretch that is shown now and its alternative, by number; `None` where it is as recorded.
+    /// The stretch that is shown now and the alternative that it has most of, by number; `None` where it is as recorded.
     #[must_use]
     pub fn present(&self) -> Option<(usize, usize)> {
-        self.present.map(|(stretch, alternative, _)| (stretch, alternative))
+        self.present.map(|Present { stretch, shares: [a, b] }| (stretch, if a.1.abs() >= b.1.abs() { a.0 } else { b.0 }))
     }
 
     /// The recording again, at once: whether anything changes.
@@ -57,7 +66,7 @@ impl Varied {
     pub fn enters(&mut self, frame: u32) -> bool {
         let stretches = self.alternatives.stretches();
         let before = self.present;
-        if let Some((stretch, ..)) = before {
+        if let Some(Present { stretch, .. }) = before {
             let stretch = &stretches[stretch];
             if stretch.first < frame && frame < stretch.last {
                 return false;
@@ -70,28 +79,34 @@ impl Varied {
         before.is_some() || self.present.is_some()
     }
 
-    /// Draws one of the alternatives of these stretches, or the recording, which counts as one more of each.
+    /// Draws one of these stretches, and a mixture of its alternatives.
     fn draw(&mut self, beginning: std::ops::Range<usize>) {
-        let stretches = self.alternatives.stretches();
-        let choices: Vec<(usize, u16)> = beginning
-            .flat_map(|stretch| (0..=stretches[stretch].coefficients.len() as u16).map(move |choice| (stretch, choice)))
-            .filter(|&(stretch, choice)| self.last[stretch] != choice)
-            .collect();
-        if choices.is_empty() {
+        let choice = mix(self.seed, self.drawn);
+        let Some(stretch) = choice.checked_rem(beginning.len() as u64).map(|k| beginning.start + k as usize) else {
             return;
-        }
-        let (stretch, choice) = choices[(mix(self.seed, self.drawn) % choices.len() as u64) as usize];
+        };
         self.drawn += 1;
-        self.last[stretch] = choice;
-        self.present = choice.checked_sub(1).map(|alternative| (stretch, alternative.into(), self.amount));
+        let count = self.alternatives.stretches()[stretch].coefficients.len();
+        let shares = mixture(choice, count).map(|(alternative, share)| (alternative, self.amount * share));
+        self.present = Some(Present { stretch, shares });
     }
 
     /// Adds to the recorded `pose` of `frame` what it is more now.
     pub fn add(&self, frame: u32, pose: &mut [Vec3]) {
-        if let Some((stretch, alternative, amount)) = self.present {
-            self.alternatives.add((stretch, alternative), frame, amount, pose);
+        if let Some(Present { stretch, shares }) = &self.present {
+            self.alternatives.add_mixed(*stretch, shares, frame, pose);
         }
     }
+}
+
+/// Two of `count` alternatives, and how much there is of each: the squares of shares add up to 1. Of one alternative there is some share.
+#[must_use]
+pub fn mixture(seed: u64, count: usize) -> [(usize, f32); 2] {
+    let (sin, cos) = sin_cos(std::f32::consts::PI * signed(seed, 0));
+    let below = |draw: u64, count: usize| mix(seed, draw).checked_rem(count as u64).unwrap_or(0) as usize;
+    let first = below(1, count);
+    let Some(others) = count.checked_sub(1).filter(|others| *others > 0) else { return [(0, cos), (0, 0.0)] };
+    [(first, cos), ((first + 1 + below(2, others)) % count, sin)]
 }
 
 /// Poses of a source with variety.
@@ -138,34 +153,45 @@ mod tests {
     }
 
     #[test]
-    fn alternatives_are_never_the_same_twice_in_a_row() {
+    fn what_is_shown_never_comes_again() {
         let mut varied = varied(1);
-        let mut shown: Vec<Vec<Option<usize>>> = vec![Vec::new(); 4];
-        let mut recorded = 0;
-        for frame in (0..200).flat_map(|_| 0..30) {
+        let mut shown: Vec<Vec<f32>> = vec![Vec::new(); 4];
+        for frame in (0..300).flat_map(|_| 0..30) {
             let before = varied.present();
             let changed = varied.enters(frame);
             let now = varied.present();
             assert!(changed || before == now);
             let mut pose = [Vec3::ZERO];
             varied.add(frame, &mut pose);
-            match now {
-                Some((stretch, alternative)) => {
-                    let ends = &varied.alternatives.stretches()[stretch];
-                    assert!((ends.first..ends.last).contains(&frame));
-                    if frame == ends.first {
-                        assert_eq!(pose[0], Vec3::ZERO, "it begins in the recording");
-                        shown[stretch].push(Some(alternative));
-                    }
-                }
-                None => recorded += 1,
+            let Some((stretch, _)) = now else {
+                assert_eq!(pose[0], Vec3::ZERO);
+                continue;
+            };
+            let ends = &varied.alternatives.stretches()[stretch];
+            assert!((ends.first..ends.last).contains(&frame));
+            match frame - ends.first {
+                0 => assert_eq!(pose[0], Vec3::ZERO, "it begins in the recording"),
+                1 => shown[stretch].push(pose[0].x),
+                _ => assert_eq!(shown[stretch].last(), Some(&pose[0].x), "it goes on as it began"),
             }
         }
-        assert!(recorded > 300, "the recording is shown as well");
-        assert!(shown.iter().all(|one| one.len() > 30));
-        let again = |one: &Vec<Option<usize>>| one.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        // What the recording was in between may come again.
-        assert!(shown.iter().all(|one| again(one) < one.len() / 3));
+        for one in &mut shown {
+            assert!(one.len() > 80, "every stretch is shown");
+            let square = one.iter().map(|x| x * x).sum::<f32>() / one.len() as f32;
+            // One to three steps of 0.1 mm: their mean square is that of mixtures, too.
+            assert!((square.sqrt() * 1e4 - (14.0_f32 / 3.0).sqrt()).abs() < 0.4, "{square}");
+            one.sort_by(f32::total_cmp);
+            assert!(one.windows(2).all(|pair| pair[0] != pair[1]));
+        }
+    }
+
+    #[test]
+    fn mixtures_are_of_two_that_differ_and_as_far_as_one() {
+        for (seed, count) in (0..200).map(|k| (k, 2 + k as usize % 5)) {
+            let [(a, x), (b, y)] = mixture(seed, count);
+            assert!(a != b && a < count && b < count && (x * x + y * y - 1.0).abs() < 1e-5);
+        }
+        assert_eq!((mixture(3, 1)[0].0, mixture(3, 1)[1], mixture(3, 0)[0].0), (0, (0, 0.0), 0));
     }
 
     #[test]
