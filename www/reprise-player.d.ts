@@ -363,7 +363,7 @@ export interface PlayerState {
   heading: number;
   /** Median time to make a synthetic frame, in milliseconds. */
   synthesis_ms: number;
-  /** Which alternative of the recorded stretch is shown, from 1; none where it is as recorded. */
+  /** The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded. */
   alternative?: number;
 }
 

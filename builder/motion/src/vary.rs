@@ -144,8 +144,7 @@ impl Drawn {
             let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
             let recorded = |frame: u32| poses.frame(frame).to_vec();
             lift(&mut own, stretches, least(amount, size), &|own| distance(own, numbers, &recorded));
-            own.par_iter_mut()
-                .for_each(|one| hold_edges(one, stretches, numbers, topology.triangles(), &recorded));
+            own.par_iter_mut().for_each(|one| hold_edges(one, stretches, numbers, topology.triangles(), &recorded));
             for (number, one) in of_cut().zip(own) {
                 self.differences[number] = one;
             }

@@ -262,7 +262,8 @@ impl AlternativesDecoder {
     fn mode(&mut self, decoder: &mut Decoder) -> Result<Vec<[i8; 3]>, &'static str> {
         let lines = self.models.step.decode(decoder);
         let step = i32::try_from(lines >> 1).ok().filter(|step| (1..=i32::from(i16::MAX) + 1).contains(step));
-        self.lines.push(Lines { step: step.ok_or("has a step of coefficients that is none")?, straight: lines & 1 == 1 });
+        self.lines
+            .push(Lines { step: step.ok_or("has a step of coefficients that is none")?, straight: lines & 1 == 1 });
         let mut mode: Vec<[i8; 3]> = Vec::with_capacity(self.neighbours.len());
         for vertex in 0..self.neighbours.len() {
             let mut part = [0_i8; 3];

@@ -3,6 +3,9 @@
 //!
 //! What alternatives differ by from the recording are samples d of one process about it (thesis section 6.6). For small differences
 //! it is Gaussian, so that d(a) cos x + d(b) sin x is another sample of it for every angle x.
+//!
+//! Walks seldom come to the first frame of a stretch: transitions lead into its middle. There the recording, or the mixture that was shown
+//! of the same stretch, goes over into a new one.
 
 use std::sync::Arc;
 
@@ -22,14 +25,31 @@ pub struct Varied {
     /// Draws so far.
     drawn: u64,
     present: Option<Present>,
+    /// The frame that was entered last.
+    entered: Option<u32>,
 }
 
+/// Frames over which one mixture goes over into another.
+const EASE: u32 = 12;
+
 /// What is shown now.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Present {
     stretch: usize,
-    /// Two alternatives and how much of each.
-    shares: [(usize, f32); 2],
+    /// How much of each alternative.
+    shares: Vec<f32>,
+    /// The same before, and the frame from which on it goes over.
+    before: Vec<f32>,
+    since: u32,
+}
+
+impl Present {
+    /// How much of each alternative is shown in a frame.
+    fn at(&self, frame: u32) -> Vec<f32> {
+        let x = (frame.abs_diff(self.since) as f32 / EASE as f32).min(1.0);
+        let share = x * x * (3.0 - 2.0 * x);
+        self.shares.iter().zip(&self.before).map(|(now, before)| before + share * (now - before)).collect()
+    }
 }
 
 impl Varied {
@@ -37,7 +57,7 @@ impl Varied {
     #[must_use]
     pub fn new(alternatives: Arc<Alternatives>, seed: u64, amount: f32) -> Self {
         let amount = if amount.is_finite() { amount.clamp(0.0, 1.0) } else { 0.0 };
-        Self { alternatives, seed, amount, drawn: 0, present: None }
+        Self { alternatives, seed, amount, drawn: 0, present: None, entered: None }
     }
 
     /// Takes another amount, from the next stretch on.
@@ -54,47 +74,73 @@ impl Varied {
     /// The stretch that is shown now and the alternative that it has most of, by number; `None` where it is as recorded.
     #[must_use]
     pub fn present(&self) -> Option<(usize, usize)> {
-        self.present.map(|Present { stretch, shares: [a, b] }| (stretch, if a.1.abs() >= b.1.abs() { a.0 } else { b.0 }))
+        let Present { stretch, shares, .. } = self.present.as_ref()?;
+        let most = (0..shares.len()).max_by(|&a, &b| shares[a].abs().total_cmp(&shares[b].abs()));
+        most.map(|most| (*stretch, most))
     }
 
     /// The recording again, at once: whether anything changes.
     pub fn leave(&mut self) -> bool {
+        self.entered = None;
         self.present.take().is_some()
     }
 
     /// See [`PoseSource::enters`].
     pub fn enters(&mut self, frame: u32) -> bool {
-        let stretches = self.alternatives.stretches();
-        let before = self.present;
-        if let Some(Present { stretch, .. }) = before {
-            let stretch = &stretches[stretch];
-            if stretch.first < frame && frame < stretch.last {
-                return false;
-            }
-            self.present = None;
+        let jumped = self.entered.replace(frame).is_none_or(|before| before.abs_diff(frame) > 1);
+        let inside = |stretch: usize| {
+            let stretch = &self.alternatives.stretches()[stretch];
+            stretch.first < frame && frame < stretch.last
+        };
+        let before = self.present.take_if(|present| !inside(present.stretch) || jumped);
+        if self.present.is_some() {
+            return false;
         }
+        let was = before.is_some();
+        let left = before.filter(|present| inside(present.stretch));
         if self.amount > 0.0 {
-            self.draw(self.alternatives.beginning(frame));
+            self.draw(frame, left.as_ref());
         }
-        before.is_some() || self.present.is_some()
+        // What was shown goes on where nothing new is drawn.
+        if self.present.is_none() {
+            self.present = left;
+        }
+        was || self.present.is_some()
     }
 
-    /// Draws one of these stretches, and a mixture of its alternatives.
-    fn draw(&mut self, beginning: std::ops::Range<usize>) {
+    /// Draws a mixture of a stretch that begins in `frame`; or of one that has been come into the middle of, where there is time for it.
+    fn draw(&mut self, frame: u32, left: Option<&Present>) {
+        let stretches = self.alternatives.stretches();
+        let mut choices: Vec<usize> = self.alternatives.beginning(frame).collect();
+        if choices.is_empty() {
+            let time = |k: &usize| stretches[*k].first < frame && frame + 2 * EASE < stretches[*k].last;
+            choices = match left {
+                Some(left) => Some(left.stretch).filter(time).into_iter().collect(),
+                None => (0..stretches.len()).filter(time).collect(),
+            };
+        }
         let choice = mix(self.seed, self.drawn);
-        let Some(stretch) = choice.checked_rem(beginning.len() as u64).map(|k| beginning.start + k as usize) else {
-            return;
-        };
+        let Some(stretch) = choice.checked_rem(choices.len() as u64).map(|k| choices[k as usize]) else { return };
         self.drawn += 1;
-        let count = self.alternatives.stretches()[stretch].coefficients.len();
-        let shares = mixture(choice, count).map(|(alternative, share)| (alternative, self.amount * share));
-        self.present = Some(Present { stretch, shares });
+        let count = stretches[stretch].coefficients.len();
+        let mut shares = vec![0.0; count];
+        for (alternative, share) in mixture(choice, count) {
+            shares[alternative] += self.amount * share;
+        }
+        let begins = stretches[stretch].first == frame;
+        let before = match left.filter(|left| left.stretch == stretch) {
+            Some(left) => left.at(frame),
+            None if begins => shares.clone(),
+            None => vec![0.0; count],
+        };
+        self.present = Some(Present { stretch, shares, before, since: frame });
     }
 
     /// Adds to the recorded `pose` of `frame` what it is more now.
     pub fn add(&self, frame: u32, pose: &mut [Vec3]) {
-        if let Some(Present { stretch, shares }) = &self.present {
-            self.alternatives.add_mixed(*stretch, shares, frame, pose);
+        if let Some(present) = &self.present {
+            let shares: Vec<(usize, f32)> = present.at(frame).into_iter().enumerate().collect();
+            self.alternatives.add_mixed(present.stretch, &shares, frame, pose);
         }
     }
 }
@@ -186,8 +232,44 @@ mod tests {
     }
 
     #[test]
+    fn who_comes_into_the_middle_of_a_stretch_goes_over_into_a_mixture() {
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 100, cyclic: true };
+        let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
+        let coefficients = vec![vec![900; 98], vec![-700; 98], vec![500; 98]];
+        let stretch = Stretch { first: 0, last: 99, headings: vec![0; 98], coefficients };
+        let all = Alternatives::new(vec![vec![[127, 0, 0]]], vec![stretch], 1, &timeline).unwrap();
+        let mut varied = Varied::new(Arc::new(all), 5, 1.0);
+        let shown = |varied: &Varied, frame: u32| {
+            let mut pose = [Vec3::ZERO];
+            varied.add(frame, &mut pose);
+            pose[0].x
+        };
+        // Passes from frame 20 to frame 80 and back into 20 by a transition.
+        let mut ends = Vec::new();
+        for pass in 0..20 {
+            let landed = shown(&varied, 20);
+            assert!(varied.enters(20), "something new is drawn");
+            assert!((shown(&varied, 20) - landed).abs() < 1e-6, "nothing jumps in pass {pass}");
+            assert!(pass > 0 || landed == 0.0, "it came from the recording");
+            let mut before = landed;
+            for frame in 21..=80 {
+                assert!(!varied.enters(frame));
+                let now = shown(&varied, frame);
+                assert!((now - before).abs() < 0.03, "{before} to {now}");
+                before = now;
+            }
+            ends.push(before);
+        }
+        ends.sort_by(f32::total_cmp);
+        assert!(ends.windows(2).all(|pair| pair[0] != pair[1]) && ends[19] - ends[0] > 0.05, "{ends:?}");
+        // Too late for it: what is left of the stretch is too short.
+        let mut late = Varied { drawn: 0, present: None, entered: None, ..varied };
+        assert!(!late.enters(90) && late.present().is_none());
+    }
+
+    #[test]
     fn mixtures_are_of_two_that_differ_and_as_far_as_one() {
-        for (seed, count) in (0..200).map(|k| (k, 2 + k as usize % 5)) {
+        for (seed, count) in (0..200_u64).map(|k| (k, 2 + k as usize % 5)) {
             let [(a, x), (b, y)] = mixture(seed, count);
             assert!(a != b && a < count && b < count && (x * x + y * y - 1.0).abs() < 1e-5);
         }

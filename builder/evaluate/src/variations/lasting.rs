@@ -68,7 +68,8 @@ fn measured(shown: &[Pass], seconds: f64) -> Lasting {
         for (before, now) in shown.iter().zip(&shown[shift..]) {
             let mut pass = 0.0;
             for (a, b) in before.iter().zip(now) {
-                let apart = a.iter().zip(b).map(|(a, b)| f64::from(a.distance(*b))).sum::<f64>() / a.len().max(1) as f64;
+                let apart =
+                    a.iter().zip(b).map(|(a, b)| f64::from(a.distance(*b))).sum::<f64>() / a.len().max(1) as f64;
                 run = if apart <= ALIKE { run + 1 } else { 0 };
                 longest = longest.max(run);
                 pass += apart / now.len().max(1) as f64;
