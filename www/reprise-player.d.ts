@@ -4,9 +4,9 @@
  * Frames are counted over the whole capture, from 0; `info.sequences` tells where each sequence begins. Times are in
  * seconds, lengths in metres (+Y up, the ground is XZ), angles in radians.
  *
- * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `theme`, `speed`, `quickness`, `variety`, `camera`,
+ * Attributes: `src`, `poster`, `alt`, `loading`, `controls`, `autoplay`, `loop`, `tint`, `parts`, `theme`, `speed`, `quickness`, `variety`, `camera`,
  * `originals`, `tool`; each has the property below. Slots: `bar`, `poster`, `progress`, `error`. Parts for styling: `player`, `bar`,
- * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `error`. Custom properties: `--reprise-accent`,
+ * `tools`, `stage`, `score`, `dock`, `transport`, `walk`, `facts`, `legend`, `error`. Custom properties: `--reprise-accent`,
  * `--reprise-background`, `--reprise-font`.
  */
 export class ReprisePlayer extends HTMLElement {
@@ -26,6 +26,8 @@ export class ReprisePlayer extends HTMLElement {
   loop: boolean;
   /** Whether the actor is tinted green where recorded and red where synthetic. */
   tint: boolean;
+  /** Whether the parts of the body have their colours, with their names beside them, where the actor has parts. */
+  parts: boolean;
   /** `null` follows the page's `prefers-color-scheme`. */
   theme: 'light' | 'dark' | null;
   /** 1 is the capture's own speed. */
@@ -61,6 +63,8 @@ export class ReprisePlayer extends HTMLElement {
    * `goTo({ behaviour: 'gait@1.4' })` goes to the member nearest to 1.4.
    */
   readonly families: (Family & { value: number | null })[];
+  /** The parts of the body with the colours that `parts` shows them in; none until `load`, or where the actor has none. */
+  readonly bodyParts: { name: string; colour: string }[];
   /** Targets that wait for their turn. */
   readonly queued: (Target | Held)[];
   /**
@@ -359,7 +363,7 @@ export interface PlayerState {
   heading: number;
   /** Median time to make a synthetic frame, in milliseconds. */
   synthesis_ms: number;
-  /** Which alternative of the recorded stretch is shown, from 1; none where it is as recorded. */
+  /** The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded. */
   alternative?: number;
 }
 

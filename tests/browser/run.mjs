@@ -18,12 +18,13 @@ import { tests as page } from './tests/page.mjs';
 import { tests as element } from './tests/element.mjs';
 import { tests as lives } from './tests/lives.mjs';
 import { tests as frameworks } from './tests/frameworks.mjs';
+import { tests as parts } from './tests/parts.mjs';
 import { tests as keys } from './tests/keys.mjs';
 import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, frameworks, tools, keys, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, frameworks, tools, parts, keys, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 

@@ -35,6 +35,7 @@ export function actionsOf(core, host) {
     },
     facts: () => view.toggleFacts() || core.loop?.request(),
     tint: () => (host.tint = !host.tint),
+    parts: () => core.view.parts.all.length > 0 && (host.parts = !host.parts),
     compare: () => core.view.looks.toggle(),
     poses: () => core.togglePoses(),
     loop: () => (host.loop = !host.loop),

@@ -65,7 +65,7 @@ for (const name of ['src', 'poster', 'alt', 'camera', 'originals']) {
   define(name, function () { return this.getAttribute(name) ?? ''; }, function (value) { reflect(this, name, value); });
 }
 
-for (const name of ['controls', 'autoplay', 'loop', 'tint']) {
+for (const name of ['controls', 'autoplay', 'loop', 'tint', 'parts']) {
   define(name, function () { return this.hasAttribute(name); }, function (on) { this.toggleAttribute(name, Boolean(on)); });
 }
 

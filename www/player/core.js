@@ -88,6 +88,7 @@ export class Core {
         if (this.failed) view.fail(this.failed, true);
         view.score.wantThumbnails();
         this.showGhosts(true);
+        this.showParts();
         this.toolbox.stageOpened();
         if (first) this.dispatch('ready', { info: this.director.info });
         this.loop?.request();
@@ -96,6 +97,8 @@ export class Core {
         const { session, director: { player, info } } = this;
         view.score.setArcs(player.arcs(info.transitions));
         view.progress.hide();
+        view.parts.arrived(player);
+        this.showParts();
         this.toolbox.open(this.director);
         this.loop?.request();
         // Tools that are wanted are a part of what loads.
@@ -245,6 +248,11 @@ export class Core {
 
   look(frame, place = null, focus = false) {
     if (this.director?.info) this.view.preview.at(frame, place, focus);
+  }
+
+  showParts() {
+    this.guard(() => this.view.parts.show(this.host.parts, this.view.stage.alive() ? this.view.stage.stage : null, this.director?.player));
+    this.redraw();
   }
 
   togglePoses() {

@@ -16,7 +16,7 @@ import { fromHash, toHash } from './tools/link.js';
 import { buildView } from './view.js';
 
 export class ReprisePlayer extends AttributeElement {
-  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool', 'quickness', 'variety'];
+  static observedAttributes = ['src', 'poster', 'alt', 'loading', 'controls', 'loop', 'tint', 'parts', 'theme', 'speed', 'camera', 'originals', 'tool', 'quickness', 'variety'];
 
   #core = null;
   #actions = null;
@@ -146,6 +146,7 @@ export class ReprisePlayer extends AttributeElement {
       theme: dark ? 'dark' : 'light',
       background: view.background(),
       tint: this.tint,
+      parts: this.parts,
       grid: true,
       path: true,
       reduced_motion: view.calm.matches,
@@ -153,6 +154,7 @@ export class ReprisePlayer extends AttributeElement {
     view.stage.home = parseCamera(this.camera);
     view.setAlt(this.alt);
     view.setTint(this.tint);
+    this.#core.showParts();
     view.transport.setLoop(this.loop);
     view.transport.setSpeed(this.speed);
     director?.tell('set_loop', this.loop);
@@ -169,6 +171,7 @@ export class ReprisePlayer extends AttributeElement {
   get playing() { return this.info ? this.#core.director.player.playing() : false; }
   get behaviours() { return [...(this.info?.behaviours ?? [])]; }
   get families() { return this.info ? this.#core.director.families : []; }
+  get bodyParts() { return (this.#core?.view.parts.all ?? []).map((part) => ({ ...part })); }
   get answer() { return this.#core?.toolbox.answer ?? null; }
   get queued() { return [...(this.#core?.queue.targets ?? [])]; }
 

@@ -37,7 +37,7 @@ export class Facts {
     this.row('transitions', walk ? String(walk.transitions) : '–');
     this.group('Actor');
     this.row('frame', String(Math.round(state.frame)));
-    if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'Which variation of the recorded stretch is shown');
+    if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'The variation of the recorded stretch that most is shown of; another one is mixed in');
     // Where none is performed, the figure is a dash.
     for (const { name, parameter, unit, value } of families) this.row(`${words(name)}, ${parameter}`, `${figure(value)} ${unit}`);
     this.row('surface', `${info.vertices.toLocaleString('en')} vertices, ${info.triangles.toLocaleString('en')} triangles`);

@@ -11,6 +11,7 @@ export const KEYS = [
   { keys: ['1', '2', '3', '4', '5', '6'], shown: '1 to 6', does: 'choose a tool: pose, place, path, timing, wander, edit', act: 'tool' },
   { keys: ['f'], shown: 'F', does: 'facts', act: 'facts' },
   { keys: ['t'], shown: 'T', does: 'tint: recorded green, synthetic red', act: 'tint' },
+  { keys: ['b'], shown: 'B', does: 'parts of the body in colours', act: 'parts' },
   { keys: ['p'], shown: 'P', does: 'poses around the actor', act: 'poses' },
   { keys: ['c'], shown: 'C', does: 'compare ways of changing the texture', act: 'compare' },
   { keys: ['l'], shown: 'L', does: 'loop', act: 'loop' },

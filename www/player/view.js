@@ -6,6 +6,7 @@ import { Facts } from './facts.js';
 import { title } from './format.js';
 import { ProgressBar } from './loading.js';
 import { Looks } from './looks.js';
+import { Parts } from './parts.js';
 import { Preview } from './preview.js';
 import { Score } from './score.js';
 import { StageView } from './stage-view.js';
@@ -67,6 +68,7 @@ class View {
     this.factsChip = button('facts', 'Cost, duration, deformation, frame time (F)', act.facts, { 'aria-expanded': 'false' });
     this.posesChip = button('poses', 'Poses the actor can reach, shown around it (P)', act.poses, { 'aria-pressed': 'false' });
     this.tintChip = button('tint', 'Recorded green, synthetic red (T)', act.tint, { 'aria-pressed': 'false' });
+    this.parts = new Parts(act.parts);
     this.keysChip = button('keys', 'What the keys do (?)', act.help);
     this.poster = h('img', { class: 'poster', alt: '', hidden: true });
     this.dock = h('div', { class: 'dock', part: 'dock' });
@@ -82,7 +84,8 @@ class View {
       slot('poster', this.poster),
       this.facts.root,
       h('div', { class: 'chips left' }, this.factsChip),
-      h('div', { class: 'chips right' }, this.looks.chip, this.posesChip, this.tintChip, this.keysChip),
+      h('div', { class: 'chips right' }, this.looks.chip, this.posesChip, this.parts.chip, this.tintChip, this.keysChip),
+      this.parts.legend,
       this.looks.list,
       slot('progress', this.progress.root),
       slot('error', this.error.root),
@@ -127,6 +130,7 @@ class View {
     this.score.placeholder();
     this.preview.at(-1);
     this.looks.forget();
+    this.parts.forget();
     this.preview.tooltip.hide();
     this.error.hide();
     this.progress.hide();

@@ -104,6 +104,74 @@ fn a_capture_of_the_target_with_the_sources_sequences_comes_out() {
     refused(&run(&["-o", "alone"]), "is not empty");
 }
 
+/// What a bundle or a capture says of itself.
+fn inspected(folder: &Path, input: &str) -> Value {
+    serde_json::from_str(&done(&builder(folder, &["inspect", input, "--json"]))).unwrap()
+}
+
+#[test]
+fn a_capture_of_new_sequences_alone_keeps_what_is_true_of_the_target() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let performer =
+        ["performer", "--vertices", "1500", "--texture-size", "128", "--frames", "120", "--rate", "10", "-q", "-o"];
+    done(&builder(folder, &[&performer[..], &["man", "--figure", "man"]].concat()));
+    let first = fs::read_dir(folder.join("man/walk")).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
+    let text = String::from_utf8_lossy(&fs::read(first).unwrap()).into_owned();
+    let count: usize = match text.lines().find_map(|line| line.strip_prefix("element vertex ")) {
+        Some(count) => count.parse().unwrap(),
+        None => text.lines().filter(|line| line.starts_with("v ")).count(),
+    };
+    // Half a metre a unit, another name, two parts, and weights that are no areas.
+    let manifest = fs::read_to_string(folder.join("man/capture.toml")).unwrap();
+    let edited = manifest.replacen("\"Performer\"", "\"Paul\"", 1).replacen("unit = 1.0", "unit = 0.5", 1);
+    assert!(edited.contains("Paul") && edited.contains("unit = 0.5"), "{edited}");
+    let more = "parts = \"parts.txt\"\nweights = \"weights.txt\"\n";
+    fs::write(folder.join("man/capture.toml"), format!("{more}{edited}")).unwrap();
+    let numbers = |of: &dyn Fn(usize) -> String| (0..count).map(|v| of(v) + "\n").collect::<String>();
+    fs::write(folder.join("man/parts.txt"), numbers(&|v| if v < count / 3 { "3" } else { "5" }.into())).unwrap();
+    fs::write(folder.join("man/weights.txt"), numbers(&|v| format!("{}", 1 + v % 7))).unwrap();
+    done(&builder(folder, &["pack", "man", "-o", "man.reprise", "-q"]));
+    keys(folder, &[("walk", 0, "walk", 0), ("walk", 4, "walk", 4), ("walk", 9, "walk", 9)]);
+    for (target, out) in [("man", "of-capture"), ("man.reprise", "of-bundle")] {
+        let transfer = [
+            "transfer",
+            "--from",
+            "man.reprise",
+            "--to",
+            target,
+            "--keys",
+            "keys.toml",
+            "--sequences",
+            "walk",
+            "--alone",
+        ];
+        done(&builder(folder, &[&transfer[..], &["-q", "-o", out]].concat()));
+        let packed = format!("{out}.reprise");
+        done(&builder(folder, &["pack", out, "-o", &packed, "-q"]));
+        let [was, is] = ["man.reprise", &packed].map(|bundle| inspected(folder, bundle));
+        assert_eq!((&is["name"], &is["files"]), (&was["name"], &was["files"]), "{out}");
+        assert_eq!(was["files"]["metres_per_unit"], 0.5);
+        let [before, after] = ["man.reprise", &packed].map(|bundle| {
+            let reader = bundle::BundleReader::from_bytes(&fs::read(folder.join(bundle)).unwrap()).unwrap();
+            (
+                reader.body_parts().unwrap().unwrap(),
+                reader.topology().unwrap().weights().to_vec(),
+                reader.meta().unwrap().bounds(),
+            )
+        });
+        assert_eq!(before.0, after.0, "{out}: parts");
+        let off = before.1.iter().zip(&after.1).map(|(a, b)| (a / before.1[0] - b / after.1[0]).abs());
+        assert!(off.fold(0.0, f32::max) < 0.01, "{out}: weights");
+        let height = |(low, high): (glam::Vec3, glam::Vec3)| high.y - low.y;
+        assert!(
+            height(after.2) > 0.7 * height(before.2) && height(after.2) < 1.1 * height(before.2),
+            "{out}: {:?}",
+            after.2
+        );
+    }
+}
+
 /// The page of key poses draws these.
 fn maps(folder: &Path) {
     let told: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/transfer.json")).unwrap()).unwrap();

@@ -19,6 +19,9 @@ use crate::vary::{CUTS, Varied};
 const LEARNED: usize = 600;
 /// Modes are added until so much is missing (root mean square), as a part of the body's height: half a millimetre of 1.8 m.
 const MISSING: f64 = 0.000_28;
+/// What rounding of modes, and of coefficients, may add to that, likewise: each mode is rounded the finer the more it moves, so that
+/// all together miss this in the fewest bytes (thesis section 4.5 does so with textures; it is the filling of waters in reverse).
+const ROUNDED: [f64; 2] = [0.000_1, 0.000_06];
 /// A sole counts so many times as much as other surface: what stands must not slide.
 const SOLE: f32 = 8.0;
 
@@ -76,8 +79,25 @@ struct FoundStretch {
 struct Mode {
     bytes: Vec<[i8; 3]>,
     shape: Vec<Vec3>,
-    /// Its largest part in metres.
-    most: f32,
+    /// Steps of its coefficient that one unit of the shape is.
+    unit: f32,
+    /// Its coefficients are multiples of this, a power of two.
+    multiple: f32,
+}
+
+impl Mode {
+    /// The mode of a shape of which one unit moves the surface by a metre in the mean square: parts rounded to `step`, coefficients
+    /// to `coefficient`, or finer.
+    fn of(shape: Vec<Vec3>, step: f64, coefficient: f64) -> Self {
+        let most = shape.iter().map(|part| part.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
+        let largest = (most / step as f32).ceil().clamp(1.0, MODE_STEPS);
+        let byte = |part: f32| (part / most * largest).round() as i8;
+        let bytes = shape.iter().map(|part| part.to_array().map(byte)).collect();
+        let unit = most * MODE_STEPS / (largest * COEFFICIENT_STEP);
+        let multiple = (coefficient as f32 * unit).max(1.0).log2().floor().clamp(0.0, 12.0);
+        let multiple = 2.0_f32.powi(multiple as i32);
+        Self { bytes, shape, unit, multiple }
+    }
 }
 
 struct Making<'a> {
@@ -169,24 +189,27 @@ impl Making<'_> {
         let found = eigen(rows.times_transposed(&rows).values(), count);
         let height = height(self.capture);
         let mut missing: f64 = found.values.iter().filter(|value| **value > 0.0).sum();
-        let mut modes = Vec::new();
-        for (value, vector) in found.values.iter().zip(&found.vectors) {
+        let mut kept = 0;
+        for value in &found.values {
             let is_enough = missing <= (MISSING * height).powi(2) * count as f64;
-            if modes.len() == MOST_MODES || is_enough || *value <= f64::MIN_POSITIVE {
+            if kept == MOST_MODES || is_enough || *value <= f64::MIN_POSITIVE {
                 break;
             }
             missing -= value;
+            kept += 1;
+        }
+        let [parts, coefficients] = ROUNDED.map(|missing| missing * height / (kept as f64).sqrt());
+        let mode = |(value, vector): (&f64, &Vec<f64>)| {
             let mut shape = vec![Vec3::ZERO; root.len()];
             for (sample, entry) in samples.iter().zip(vector) {
                 let share = (entry / value.sqrt()) as f32;
                 shape.iter_mut().zip(sample).for_each(|(sum, moved)| *sum += share * *moved);
             }
-            let most = shape.iter().map(|part| part.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
-            let byte = |part: f32| (part / most * MODE_STEPS).round() as i8;
-            let bytes = shape.iter().map(|part| part.to_array().map(byte)).collect();
-            modes.push(Mode { bytes, shape, most });
-        }
-        modes
+            // Rounding to a step misses a root of a twelfth of it, in each of three coordinates.
+            let step = 2.0 * parts / (value / count as f64).sqrt();
+            Mode::of(shape, step, 12.0_f64.sqrt() * coefficients)
+        };
+        found.values.iter().zip(&found.vectors).take(kept).map(mode).collect()
     }
 
     /// Adds the stretches of a sequence, as they are stored.
@@ -233,8 +256,10 @@ impl Making<'_> {
         for mode in modes {
             let product = |((shape, moved), weight): ((&Vec3, &Vec3), &f32)| f64::from(shape.dot(*moved) * weight);
             let value: f64 = mode.shape.iter().zip(&left).zip(&self.weights).map(product).sum();
-            let steps = (value as f32 * mode.most / COEFFICIENT_STEP).round();
-            let stored = steps.clamp(f32::from(i16::MIN), f32::from(i16::MAX)) as i16;
+            let steps = (value as f32 * mode.unit / mode.multiple).round() * mode.multiple;
+            // The largest multiple that can be stored.
+            let most = 32_768.0 - mode.multiple;
+            let stored = steps.clamp(-most, most) as i16;
             coefficients.push(stored);
             // As it will be added.
             let step = f32::from(stored) * COEFFICIENT_STEP / MODE_STEPS;

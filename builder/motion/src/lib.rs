@@ -10,5 +10,6 @@ pub mod alternatives;
 pub mod body;
 pub mod hold;
 pub mod numbers;
+mod reach;
 pub mod smooth;
 pub mod vary;

@@ -11,13 +11,16 @@ use actor::feet::Feet;
 use glam::Vec3;
 use job::{Job, Stopped};
 use kernels::random::mix;
+use kernels::topology::Topology;
 use learn::dense::Matrix;
 use learn::gpdm::{Gpdm, GpdmOptions};
 use learn::stretch::{StretchOptions, sample_stretch};
 use rayon::prelude::*;
 
+use crate::body::body_size;
 use crate::hold::Held;
 use crate::numbers::Numbers;
+use crate::reach::{Differences, distance, hold_edges, least, lift};
 use crate::smooth::{between, ramp, smoothed};
 
 /// Frames a second that are learned from, at most.
@@ -80,7 +83,7 @@ pub struct Varied {
 struct Model {
     numbers: Numbers,
     /// For each variation a row a learned frame: how its numbers differ from the recorded ones.
-    differences: Vec<Vec<Vec<f64>>>,
+    differences: Differences,
 }
 
 /// Varies the frames `frames` of a sequence. Sequences that are too short, or do not move, have variations that are the recording.
@@ -89,7 +92,7 @@ struct Model {
 /// It was asked to stop.
 pub fn vary(
     poses: &Poses,
-    areas: &[f32],
+    topology: &Topology,
     (frames, fps): (Range<u32>, f32),
     options: &VaryOptions,
     job: &Job<'_>,
@@ -105,13 +108,15 @@ pub fn vary(
         let cut = |part: usize| frames.start + (part * length / parts) as u32 * stride;
         // One frame is in both, and held in both.
         let end = if part + 1 == parts { frames.end } else { cut(part + 1) + 1 };
-        let Some(numbers) = Numbers::of(poses, areas, cut(part)..end, stride, fps) else { continue };
+        let Some(numbers) = Numbers::of(poses, topology.weights(), cut(part)..end, stride, fps) else { continue };
         let trained = GpdmOptions { dimensions: options.dimensions, ..GpdmOptions::default() };
         let count = numbers.rows.rows();
         let Some(model) = Gpdm::train(numbers.rows.clone(), &[count], &trained) else { continue };
         let stretch = ((options.stretch * fps / stride as f32).round() as usize).clamp(8, MODEL);
         let seed = mix(options.seed, u64::from(frames.start) << 20 | part as u64);
-        let drawn = draw(&model, stretch, seed, options, job)?;
+        let mut drawn = draw(&model, stretch, seed, options, job)?;
+        let size = f64::from(body_size(poses, &numbers.frames));
+        drawn.reach(&numbers, topology, poses, (size, options.amount));
         varied.rejected += drawn.rejected;
         varied.stretches += drawn.stretches;
         varied.accepted += drawn.accepted;
@@ -123,10 +128,28 @@ pub fn vary(
 }
 
 struct Drawn {
-    differences: Vec<Vec<Vec<f64>>>,
+    differences: Differences,
+    /// The stretches of each cut.
+    cuts: Vec<Vec<Range<usize>>>,
     rejected: usize,
     stretches: usize,
     accepted: f64,
+}
+
+impl Drawn {
+    /// Sees to it that variations go as far as is asked for, and no farther than edges allow.
+    fn reach(&mut self, numbers: &Numbers, topology: &Topology, poses: &Poses, (size, amount): (f64, f64)) {
+        for (cut, stretches) in self.cuts.iter().enumerate() {
+            let of_cut = || (cut..self.differences.len()).step_by(CUTS);
+            let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
+            let recorded = |frame: u32| poses.frame(frame).to_vec();
+            lift(&mut own, stretches, least(amount, size), &|own| distance(own, numbers, &recorded));
+            own.par_iter_mut().for_each(|one| hold_edges(one, stretches, numbers, topology.triangles(), &recorded));
+            for (number, one) in of_cut().zip(own) {
+                self.differences[number] = one;
+            }
+        }
+    }
 }
 
 /// Draws `options.count` rows of differences.
@@ -149,7 +172,9 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
     let chains = chains.into_iter().collect::<Result<Vec<_>, Stopped>>()?;
     let width = model.frames.columns();
     let still = vec![vec![0.0; width]; count];
-    let mut drawn = Drawn { differences: vec![still; options.count], rejected: 0, stretches: 0, accepted: 0.0 };
+    let cuts = (0..CUTS).map(|cut| cuts(count, stretch, cut)).collect();
+    let differences = vec![still; options.count];
+    let mut drawn = Drawn { differences, cuts, rejected: 0, stretches: 0, accepted: 0.0 };
     drawn.accepted = chains.iter().map(|chain| chain.1).sum::<f64>() / chains.len().max(1) as f64;
     for (number, differences) in drawn.differences.iter_mut().enumerate() {
         for ((cut, range), (samples, _)) in stretches.iter().zip(&chains) {
@@ -321,11 +346,15 @@ mod tests {
         poses
     }
 
+    fn rod_topology() -> Topology {
+        Topology::new(40, (1..39).map(|k| [k - 1, k, k + 1]).collect(), vec![1.0; 40]).unwrap()
+    }
+
     #[test]
     fn variations_differ_and_meet_the_recording() {
         let poses = rod(50);
         let options = VaryOptions { count: 2, dimensions: 3, ..VaryOptions::default() };
-        let vary = || vary(&poses, &[1.0; 40], (0..50, 25.0), &options, &Job::silent()).unwrap();
+        let vary = || vary(&poses, &rod_topology(), (0..50, 25.0), &options, &Job::silent()).unwrap();
         let varied = vary();
         assert!(varied.rejected < varied.stretches, "{} of {}", varied.rejected, varied.stretches);
         assert!(varied.diversity() > 1e-4);
@@ -342,11 +371,11 @@ mod tests {
     fn what_cannot_be_varied_is_the_recording() {
         let poses = rod(3);
         let options = VaryOptions { count: 2, ..VaryOptions::default() };
-        let varied = vary(&poses, &[1.0; 40], (0..3, 25.0), &options, &Job::silent()).unwrap();
+        let varied = vary(&poses, &rod_topology(), (0..3, 25.0), &options, &Job::silent()).unwrap();
         let one = varied.poses(0, &poses, &Feet::default());
         assert!((0..3).all(|k| one[k] == poses.frame(k as u32)));
         let still = Poses::from_positions(40, rod(1).frame(0).repeat(50));
-        let varied = vary(&still, &[1.0; 40], (0..50, 25.0), &options, &Job::silent()).unwrap();
+        let varied = vary(&still, &rod_topology(), (0..50, 25.0), &options, &Job::silent()).unwrap();
         assert!(varied.poses(1, &still, &Feet::default()).iter().all(|pose| pose == still.frame(0)));
     }
 

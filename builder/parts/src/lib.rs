@@ -13,6 +13,7 @@ mod body;
 mod extremities;
 mod hinge;
 mod measured;
+mod names;
 mod painted;
 mod shape;
 

@@ -58,6 +58,16 @@ fn agreements(parts: &Parts, truth: &[usize], areas: &[f32]) -> [f32; 5] {
     })
 }
 
+/// The names that parts are given whose ends are those of the skeleton's left arm, right arm, left leg and right leg.
+fn sides(parts: &Parts, truth: &[usize], poses: &Poses) -> [String; 4] {
+    let names = parts.names(poses);
+    assert_eq!((names.len(), names[0].as_str()), (parts.count(), "torso"));
+    std::array::from_fn(|wanted| {
+        let limb = parts.limbs.iter().position(|limb| truth[limb.tip as usize] == wanted + 1).unwrap();
+        names[limb + 1].clone()
+    })
+}
+
 fn check_bands(parts: &Parts, triangles: &[[u32; 3]]) {
     for limb in &parts.limbs {
         assert!(limb.is_disc, "the limb at {}", limb.tip);
@@ -84,6 +94,7 @@ fn the_figures_parts_are_those_of_their_skeletons() {
         let found = agreements(&parts, &truth(&figure), &barycentric_areas(topology.triangles(), poses.frame(0)));
         println!("{kind:?} {vertices}: {found:.3?}");
         let [arms, legs] = [found[1].min(found[2]), found[3].min(found[4])];
+        assert_eq!(sides(&parts, &truth(&figure), &poses), ["left arm", "right arm", "left leg", "right leg"]);
         assert!(found[0] >= torso && arms >= 0.8 && legs >= 0.7, "{kind:?}: {found:?}");
         check_bands(&parts, topology.triangles());
     }
@@ -101,6 +112,7 @@ fn painted_parts_are_as_painted_and_overlap() {
     let parts = Parts::of_painted(&topology, &poses, &numbers);
     assert_eq!(parts.painted, [7, 10, 13, 16, 19, 90]);
     assert_eq!(parts.count(), 6);
+    assert_eq!(parts.names(&poses)[5], "part 90");
     for (vertex, number) in numbers.iter().enumerate() {
         let weights: Vec<f32> = (0..6).map(|part| parts.weights(part)[vertex]).collect();
         assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|w| *w >= 0.0));
@@ -139,6 +151,7 @@ fn what_has_no_limbs_is_one_part() {
     let parts = Parts::find(&topology, &ball);
     assert!(parts.limbs.len() < 3 && parts.torso.iter().all(|w| w.is_finite()), "{}", parts.limbs.len());
     assert_eq!(Parts::whole(132).count(), 1);
+    assert_eq!(Parts::whole(132).names(&ball), ["torso"]);
 }
 
 #[test]
@@ -149,6 +162,9 @@ fn captured_bodies_have_five_parts() {
         let mut poses = Poses::new(both.poses.vertex_count());
         (sequence.first_frame..sequence.end_frame()).for_each(|frame| poses.push(both.poses.frame(frame)));
         let parts = Parts::find(&both.topology, &poses);
+        let mut names = parts.names(&poses);
+        names.sort();
+        assert_eq!(names, ["left arm", "left leg", "right arm", "right leg", "torso"]);
         println!(
             "{}: {:?}",
             sequence.name,

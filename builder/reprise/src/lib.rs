@@ -59,6 +59,7 @@ pub mod drive;
 pub mod example;
 mod failure;
 pub mod families;
+mod found_parts;
 #[cfg(feature = "variations")]
 pub mod frame_maps;
 #[cfg(feature = "scans")]

@@ -36,6 +36,8 @@ pub struct PackOptions {
     pub appearance: AppearanceChoice,
     /// Corrections of the rig that is estimated, by which edits move the body; no rig where not given.
     pub rig: Option<RigFile>,
+    /// Whether the parts of the body are found, unless they were painted, and stored for the page to show.
+    pub parts: bool,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
     pub variations: Option<Variations>,

@@ -10,7 +10,9 @@ use actor::timeline::Timeline;
 use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
-use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, default_max_error};
+use bundle::{
+    self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, default_max_error,
+};
 use capture_io::import::{self, Warning};
 use editing::StoredRig;
 use job::{Job, memory};
@@ -21,6 +23,8 @@ use serde::Serialize;
 use texture::TextureModel;
 
 use crate::families::{self, FamilySummary};
+pub use crate::found_parts::PartsSummary;
+use crate::found_parts::found_parts;
 #[cfg(feature = "scans")]
 use crate::look::is_scan;
 use crate::options::FIRST_FRAME;
@@ -50,6 +54,9 @@ pub struct PackReport {
     /// What came of the rig, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<RigSummary>,
+    /// The parts of the body, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts: Option<PartsSummary>,
     /// Families that were made, and where their samples come from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<FamilySummary>,
@@ -118,6 +125,8 @@ pub struct StageSeconds {
     pub import: f64,
     /// The rig.
     pub rig: f64,
+    /// Finding the parts of the body.
+    pub parts: f64,
     /// Pose distances.
     pub distances: f64,
     /// Optimal transitions, the essential graph, its warps and placements.
@@ -292,6 +301,13 @@ struct Besides<'a> {
     body_parts: Option<&'a [u8]>,
 }
 
+/// What goes into a bundle besides a capture, what was made on the way among it.
+struct Stored<'a> {
+    besides: Besides<'a>,
+    rig: Option<&'a StoredRig>,
+    found_parts: Option<&'a FoundParts>,
+}
+
 /// As [`pack_with_looks`], with what goes into the bundle besides.
 fn pack_with_files(
     capture: &Capture,
@@ -309,12 +325,15 @@ fn pack_with_files(
         }
     }
     let (rig, rig_summary) = rig.unzip();
+    let wanted = options.parts.then(|| timed(&mut seconds.parts, || found_parts(capture, besides.body_parts, job)));
+    let (found, parts) = wanted.transpose()?.unzip();
+    let found = found.flatten();
+    let stored = Stored { besides, rig: rig.as_ref(), found_parts: found.as_ref() };
     let measured =
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
-    let (bytes, bundle) =
-        timed(&mut seconds.bundle, || encode(capture, (besides, rig.as_ref()), &graphed.graph, looks, options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || encode(capture, &stored, &graphed.graph, looks, options))?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     warnings.extend(unreachable);
@@ -324,6 +343,7 @@ fn pack_with_files(
         graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
         rig: rig_summary,
+        parts,
         families: Vec::new(),
         #[cfg(feature = "variations")]
         variations: Vec::new(),
@@ -366,7 +386,7 @@ fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
 
 fn encode(
     capture: &Capture,
-    (besides, rig): (Besides, Option<&StoredRig>),
+    stored: &Stored,
     graph: &EssentialGraph,
     (models, quality): (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
@@ -384,7 +404,9 @@ fn encode(
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
     let mut extras = Extras::default();
-    (extras.rig, extras.alternatives, extras.body_parts) = (rig, besides.alternatives, besides.body_parts);
+    let besides = stored.besides;
+    (extras.rig, extras.alternatives, extras.body_parts) = (stored.rig, besides.alternatives, besides.body_parts);
+    extras.found_parts = stored.found_parts;
     Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
 }
 

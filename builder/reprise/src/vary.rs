@@ -86,7 +86,7 @@ pub(crate) fn learn(
     for &index in &chosen {
         let original = &timeline.sequences()[index];
         let frames = (original.first_frame..original.end_frame(), timeline.fps());
-        let one = motion::vary::vary(&capture.poses, capture.topology.weights(), frames, &wanted.options, job)?;
+        let one = motion::vary::vary(&capture.poses, &capture.topology, frames, &wanted.options, job)?;
         let mut measures = Measures::default();
         for number in 0..wanted.options.count {
             measures.add(capture, original.first_frame, &one.poses(number, &capture.poses, &feet));

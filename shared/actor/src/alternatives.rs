@@ -106,21 +106,33 @@ impl Alternatives {
     /// Adds to the recorded `pose` of `frame` what it is more in an alternative of a stretch, times `amount`. Outside of the stretch, and
     /// for numbers that do not exist, nothing is added.
     pub fn add(&self, (stretch, alternative): (usize, usize), frame: u32, amount: f32, pose: &mut [Vec3]) {
+        self.add_mixed(stretch, &[(alternative, amount)], frame, pose);
+    }
+
+    /// Adds to the recorded `pose` of `frame` what it is more in several alternatives of a stretch, of each its share. What each
+    /// differs by are samples of one process: mixed by shares whose squares add up to 1, they are another sample of it, as far as
+    /// differences are small.
+    pub fn add_mixed(&self, stretch: usize, shares: &[(usize, f32)], frame: u32, pose: &mut [Vec3]) {
         let Some(stretch) = self.stretches.get(stretch) else { return };
         let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { return };
-        let (Some(&heading), Some(rows)) = (stretch.headings.get(between), stretch.coefficients.get(alternative))
-        else {
-            return;
-        };
-        let row = &rows[between * self.modes.len()..][..self.modes.len()];
+        let Some(&heading) = stretch.headings.get(between) else { return };
         let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
-        let step = amount * COEFFICIENT_STEP / MODE_STEPS;
+        let mut row = vec![0.0; self.modes.len()];
+        for &(alternative, share) in shares {
+            let rows = stretch.coefficients.get(alternative).and_then(|rows| rows.get(between * row.len()..));
+            for (sum, coefficient) in row.iter_mut().zip(rows.unwrap_or_default()) {
+                *sum += share * f32::from(*coefficient);
+            }
+        }
         let own: Vec<(f32, &[[i8; 3]])> = row
             .iter()
             .zip(&self.modes)
-            .filter(|(coefficient, _)| **coefficient != 0)
-            .map(|(coefficient, mode)| (f32::from(*coefficient) * step, mode.as_slice()))
+            .filter(|(coefficient, _)| **coefficient != 0.0)
+            .map(|(coefficient, mode)| (coefficient * (COEFFICIENT_STEP / MODE_STEPS), mode.as_slice()))
             .collect();
+        if own.is_empty() {
+            return;
+        }
         for (vertex, place) in pose.iter_mut().enumerate() {
             let mut moved = Vec3::ZERO;
             for &(coefficient, mode) in &own {
@@ -158,6 +170,10 @@ mod tests {
         assert!(added(3, 1.0)[0].distance(Vec3::X * 1e-3) < 1e-8);
         // Turned by a quarter, what leads along Z leads along X.
         assert!(added(4, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(4, 0.5));
+        // Half of one alternative and a third of it once more.
+        let mut mixed = [Vec3::ZERO; 2];
+        alternatives.add_mixed(0, &[(0, 0.5), (0, 1.0 / 3.0), (7, 1.0)], 3, &mut mixed);
+        assert!(mixed[0].distance(Vec3::X * 1e-3 * (5.0 / 6.0)) < 1e-8, "{mixed:?}");
         assert_eq!((alternatives.beginning(2), alternatives.beginning(3)), (0..1, 1..1));
     }
 

@@ -1,10 +1,25 @@
 //! The alternatives section: motion that differs from recorded stretches. Optional: without it stretches are shown as they were
 //! recorded. It is read in pieces, for all of it takes longer than a display frame.
+//!
+//! A vertex of a mode is foretold by its neighbours that come before it, and a mode's coefficients are multiples of one number and go on
+//! as they were or as they went, whichever is shorter. Bundles until 1.13 have them coded more plainly (`Coding::Earlier`).
 
 use super::entropy::binary::{Decoder, Encoder, MOST_DECISIONS_PER_BYTE, Paused};
 use super::entropy::numbers::Number;
 use actor::alternatives::{Alternatives, MOST_ALTERNATIVES, MOST_MODES, Stretch};
 use actor::timeline::Timeline;
+use kernels::topology::Topology;
+
+use super::body_parts::earlier_neighbours;
+
+/// How the section is coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Coding {
+    /// Modes from vertex to vertex, coefficients by the change of their change. Until 1.13.
+    Earlier,
+    /// Modes over the surface, coefficients in steps.
+    Later,
+}
 
 /// What has been learnt about the numbers of the section.
 #[derive(Clone, Debug, Default)]
@@ -14,32 +29,88 @@ struct Models {
     /// Parts of modes, by coordinate and by how much the vertex before moves.
     part: [[Number; 4]; 3],
     heading: Number,
-    /// Changes of the coefficients' changes, by mode.
+    /// Steps of coefficients.
+    step: Number,
+    /// Changes of the coefficients, or of their changes, by mode.
     coefficient: Vec<Number>,
 }
 
+/// How the coefficients of a mode are coded.
+#[derive(Clone, Copy, Debug)]
+struct Lines {
+    /// All are multiples of this.
+    step: i32,
+    /// Whether they go on as they went, not as they were.
+    straight: bool,
+}
+
+impl Lines {
+    const EARLIER: Self = Self { step: 1, straight: true };
+}
+
 impl Models {
-    fn part(&mut self, coordinate: usize, before: i8) -> &mut Number {
-        let busy = before.unsigned_abs();
+    /// The model of a part where it varies so much.
+    fn part(&mut self, coordinate: usize, busy: u8) -> &mut Number {
         &mut self.part[coordinate][usize::from(busy > 0) + usize::from(busy > 7) + usize::from(busy > 31)]
     }
 }
 
-/// The section's bytes.
-pub(super) fn encode(alternatives: &Alternatives) -> Vec<u8> {
+/// The part of a mode at a vertex as its neighbours foretell it, and how much these vary.
+fn foretold(mode: &[[i8; 3]], [low, high]: [u32; 2], coordinate: usize) -> (i32, u8) {
+    let part = |vertex: u32| mode.get(vertex as usize).map_or(0, |part| i32::from(part[coordinate]));
+    let (a, b) = (part(low), part(high));
+    ((a + b) >> 1, a.abs_diff(b).min(255) as u8)
+}
+
+/// How the coefficients of a mode are coded best.
+fn lines(alternatives: &Alternatives, mode: usize) -> Lines {
+    let count = alternatives.modes().len();
+    let all = || alternatives.stretches().iter().flat_map(|stretch| &stretch.coefficients);
+    let of_mode = |rows: &[i16]| rows.chunks_exact(count).map(|row| i32::from(row[mode])).collect::<Vec<_>>();
+    let step = all().flat_map(|rows| of_mode(rows)).fold(0, divisor).max(1);
+    let length = |straight: bool| -> u64 {
+        let of = |rows: &Vec<i16>| {
+            let mut line = Line::default();
+            let bits = of_mode(rows).into_iter().map(|value| {
+                let change = (value / step - line.guess(straight)).unsigned_abs();
+                line.push(value / step);
+                u64::from(u32::BITS - change.leading_zeros())
+            });
+            bits.sum::<u64>()
+        };
+        all().map(of).sum()
+    };
+    Lines { step, straight: length(true) < length(false) }
+}
+
+/// The largest number that both are multiples of.
+fn divisor(mut a: i32, b: i32) -> i32 {
+    let mut b = b.abs();
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// The section's bytes, in the later coding.
+pub(super) fn encode(alternatives: &Alternatives, topology: &Topology) -> Vec<u8> {
     let (mut encoder, mut models) = (Encoder::default(), Models::default());
     let modes = alternatives.modes();
     models.coefficient = vec![Number::default(); modes.len()];
     models.plain[0].encode(&mut encoder, modes.len() as u32);
     models.plain[0].encode(&mut encoder, alternatives.stretches().len() as u32);
-    for mode in modes {
-        let mut before = [0_i8; 3];
-        for part in mode {
+    let neighbours = earlier_neighbours(topology);
+    let mut all_lines = Vec::new();
+    for (number, mode) in modes.iter().enumerate() {
+        let lines = lines(alternatives, number);
+        // A mode of no coefficients may be of any step.
+        models.step.encode(&mut encoder, 2 * lines.step as u32 + u32::from(lines.straight));
+        all_lines.push(lines);
+        for (vertex, part) in mode.iter().enumerate() {
             for coordinate in 0..3 {
-                let change = i32::from(part[coordinate]) - i32::from(before[coordinate]);
-                models.part(coordinate, before[coordinate]).encode_signed(&mut encoder, change);
+                let (guess, busy) = foretold(&mode[..vertex], neighbours[vertex], coordinate);
+                models.part(coordinate, busy).encode_signed(&mut encoder, i32::from(part[coordinate]) - guess);
             }
-            before = *part;
         }
     }
     let mut first = 0;
@@ -55,11 +126,12 @@ pub(super) fn encode(alternatives: &Alternatives) -> Vec<u8> {
             before = heading;
         }
         for rows in &stretch.coefficients {
-            for mode in 0..modes.len() {
+            for (mode, &Lines { step, straight }) in all_lines.iter().enumerate() {
                 let mut line = Line::default();
                 for row in rows.chunks_exact(modes.len()) {
-                    models.coefficient[mode].encode_signed(&mut encoder, i32::from(row[mode]) - line.guess());
-                    line.push(row[mode].into());
+                    let value = i32::from(row[mode]) / step;
+                    models.coefficient[mode].encode_signed(&mut encoder, value - line.guess(straight));
+                    line.push(value);
                 }
             }
         }
@@ -67,13 +139,13 @@ pub(super) fn encode(alternatives: &Alternatives) -> Vec<u8> {
     encoder.finish()
 }
 
-/// The last two values of a coefficient: it goes on as it did.
+/// The last two values of a coefficient: it goes on as it went, or as it was.
 #[derive(Clone, Copy, Default)]
 struct Line([i32; 2]);
 
 impl Line {
-    fn guess(self) -> i32 {
-        2 * self.0[1] - self.0[0]
+    fn guess(self, straight: bool) -> i32 {
+        if straight { self.0[1].wrapping_mul(2).wrapping_sub(self.0[0]) } else { self.0[1] }
     }
 
     fn push(&mut self, value: i32) {
@@ -88,7 +160,10 @@ pub struct AlternativesDecoder {
     paused: Paused,
     models: Models,
     timeline: Timeline,
-    vertex_count: usize,
+    coding: Coding,
+    /// For each vertex two that foretell it; for the earlier coding the one before.
+    neighbours: Vec<[u32; 2]>,
+    lines: Vec<Lines>,
     mode_count: usize,
     stretch_count: usize,
     modes: Vec<Vec<[i8; 3]>>,
@@ -102,7 +177,13 @@ impl AlternativesDecoder {
     ///
     /// # Errors
     /// The reason where it holds no alternatives.
-    pub fn new(bytes: Vec<u8>, vertex_count: usize, timeline: &Timeline) -> Result<Self, &'static str> {
+    pub(super) fn new(
+        bytes: Vec<u8>,
+        coding: Coding,
+        topology: &Topology,
+        timeline: &Timeline,
+    ) -> Result<Self, &'static str> {
+        let vertex_count = topology.vertex_count();
         let (mut decoder, mut models) = (Decoder::new(&bytes), Models::default());
         let mode_count = models.plain[0].decode(&mut decoder) as usize;
         let stretch_count = models.plain[0].decode(&mut decoder) as usize;
@@ -117,7 +198,9 @@ impl AlternativesDecoder {
             paused,
             models,
             timeline: timeline.clone(),
-            vertex_count,
+            coding,
+            neighbours: earlier_neighbours(topology),
+            lines: Vec::new(),
             mode_count,
             stretch_count,
             modes: Vec::new(),
@@ -148,14 +231,17 @@ impl AlternativesDecoder {
             return Err("has bytes left over, or too few");
         }
         let (modes, stretches) = (std::mem::take(&mut self.modes), std::mem::take(&mut self.stretches));
-        let all = Alternatives::new(modes, stretches, self.vertex_count, &self.timeline);
+        let all = Alternatives::new(modes, stretches, self.neighbours.len(), &self.timeline);
         all.map(Some).ok_or("has a stretch that does not fit the sequences")
     }
 
     /// Whether there was more.
     fn read(&mut self, decoder: &mut Decoder) -> Result<bool, &'static str> {
         if self.modes.len() < self.mode_count {
-            let mode = self.mode(decoder);
+            let mode = match self.coding {
+                Coding::Earlier => self.earlier_mode(decoder),
+                Coding::Later => self.mode(decoder)?,
+            };
             self.modes.push(mode);
         } else if self.to_come > 0 {
             let between = self.stretches.last().map_or(0, Stretch::between);
@@ -173,12 +259,31 @@ impl AlternativesDecoder {
         Ok(true)
     }
 
-    fn mode(&mut self, decoder: &mut Decoder) -> Vec<[i8; 3]> {
+    fn mode(&mut self, decoder: &mut Decoder) -> Result<Vec<[i8; 3]>, &'static str> {
+        let lines = self.models.step.decode(decoder);
+        let step = i32::try_from(lines >> 1).ok().filter(|step| (1..=i32::from(i16::MAX) + 1).contains(step));
+        self.lines
+            .push(Lines { step: step.ok_or("has a step of coefficients that is none")?, straight: lines & 1 == 1 });
+        let mut mode: Vec<[i8; 3]> = Vec::with_capacity(self.neighbours.len());
+        for vertex in 0..self.neighbours.len() {
+            let mut part = [0_i8; 3];
+            for (coordinate, part) in part.iter_mut().enumerate() {
+                let (guess, busy) = foretold(&mode, self.neighbours[vertex], coordinate);
+                // What is damaged may be anything.
+                *part = guess.wrapping_add(self.models.part(coordinate, busy).decode_signed(decoder)) as i8;
+            }
+            mode.push(part);
+        }
+        Ok(mode)
+    }
+
+    fn earlier_mode(&mut self, decoder: &mut Decoder) -> Vec<[i8; 3]> {
+        self.lines.push(Lines::EARLIER);
         let mut before = [0_i8; 3];
-        (0..self.vertex_count)
+        (0..self.neighbours.len())
             .map(|_| {
                 before = std::array::from_fn(|coordinate| {
-                    let change = self.models.part(coordinate, before[coordinate]).decode_signed(decoder);
+                    let change = self.models.part(coordinate, before[coordinate].unsigned_abs()).decode_signed(decoder);
                     // What is damaged may be anything.
                     i32::from(before[coordinate]).wrapping_add(change) as i8
                 });
@@ -208,10 +313,11 @@ impl AlternativesDecoder {
     fn rows(&mut self, decoder: &mut Decoder, between: usize) -> Result<Vec<i16>, &'static str> {
         let mut rows = vec![0_i16; between * self.mode_count];
         for mode in 0..self.mode_count {
-            let mut line = Line::default();
+            let (mut line, Lines { step, straight }) = (Line::default(), self.lines[mode]);
             for frame in 0..between {
-                let value = line.guess().wrapping_add(self.models.coefficient[mode].decode_signed(decoder));
-                let stored = i16::try_from(value).map_err(|_| "has a coefficient out of range")?;
+                let value = line.guess(straight).wrapping_add(self.models.coefficient[mode].decode_signed(decoder));
+                let stored = value.checked_mul(step).and_then(|value| i16::try_from(value).ok());
+                let stored = stored.ok_or("has a coefficient out of range")?;
                 rows[frame * self.mode_count + mode] = stored;
                 line.push(value);
             }
@@ -251,8 +357,16 @@ mod tests {
         (Alternatives::new(modes, stretches, 50, &timeline).unwrap(), timeline)
     }
 
+    fn topology() -> Topology {
+        Topology::new(50, (2..50).map(|v| [v - 2, v - 1, v]).collect(), vec![1.0; 50]).unwrap()
+    }
+
     fn read(bytes: Vec<u8>, timeline: &Timeline) -> Result<Alternatives, &'static str> {
-        let mut decoder = AlternativesDecoder::new(bytes, 50, timeline)?;
+        read_as(Coding::Later, bytes, timeline)
+    }
+
+    fn read_as(coding: Coding, bytes: Vec<u8>, timeline: &Timeline) -> Result<Alternatives, &'static str> {
+        let mut decoder = AlternativesDecoder::new(bytes, coding, &topology(), timeline)?;
         loop {
             if let Some(all) = decoder.advance()? {
                 return Ok(all);
@@ -264,20 +378,27 @@ mod tests {
     fn alternatives_come_back() {
         for seed in 0..5 {
             let (all, timeline) = made(seed);
-            assert_eq!(read(encode(&all), &timeline), Ok(all));
+            assert_eq!(read(encode(&all, &topology()), &timeline), Ok(all.clone()));
+            let mut coarse = all.stretches().to_vec();
+            coarse.iter_mut().flat_map(|one| &mut one.coefficients).flatten().for_each(|c| *c = *c / 24 * 24);
+            let coarse = Alternatives::new(all.modes().to_vec(), coarse, 50, &timeline).unwrap();
+            let bytes = encode(&coarse, &topology());
+            assert!(10 * bytes.len() < 9 * encode(&all, &topology()).len());
+            assert_eq!(read(bytes, &timeline), Ok(coarse));
         }
     }
 
     #[test]
     fn what_is_damaged_is_refused_or_is_another_section() {
         let (all, timeline) = made(1);
-        let bytes = encode(&all);
+        let bytes = encode(&all, &topology());
         for length in 0..bytes.len() {
             assert!(read(bytes[..length].to_vec(), &timeline).is_err(), "cut off at {length}");
         }
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x55;
+            let _ = read_as(Coding::Earlier, damaged.clone(), &timeline);
             let _ = read(damaged, &timeline);
         }
     }

@@ -51,7 +51,7 @@ pub(super) fn decode(bytes: &[u8], topology: &Topology) -> Result<Vec<u8>, &'sta
 }
 
 /// For each vertex two of its neighbours that come before it: the lowest and the highest; or the vertex before, twice.
-fn earlier_neighbours(topology: &Topology) -> Vec<[u32; 2]> {
+pub(super) fn earlier_neighbours(topology: &Topology) -> Vec<[u32; 2]> {
     let mut found: Vec<Option<[u32; 2]>> = vec![None; topology.vertex_count()];
     for &[a, b, c] in topology.triangles() {
         for (own, other) in [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)] {

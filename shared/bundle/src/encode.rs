@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::appearance::{AppearanceInput, AppearanceReport, Textures, encode as appearance};
 use super::error::EncodeError;
+use super::found_parts::FoundParts;
 use super::geometry::encode::{Geometry, encode as encode_geometry};
 use super::geometry::quantise::Grid;
 use super::header::Header;
@@ -14,7 +15,10 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, motion, rig, surface, ties, turns};
+use super::{
+    alternatives, body_parts, contacts, families, feet, files, found_parts, graph, integers, motion, rig, surface,
+    ties, turns,
+};
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;
@@ -152,6 +156,8 @@ pub struct Extras<'a> {
     pub alternatives: Option<&'a Alternatives>,
     /// The part of the body that each vertex belongs to, as it was painted.
     pub body_parts: Option<&'a [u8]>,
+    /// The parts of the body as they were found.
+    pub found_parts: Option<&'a FoundParts>,
 }
 
 /// As [`encode_with_files`], with what a bundle may have besides.
@@ -193,6 +199,7 @@ pub fn encode_with_extras(
     drafts.extend(extras.rig.map(|rig| rig_draft(rig, capture)).transpose()?);
     drafts.extend(extras.alternatives.map(|all| alternatives_draft(all, capture)).transpose()?.flatten());
     drafts.extend(extras.body_parts.map(|parts| parts_draft(parts, capture)).transpose()?);
+    drafts.extend(extras.found_parts.map(|parts| found_parts_draft(parts, capture)).transpose()?);
     add_files(&mut drafts, files, capture)?;
     let mut appearance = None;
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
@@ -233,7 +240,7 @@ fn alternatives_draft(all: &Alternatives, capture: &Capture) -> Result<Option<Dr
     if Alternatives::new(modes, stretches, capture.topology.vertex_count(), &capture.timeline).is_none() {
         return Err(EncodeError::Inconsistent("the alternatives are those of another capture".into()));
     }
-    Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all) }))
+    Ok(Some(Draft { kind: SectionKind::Alternatives, ordinal: 0, raw: alternatives::encode(all, &capture.topology) }))
 }
 
 /// The section of painted parts of this capture.
@@ -241,6 +248,14 @@ fn parts_draft(parts: &[u8], capture: &Capture) -> Result<Draft, EncodeError> {
     let raw = body_parts::encode(parts, &capture.topology);
     let raw = raw.ok_or_else(|| EncodeError::Inconsistent("the painted parts are those of another mesh".into()))?;
     Ok(Draft { kind: SectionKind::BodyParts, ordinal: 0, raw })
+}
+
+/// The section of parts that were found on this capture.
+fn found_parts_draft(parts: &FoundParts, capture: &Capture) -> Result<Draft, EncodeError> {
+    let raw = found_parts::encode(parts, &capture.topology);
+    let raw =
+        raw.ok_or_else(|| EncodeError::Inconsistent("the parts that were found are those of another mesh".into()))?;
+    Ok(Draft { kind: SectionKind::FoundParts, ordinal: 0, raw })
 }
 
 /// What the page does not need comes behind what it does.

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 12;
+pub const VERSION_MINOR: u16 = 14;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,7 +54,9 @@ pub enum SectionKind {
     Ties,
     /// Bones, joints and weights, by which edits move the body. Since 1.7.
     Rig,
-    /// Motion that differs from recorded stretches. Since 1.8.
+    /// As `Alternatives`, coded more plainly. Since 1.8; written until 1.13.
+    EarlierAlternatives,
+    /// Motion that differs from recorded stretches. Since 1.14.
     Alternatives,
     /// Which part of the body each vertex belongs to, as it was painted. Since 1.10.
     BodyParts,
@@ -62,6 +64,8 @@ pub enum SectionKind {
     Families,
     /// How far the body turns in each transition besides. Since 1.12.
     Turns,
+    /// The parts of the body that were found, and their names. Since 1.14.
+    FoundParts,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -70,7 +74,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 30] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -93,10 +97,12 @@ impl SectionKind {
         Self::Feet,
         Self::Ties,
         Self::Rig,
+        Self::EarlierAlternatives,
         Self::Alternatives,
         Self::BodyParts,
         Self::Families,
         Self::Turns,
+        Self::FoundParts,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -127,11 +133,13 @@ impl SectionKind {
             Self::Feet => 66,
             Self::Ties => 67,
             Self::Rig => 68,
-            Self::Alternatives => 69,
+            Self::EarlierAlternatives => 69,
             Self::Contacts => 70,
             Self::BodyParts => 71,
             Self::Families => 72,
             Self::Turns => 73,
+            Self::FoundParts => 90,
+            Self::Alternatives => 91,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -169,10 +177,12 @@ impl SectionKind {
             Self::Feet => "feet",
             Self::Ties => "ties",
             Self::Rig => "rig",
+            Self::EarlierAlternatives => "earlier-alternatives",
             Self::Alternatives => "alternatives",
             Self::BodyParts => "body-parts",
             Self::Families => "families",
             Self::Turns => "turns",
+            Self::FoundParts => "found-parts",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -190,10 +200,11 @@ impl SectionKind {
     pub fn since(self) -> u16 {
         match self {
             Self::Turns => 12,
+            Self::FoundParts | Self::Alternatives => 14,
             Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,
-            Self::Alternatives => 8,
+            Self::EarlierAlternatives => 8,
             Self::Rig => 7,
             Self::Ties => 6,
             Self::Feet => 5,

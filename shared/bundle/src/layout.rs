@@ -68,8 +68,10 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Order
         | SectionKind::Ties
         | SectionKind::Rig
+        | SectionKind::EarlierAlternatives
         | SectionKind::Alternatives
         | SectionKind::BodyParts
+        | SectionKind::FoundParts
         | SectionKind::FileVertices
         | SectionKind::FileFaces => &[SectionKind::Meta, SectionKind::Surface],
         SectionKind::EarlierAppearance | SectionKind::EarlierNaive | SectionKind::Appearance | SectionKind::Naive => {

@@ -17,6 +17,7 @@ mod error;
 mod families;
 mod feet;
 mod files;
+mod found_parts;
 mod graph;
 mod header;
 mod integers;
@@ -43,6 +44,7 @@ pub use encode::{
     encode_with_extras, encode_with_files, encode_with_looks, encode_with_rig,
 };
 pub use error::{BundleError, EncodeError};
+pub use found_parts::FoundParts;
 pub use header::{Header, SectionEntry};
 pub use kind::{MAGIC, SectionKind, VERSION_MAJOR, VERSION_MINOR};
 pub use meta::{Chunk, Meta, SequenceMeta};

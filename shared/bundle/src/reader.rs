@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::alternatives::Coding as AlternativesCoding;
 use super::encode::is_permutation;
 use super::error::BundleError;
+use super::found_parts::FoundParts;
 use super::geometry::decode::{ChunkBytes, FrameDecoder};
 use super::geometry::model::Model;
 use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, SectionEntry};
@@ -12,8 +14,8 @@ use super::limits::MAX_CORNERS;
 use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
-    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, graph,
-    integers, layout, motion, rig, surface, ties, turns,
+    AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, found_parts,
+    graph, integers, layout, motion, rig, surface, ties, turns,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -61,9 +63,10 @@ pub struct BundleReader {
     /// The section as it is: the page hands it on.
     rig: Option<Vec<u8>>,
     /// The section as it is: it is read in pieces.
-    alternatives: Option<Vec<u8>>,
-    /// The section as it is: the page does not want it.
+    alternatives: Option<(Vec<u8>, AlternativesCoding)>,
+    /// The sections as they are: read when they are asked for.
     body_parts: Option<Vec<u8>>,
+    found_parts: Option<Vec<u8>>,
     /// The section as it is: the page reads it by itself.
     families: Option<Vec<u8>>,
     motion: Option<Motion>,
@@ -268,6 +271,16 @@ impl BundleReader {
         parts.map(Some).map_err(|reason| BundleError::section(SectionKind::BodyParts, reason))
     }
 
+    /// The parts of the body that were found, where the bundle says; `None` also where it does not.
+    ///
+    /// # Errors
+    /// A section that does not hold parts of this mesh.
+    pub fn found_parts(&self) -> Result<Option<FoundParts>, BundleError> {
+        let (Some(bytes), Some(topology)) = (&self.found_parts, &self.topology) else { return Ok(None) };
+        let parts = found_parts::decode(bytes, topology);
+        parts.map(Some).map_err(|reason| BundleError::section(SectionKind::FoundParts, reason))
+    }
+
     /// The section of families as it is, for whoever reads it elsewhere; `None` also where the bundle has none.
     #[must_use]
     pub fn families_bytes(&self) -> Option<&[u8]> {
@@ -292,8 +305,8 @@ impl BundleReader {
     /// A section that does not hold any.
     pub fn take_alternatives(&mut self) -> Result<Option<AlternativesDecoder>, BundleError> {
         let (Some(topology), Some(timeline)) = (&self.topology, &self.timeline) else { return Ok(None) };
-        let Some(bytes) = self.alternatives.take() else { return Ok(None) };
-        let decoder = AlternativesDecoder::new(bytes, topology.vertex_count(), timeline);
+        let Some((bytes, coding)) = self.alternatives.take() else { return Ok(None) };
+        let decoder = AlternativesDecoder::new(bytes, coding, topology, timeline);
         decoder.map(Some).map_err(|reason| BundleError::section(SectionKind::Alternatives, reason))
     }
 
@@ -522,8 +535,12 @@ impl BundleReader {
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::Rig => self.rig = Some(raw),
-            SectionKind::Alternatives => self.alternatives = Some(raw),
+            SectionKind::EarlierAlternatives => {
+                self.alternatives.get_or_insert((raw, AlternativesCoding::Earlier));
+            }
+            SectionKind::Alternatives => self.alternatives = Some((raw, AlternativesCoding::Later)),
             SectionKind::BodyParts => self.body_parts = Some(raw),
+            SectionKind::FoundParts => self.found_parts = Some(raw),
             SectionKind::Families => self.families = Some(raw),
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive

@@ -64,7 +64,8 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
     let families = reader.timeline_with_families().err();
-    let damaged = [reader.body_parts().err(), families, reader.read_alternatives().err()].into_iter().flatten();
+    let parts = reader.body_parts().err().or(reader.found_parts().err());
+    let damaged = [parts, families, reader.read_alternatives().err()].into_iter().flatten();
     findings.extend(damaged.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
     findings
 }

@@ -159,6 +159,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Ties,
             SectionKind::Rig,
             SectionKind::BodyParts,
+            SectionKind::FoundParts,
             SectionKind::Families,
             SectionKind::Turns,
         ]

@@ -23,7 +23,7 @@ mod ties;
 mod varied;
 mod walker;
 
-pub use varied::{Varied, VariedPoses};
+pub use varied::{Varied, VariedPoses, mixture};
 pub use walker::{Step, Walker};
 
 use glam::Vec3;

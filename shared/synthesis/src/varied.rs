@@ -1,11 +1,19 @@
-//! Variety: whenever a walk comes to a stretch that has alternatives, one of them is drawn, and never the same twice in a row.
+//! Variety: whenever a walk comes to a stretch that has alternatives, two of them are drawn and mixed, by an angle that is drawn, too: what
+//! is shown is never the same again.
+//!
+//! What alternatives differ by from the recording are samples d of one process about it (thesis section 6.6). For small differences
+//! it is Gaussian, so that d(a) cos x + d(b) sin x is another sample of it for every angle x.
+//!
+//! Walks seldom come to the first frame of a stretch: transitions lead into its middle. There the recording, or the mixture that was shown
+//! of the same stretch, goes over into a new one.
 
 use std::sync::Arc;
 
 use actor::alternatives::Alternatives;
 use actor::pose_source::{PoseError, PoseSource};
 use glam::Vec3;
-use kernels::random::mix;
+use kernels::random::{mix, signed};
+use kernels::scalar::sin_cos;
 
 /// Which alternative is shown now, and how the next one is drawn. The same seed draws the same for the same walk.
 #[derive(Clone, Debug)]
@@ -16,19 +24,40 @@ pub struct Varied {
     amount: f32,
     /// Draws so far.
     drawn: u64,
-    /// The stretch, its alternative, and the amount that it was begun with.
-    present: Option<(usize, usize, f32)>,
-    /// What was drawn last of each stretch: an alternative's number and one, or 0 for the recording.
-    last: Vec<u16>,
+    present: Option<Present>,
+    /// The frame that was entered last.
+    entered: Option<u32>,
+}
+
+/// Frames over which one mixture goes over into another.
+const EASE: u32 = 12;
+
+/// What is shown now.
+#[derive(Clone, Debug, PartialEq)]
+struct Present {
+    stretch: usize,
+    /// How much of each alternative.
+    shares: Vec<f32>,
+    /// The same before, and the frame from which on it goes over.
+    before: Vec<f32>,
+    since: u32,
+}
+
+impl Present {
+    /// How much of each alternative is shown in a frame.
+    fn at(&self, frame: u32) -> Vec<f32> {
+        let x = (frame.abs_diff(self.since) as f32 / EASE as f32).min(1.0);
+        let share = x * x * (3.0 - 2.0 * x);
+        self.shares.iter().zip(&self.before).map(|(now, before)| before + share * (now - before)).collect()
+    }
 }
 
 impl Varied {
     /// Draws from `alternatives` by `seed`; `amount` is the share of their differences that is added, from 0 to 1.
     #[must_use]
     pub fn new(alternatives: Arc<Alternatives>, seed: u64, amount: f32) -> Self {
-        let last = vec![0; alternatives.stretches().len()];
         let amount = if amount.is_finite() { amount.clamp(0.0, 1.0) } else { 0.0 };
-        Self { alternatives, seed, amount, drawn: 0, present: None, last }
+        Self { alternatives, seed, amount, drawn: 0, present: None, entered: None }
     }
 
     /// Takes another amount, from the next stretch on.
@@ -42,56 +71,88 @@ impl Varied {
         self.amount
     }
 
-    /// The stretch that is shown now and its alternative, by number; `None` where it is as recorded.
+    /// The stretch that is shown now and the alternative that it has most of, by number; `None` where it is as recorded.
     #[must_use]
     pub fn present(&self) -> Option<(usize, usize)> {
-        self.present.map(|(stretch, alternative, _)| (stretch, alternative))
+        let Present { stretch, shares, .. } = self.present.as_ref()?;
+        let most = (0..shares.len()).max_by(|&a, &b| shares[a].abs().total_cmp(&shares[b].abs()));
+        most.map(|most| (*stretch, most))
     }
 
     /// The recording again, at once: whether anything changes.
     pub fn leave(&mut self) -> bool {
+        self.entered = None;
         self.present.take().is_some()
     }
 
     /// See [`PoseSource::enters`].
     pub fn enters(&mut self, frame: u32) -> bool {
-        let stretches = self.alternatives.stretches();
-        let before = self.present;
-        if let Some((stretch, ..)) = before {
-            let stretch = &stretches[stretch];
-            if stretch.first < frame && frame < stretch.last {
-                return false;
-            }
-            self.present = None;
+        let jumped = self.entered.replace(frame).is_none_or(|before| before.abs_diff(frame) > 1);
+        let inside = |stretch: usize| {
+            let stretch = &self.alternatives.stretches()[stretch];
+            stretch.first < frame && frame < stretch.last
+        };
+        let before = self.present.take_if(|present| !inside(present.stretch) || jumped);
+        if self.present.is_some() {
+            return false;
         }
+        let was = before.is_some();
+        let left = before.filter(|present| inside(present.stretch));
         if self.amount > 0.0 {
-            self.draw(self.alternatives.beginning(frame));
+            self.draw(frame, left.as_ref());
         }
-        before.is_some() || self.present.is_some()
+        // What was shown goes on where nothing new is drawn.
+        if self.present.is_none() {
+            self.present = left;
+        }
+        was || self.present.is_some()
     }
 
-    /// Draws one of the alternatives of these stretches, or the recording, which counts as one more of each.
-    fn draw(&mut self, beginning: std::ops::Range<usize>) {
+    /// Draws a mixture of a stretch that begins in `frame`; or of one that has been come into the middle of, where there is time for it.
+    fn draw(&mut self, frame: u32, left: Option<&Present>) {
         let stretches = self.alternatives.stretches();
-        let choices: Vec<(usize, u16)> = beginning
-            .flat_map(|stretch| (0..=stretches[stretch].coefficients.len() as u16).map(move |choice| (stretch, choice)))
-            .filter(|&(stretch, choice)| self.last[stretch] != choice)
-            .collect();
+        let mut choices: Vec<usize> = self.alternatives.beginning(frame).collect();
         if choices.is_empty() {
-            return;
+            let time = |k: &usize| stretches[*k].first < frame && frame + 2 * EASE < stretches[*k].last;
+            choices = match left {
+                Some(left) => Some(left.stretch).filter(time).into_iter().collect(),
+                None => (0..stretches.len()).filter(time).collect(),
+            };
         }
-        let (stretch, choice) = choices[(mix(self.seed, self.drawn) % choices.len() as u64) as usize];
+        let choice = mix(self.seed, self.drawn);
+        let Some(stretch) = choice.checked_rem(choices.len() as u64).map(|k| choices[k as usize]) else { return };
         self.drawn += 1;
-        self.last[stretch] = choice;
-        self.present = choice.checked_sub(1).map(|alternative| (stretch, alternative.into(), self.amount));
+        let count = stretches[stretch].coefficients.len();
+        let mut shares = vec![0.0; count];
+        for (alternative, share) in mixture(choice, count) {
+            shares[alternative] += self.amount * share;
+        }
+        let begins = stretches[stretch].first == frame;
+        let before = match left.filter(|left| left.stretch == stretch) {
+            Some(left) => left.at(frame),
+            None if begins => shares.clone(),
+            None => vec![0.0; count],
+        };
+        self.present = Some(Present { stretch, shares, before, since: frame });
     }
 
     /// Adds to the recorded `pose` of `frame` what it is more now.
     pub fn add(&self, frame: u32, pose: &mut [Vec3]) {
-        if let Some((stretch, alternative, amount)) = self.present {
-            self.alternatives.add((stretch, alternative), frame, amount, pose);
+        if let Some(present) = &self.present {
+            let shares: Vec<(usize, f32)> = present.at(frame).into_iter().enumerate().collect();
+            self.alternatives.add_mixed(present.stretch, &shares, frame, pose);
         }
     }
+}
+
+/// Two of `count` alternatives, and how much there is of each: the squares of shares add up to 1. Of one alternative there is some share.
+#[must_use]
+pub fn mixture(seed: u64, count: usize) -> [(usize, f32); 2] {
+    let (sin, cos) = sin_cos(std::f32::consts::PI * signed(seed, 0));
+    let below = |draw: u64, count: usize| mix(seed, draw).checked_rem(count as u64).unwrap_or(0) as usize;
+    let first = below(1, count);
+    let Some(others) = count.checked_sub(1).filter(|others| *others > 0) else { return [(0, cos), (0, 0.0)] };
+    [(first, cos), ((first + 1 + below(2, others)) % count, sin)]
 }
 
 /// Poses of a source with variety.
@@ -138,34 +199,81 @@ mod tests {
     }
 
     #[test]
-    fn alternatives_are_never_the_same_twice_in_a_row() {
+    fn what_is_shown_never_comes_again() {
         let mut varied = varied(1);
-        let mut shown: Vec<Vec<Option<usize>>> = vec![Vec::new(); 4];
-        let mut recorded = 0;
-        for frame in (0..200).flat_map(|_| 0..30) {
+        let mut shown: Vec<Vec<f32>> = vec![Vec::new(); 4];
+        for frame in (0..300).flat_map(|_| 0..30) {
             let before = varied.present();
             let changed = varied.enters(frame);
             let now = varied.present();
             assert!(changed || before == now);
             let mut pose = [Vec3::ZERO];
             varied.add(frame, &mut pose);
-            match now {
-                Some((stretch, alternative)) => {
-                    let ends = &varied.alternatives.stretches()[stretch];
-                    assert!((ends.first..ends.last).contains(&frame));
-                    if frame == ends.first {
-                        assert_eq!(pose[0], Vec3::ZERO, "it begins in the recording");
-                        shown[stretch].push(Some(alternative));
-                    }
-                }
-                None => recorded += 1,
+            let Some((stretch, _)) = now else {
+                assert_eq!(pose[0], Vec3::ZERO);
+                continue;
+            };
+            let ends = &varied.alternatives.stretches()[stretch];
+            assert!((ends.first..ends.last).contains(&frame));
+            match frame - ends.first {
+                0 => assert_eq!(pose[0], Vec3::ZERO, "it begins in the recording"),
+                1 => shown[stretch].push(pose[0].x),
+                _ => assert_eq!(shown[stretch].last(), Some(&pose[0].x), "it goes on as it began"),
             }
         }
-        assert!(recorded > 300, "the recording is shown as well");
-        assert!(shown.iter().all(|one| one.len() > 30));
-        let again = |one: &Vec<Option<usize>>| one.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        // What the recording was in between may come again.
-        assert!(shown.iter().all(|one| again(one) < one.len() / 3));
+        for one in &mut shown {
+            assert!(one.len() > 80, "every stretch is shown");
+            let square = one.iter().map(|x| x * x).sum::<f32>() / one.len() as f32;
+            // One to three steps of 0.1 mm: their mean square is that of mixtures, too.
+            assert!((square.sqrt() * 1e4 - (14.0_f32 / 3.0).sqrt()).abs() < 0.4, "{square}");
+            one.sort_by(f32::total_cmp);
+            assert!(one.windows(2).all(|pair| pair[0] != pair[1]));
+        }
+    }
+
+    #[test]
+    fn who_comes_into_the_middle_of_a_stretch_goes_over_into_a_mixture() {
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 100, cyclic: true };
+        let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
+        let coefficients = vec![vec![900; 98], vec![-700; 98], vec![500; 98]];
+        let stretch = Stretch { first: 0, last: 99, headings: vec![0; 98], coefficients };
+        let all = Alternatives::new(vec![vec![[127, 0, 0]]], vec![stretch], 1, &timeline).unwrap();
+        let mut varied = Varied::new(Arc::new(all), 5, 1.0);
+        let shown = |varied: &Varied, frame: u32| {
+            let mut pose = [Vec3::ZERO];
+            varied.add(frame, &mut pose);
+            pose[0].x
+        };
+        // Passes from frame 20 to frame 80 and back into 20 by a transition.
+        let mut ends = Vec::new();
+        for pass in 0..20 {
+            let landed = shown(&varied, 20);
+            assert!(varied.enters(20), "something new is drawn");
+            assert!((shown(&varied, 20) - landed).abs() < 1e-6, "nothing jumps in pass {pass}");
+            assert!(pass > 0 || landed == 0.0, "it came from the recording");
+            let mut before = landed;
+            for frame in 21..=80 {
+                assert!(!varied.enters(frame));
+                let now = shown(&varied, frame);
+                assert!((now - before).abs() < 0.03, "{before} to {now}");
+                before = now;
+            }
+            ends.push(before);
+        }
+        ends.sort_by(f32::total_cmp);
+        assert!(ends.windows(2).all(|pair| pair[0] != pair[1]) && ends[19] - ends[0] > 0.05, "{ends:?}");
+        // Too late for it: what is left of the stretch is too short.
+        let mut late = Varied { drawn: 0, present: None, entered: None, ..varied };
+        assert!(!late.enters(90) && late.present().is_none());
+    }
+
+    #[test]
+    fn mixtures_are_of_two_that_differ_and_as_far_as_one() {
+        for (seed, count) in (0..200_u64).map(|k| (k, 2 + k as usize % 5)) {
+            let [(a, x), (b, y)] = mixture(seed, count);
+            assert!(a != b && a < count && b < count && (x * x + y * y - 1.0).abs() < 1e-5);
+        }
+        assert_eq!((mixture(3, 1)[0].0, mixture(3, 1)[1], mixture(3, 0)[0].0), (0, (0, 0.0), 0));
     }
 
     #[test]

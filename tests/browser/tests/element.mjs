@@ -209,16 +209,16 @@ export const tests = {
     const player = await bare(browser);
     const values = await player.page.evaluate(() => {
       const element = window.make();
-      const before = ['src', 'poster', 'alt', 'loading', 'controls', 'autoplay', 'loop', 'tint', 'theme', 'speed', 'camera', 'originals', 'tool'].map((name) => element[name]);
+      const before = ['src', 'poster', 'alt', 'loading', 'controls', 'autoplay', 'loop', 'tint', 'parts', 'theme', 'speed', 'camera', 'originals', 'tool'].map((name) => element[name]);
       for (const [name, value] of Object.entries({ speed: 'fast', theme: 'pink', loading: 'soon', tool: 'hammer', camera: 'up' })) element.setAttribute(name, value);
       const odd = ['speed', 'theme', 'loading', 'tool'].map((name) => element[name]);
-      Object.assign(element, { controls: true, tint: true, loop: true, autoplay: true, alt: 'somebody', loading: 'lazy', tool: 'path', speed: 2, theme: 'dark', camera: '10deg 5deg', originals: 'textures/%05d.webp' });
+      Object.assign(element, { controls: true, tint: true, parts: true, loop: true, autoplay: true, alt: 'somebody', loading: 'lazy', tool: 'path', speed: 2, theme: 'dark', camera: '10deg 5deg', originals: 'textures/%05d.webp' });
       element.theme = null;
       return { before, odd, html: element.outerHTML, state: [element.info, element.state, element.complete, element.playing, element.queued, element.behaviours, element.answer] };
     });
-    assert.deepEqual(values.before, ['', '', '', 'eager', false, false, false, false, null, 1, '', '', 'pose']);
+    assert.deepEqual(values.before, ['', '', '', 'eager', false, false, false, false, false, null, 1, '', '', 'pose']);
     assert.deepEqual(values.odd, [1, null, 'eager', 'pose']);
-    for (const part of ['controls=""', 'tint=""', 'loop=""', 'autoplay=""', 'alt="somebody"', 'loading="lazy"', 'tool="path"', 'speed="2"', 'camera="10deg 5deg"', 'originals="textures/%05d.webp"']) assert.ok(values.html.includes(part), part);
+    for (const part of ['controls=""', 'tint=""', 'parts=""', 'loop=""', 'autoplay=""', 'alt="somebody"', 'loading="lazy"', 'tool="path"', 'speed="2"', 'camera="10deg 5deg"', 'originals="textures/%05d.webp"']) assert.ok(values.html.includes(part), part);
     assert.ok(!values.html.includes('theme'));
     assert.deepEqual(values.state, [null, null, false, false, [], [], null]);
     for (const call of ['play', 'pause', 'cancel', 'snapshot', 'toBlob']) assert.equal(await kindOf(player, `(element) => element.${call}()`), 'not-loaded', call);

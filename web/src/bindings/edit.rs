@@ -7,6 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use super::player::{Player, array};
 use crate::player::PlayerError;
+use crate::player::body_parts::BodyParts;
 
 #[wasm_bindgen]
 impl Player {
@@ -27,6 +28,13 @@ impl Player {
     #[must_use]
     pub fn rig(&self) -> Uint8Array {
         Uint8Array::from(self.inner.loading().rig().unwrap_or_default())
+    }
+
+    /// The names of the body's parts, one a line; none where the bundle has none, or what it has makes no sense.
+    #[must_use]
+    pub fn parts(&self) -> String {
+        let parts = BodyParts::of(self.inner.loading()).ok().flatten();
+        parts.map_or(String::new(), |parts| parts.names.join("\n"))
     }
 
     /// The bundle's section of families: JSON; empty where there is none, or it has not arrived.

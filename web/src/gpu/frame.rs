@@ -55,6 +55,8 @@ pub struct Look {
     pub dark: bool,
     /// Whether the actor is tinted by recorded and synthetic.
     pub tint: bool,
+    /// Whether the parts of the body have their colours, once they are known.
+    pub parts: bool,
     /// Whether the grid is drawn.
     pub grid: bool,
     /// Whether the path walked so far is drawn.
@@ -65,7 +67,7 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        Self { dark: false, tint: false, grid: true, path: true, background: None }
+        Self { dark: false, tint: false, parts: false, grid: true, path: true, background: None }
     }
 }
 

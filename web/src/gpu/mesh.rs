@@ -30,12 +30,14 @@ struct DrawnCorner {
     vertex: u32,
     uv: [f32; 2],
     colour: [u8; 4],
+    /// Of the body's part; transparent where that is not known.
+    part: [u8; 4],
 }
 
 const CORNER: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<DrawnCorner>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &wgpu::vertex_attr_array![0 => Uint32, 1 => Float32x2, 2 => Unorm8x4],
+    attributes: &wgpu::vertex_attr_array![0 => Uint32, 1 => Float32x2, 2 => Unorm8x4, 3 => Unorm8x4],
 };
 
 /// Layout of a pass that only wants to know a corner's vertex.
@@ -108,7 +110,7 @@ impl Mesh {
                 }
             })
             .collect();
-        let corners: Vec<_> = surface.corners.iter().map(drawn).collect();
+        let corners: Vec<_> = surface.corners.iter().map(|corner| drawn(corner, [0; 4])).collect();
         Self {
             corners: gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX),
             indices: gpu.buffer_of(
@@ -141,6 +143,16 @@ impl Mesh {
             self.materials[material].image = None;
             self.set_texture(gpu, material, texture);
         }
+    }
+
+    /// Takes the colour of the body's part for each vertex, in sRGB.
+    pub fn paint_parts(&mut self, gpu: &Gpu, surface: &Surface, colour_of: &dyn Fn(u32) -> [u8; 3]) {
+        let part = |vertex: u32| {
+            let [r, g, b] = colour_of(vertex);
+            [r, g, b, 255]
+        };
+        let corners: Vec<_> = surface.corners.iter().map(|corner| drawn(corner, part(corner.vertex))).collect();
+        self.corners = gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX);
     }
 
     /// Makes textures, and the smaller levels of those made by others.
@@ -198,8 +210,8 @@ fn group(
     )
 }
 
-fn drawn(corner: &actor::surface::Corner) -> DrawnCorner {
-    DrawnCorner { vertex: corner.vertex, uv: corner.uv, colour: corner.colour }
+fn drawn(corner: &actor::surface::Corner, part: [u8; 4]) -> DrawnCorner {
+    DrawnCorner { vertex: corner.vertex, uv: corner.uv, colour: corner.colour, part }
 }
 
 fn drawn_part(part: &actor::surface::Part, surface: &Surface) -> Part {

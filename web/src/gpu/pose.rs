@@ -18,6 +18,8 @@ pub struct ActorUniform {
     pub synthetic: f32,
     /// Of ghosts.
     pub opacity: f32,
+    /// How strong the colours of parts are.
+    pub parts: f32,
 }
 
 /// Numbers of a vertex: its position, then its normal.

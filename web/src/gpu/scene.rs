@@ -138,8 +138,9 @@ impl Scene {
 
     /// Uploads what changed in the actor.
     pub fn show(&mut self, moment: &Moment<'_>) {
-        let tint = if self.look.tint { 1.0 } else { 0.0 };
-        let uniform = ActorUniform { weight: moment.weight, tint, synthetic: moment.synthetic, ..Default::default() };
+        let [tint, parts] = [self.look.tint, self.look.parts].map(|on| f32::from(u8::from(on)));
+        let (weight, synthetic) = (moment.weight, moment.synthetic);
+        let uniform = ActorUniform { weight, tint, synthetic, parts, ..Default::default() };
         if self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform) {
             self.square = Square::around([moment.before.pose, moment.after.pose], self.measures.height);
             self.shadow_due = true;

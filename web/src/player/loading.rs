@@ -205,7 +205,8 @@ impl Loading {
     #[must_use]
     pub fn varies(&self) -> bool {
         let Recorded::Bundle(reader) = &self.source.recorded else { return false };
-        let is = |section: &bundle::SectionEntry| section.kind == Some(SectionKind::Alternatives);
+        let kinds = [SectionKind::Alternatives, SectionKind::EarlierAlternatives].map(Some);
+        let is = |section: &bundle::SectionEntry| kinds.contains(&section.kind);
         reader.header().is_some_and(|header| header.sections.iter().any(is))
     }
 

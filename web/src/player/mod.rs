@@ -4,6 +4,7 @@
 //! without a target the actor plays on, as far as the recording goes. Everything follows from the ticks: no wall clock.
 
 pub mod bench;
+pub mod body_parts;
 pub mod clock;
 mod direct;
 mod directing;

@@ -87,7 +87,7 @@ pub struct State {
     pub heading: f32,
     /// Median time of the last synthetic frames.
     pub synthesis_ms: f64,
-    /// Which alternative of the recorded stretch is shown, from 1; none where it is as recorded.
+    /// The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alternative: Option<usize>,
 }

@@ -296,9 +296,12 @@ fn recorded_stretches_vary() {
     player.play();
     let shown = shown_heights(&mut player, 600);
     let peaks: Vec<i32> = shown.iter().filter(|(frame, ..)| *frame == 7).map(|(_, height, _)| *height).collect();
-    assert!(peaks.len() > 6 && peaks.iter().all(|height| [0, 5, 10, 15].contains(height)), "{peaks:?}");
-    assert!(peaks.windows(2).all(|pair| pair[0] != pair[1]), "never the same twice in a row: {peaks:?}");
-    assert!([5, 10, 15].iter().all(|height| peaks.contains(height)), "{peaks:?}");
+    // Mixed of two of 5, 10 and 15 mm, on either side.
+    assert!(peaks.len() > 6 && peaks.iter().all(|height| height.abs() <= 19), "{peaks:?}");
+    let mut unlike = peaks.clone();
+    unlike.sort_unstable();
+    unlike.dedup();
+    assert!(2 * unlike.len() > peaks.len() && unlike[0] < 0 && unlike.last() > Some(&0), "{peaks:?}");
     assert!(
         shown.iter().all(|(frame, height, _)| (5..9).contains(frame) || *height == 0),
         "outside it is the recording"

@@ -15,10 +15,12 @@ struct Varying {
     @location(1) normal: vec3f,
     @location(2) uv: vec2f,
     @location(3) colour: vec4f,
+    // The colour of the body's part, as far as it is known.
+    @location(4) part: vec4f,
 }
 
 @vertex
-fn vertex(@location(0) vertex: u32, @location(1) uv: vec2f, @location(2) colour: vec4f) -> Varying {
+fn vertex(@location(0) vertex: u32, @location(1) uv: vec2f, @location(2) colour: vec4f, @location(3) part: vec4f) -> Varying {
     let world = position_of(vertex);
     var out: Varying;
     out.clip = frame.clip_from_world * vec4f(world, 1.0);
@@ -26,6 +28,7 @@ fn vertex(@location(0) vertex: u32, @location(1) uv: vec2f, @location(2) colour:
     out.normal = normal_of(vertex);
     out.uv = uv;
     out.colour = vec4f(linear_from_srgb(colour.rgb), colour.a);
+    out.part = vec4f(linear_from_srgb(part.rgb), part.a);
     return out;
 }
 
@@ -67,6 +70,8 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
         discard;
     }
     var rgb = mix(clay(texel.rgb, normal, view), texel.rgb * relief(normal), material.captured);
+    // The parts of the body are painted clay; a trace of what is worn tells which side is seen.
+    rgb = mix(rgb, clay(in.part.rgb, normal, view), 0.86 * in.part.a * actor.parts);
     rgb *= ambient(normal, in.world.y - frame.ground);
     // The tint keeps the lightness: recorded and synthetic differ in hue, most at the rim.
     let tint = mix(frame.recorded.rgb, frame.synthetic.rgb, actor.synthetic);

@@ -6,6 +6,8 @@ struct Actor {
     tint: f32,
     synthetic: f32,
     opacity: f32,
+    // How strong the colours of parts are.
+    parts: f32,
 }
 
 @group(1) @binding(0) var<uniform> actor: Actor;

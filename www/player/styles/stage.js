@@ -46,6 +46,10 @@ slot[name="poster"], slot[name="progress"], slot[name="error"] { display: conten
 .choices { position: absolute; inset-inline-end: 12px; inset-block-end: 48px; display: grid; padding: 4px; border-radius: 4px; background: color-mix(in srgb, var(--surface) 90%, transparent); }
 .choices .chip { text-align: start; }
 
+.legend { position: absolute; inset-inline-end: 12px; inset-block-start: 12px; display: grid; gap: 2px; margin: 0; padding: 8px 12px; border-radius: 4px; background: color-mix(in srgb, var(--surface) 90%, transparent); list-style: none; pointer-events: none; }
+.legend li { display: flex; align-items: center; gap: 8px; }
+.swatch { inline-size: 10px; block-size: 10px; border-radius: 2px; }
+
 .facts {
   position: absolute;
   inset-inline-start: 12px;

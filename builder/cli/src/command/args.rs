@@ -163,6 +163,9 @@ pub struct PackArguments {
     /// again, or more with --appearance-ssim.
     #[arg(long)]
     pub appearance_compare: bool,
+    /// Do not find the parts of the body, which the page shows in colours.
+    #[arg(long)]
+    pub no_parts: bool,
     /// Also estimate a rig, by which edits move the body (docs/editing.md); with =FILE corrected by a TOML or JSON file as
     /// `builder rig --toml` writes it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]

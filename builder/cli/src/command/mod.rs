@@ -29,6 +29,8 @@ mod rigged;
 mod terminal;
 #[cfg(feature = "complete")]
 mod transfer;
+#[cfg(feature = "complete")]
+mod transfer_alone;
 mod typed;
 mod validate;
 #[cfg(feature = "complete")]

@@ -8,7 +8,7 @@ use capture_io::import::{Cyclic, ImportOptions};
 use job::Job;
 use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
-use reprise::pack::{AppearanceChoice, PackOptions, PackReport, pack};
+use reprise::pack::{AppearanceChoice, PackOptions, PackReport, PartsSummary, pack};
 
 use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis, WorkFolderArgument};
 use super::failure::Failure;
@@ -106,6 +106,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
     };
     options.graph.alpha = arguments.alpha;
     options.graph.hold_contacts = !arguments.no_contacts;
+    options.parts = !arguments.no_parts;
     options.max_error = arguments.max_error;
     options.appearance = match arguments.appearance {
         AppearanceKind::Static => AppearanceChoice::Static,
@@ -115,6 +116,14 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);
     }
     Ok(options)
+}
+
+fn parts_line(parts: &PartsSummary, seconds: f64) -> String {
+    let how = if parts.painted { "painted" } else { "found" };
+    match parts.names.len() {
+        0 | 1 => format!("parts of the body: none {how}, it is shown and learned as a whole"),
+        _ => format!("parts of the body: {}, {how}; in {seconds:.1} s", parts.names.join(", ")),
+    }
 }
 
 fn appearance_options(arguments: &PackArguments) -> AppearanceOptions {
@@ -177,6 +186,7 @@ fn summary(report: &PackReport) -> String {
         let values: Vec<String> = family.samples.iter().map(|sample| format!("{:.2}", sample.value)).collect();
         lines.push(format!("family {}: {} {} {}", family.name, family.parameter, values.join(", "), family.unit));
     }
+    lines.extend(report.parts.as_ref().map(|parts| parts_line(parts, seconds.parts)));
     if let Some(rig) = &report.rig {
         let kind = if rig.human { ", a human's" } else { "" };
         let (bones, misfit) = (rig.bones, rig.misfit_mm);

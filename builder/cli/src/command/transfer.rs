@@ -11,15 +11,16 @@ use reprise::transfer::{
     Kernel, KeyFile, TransferActor, TransferOptions, TransferSummary, Transferred, TransferredSequence, transfer,
 };
 use serde::Serialize;
-use toml::{Table, Value};
+use toml::Table;
 
 use super::args::{KernelKind, TransferArguments};
 use super::drive_actor::{Origin, ReadActor, read};
-use super::drive_capture::{NewSequence, described_sequence, is_ply, manifest};
+use super::drive_capture::{NewSequence, is_ply, manifest};
 use super::drive_frames::write_frames;
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
 use super::terminal::Terminal;
+use super::transfer_alone;
 
 /// What is kept beside the capture, and what `--json` prints, but for the maps.
 #[derive(Serialize)]
@@ -169,7 +170,7 @@ fn write(
     let stays = !arguments.alone && matches!(target.origin, Origin::Capture(_));
     let text = match stays {
         true => manifest(folder, (&arguments.to, &arguments.import), fps, &new),
-        false => new_manifest(arguments, fps, &new),
+        false => transfer_alone::manifest(folder, (target, &exported), fps, &new),
     };
     let text = text.and_then(|text| with_texture(text, target, folder, &names[0])).map_err(Failure::Input)?;
     let text = format!("{}{text}", origin(arguments, done, names));
@@ -198,17 +199,6 @@ pub(super) fn with_texture(text: String, target: &ReadActor, folder: &Path, name
     {
         table.insert("texture".into(), format!("{name}/{image}").into());
     }
-    Ok(toml::to_string(&table)?)
-}
-
-/// A manifest of nothing but the new sequences.
-fn new_manifest(arguments: &TransferArguments, fps: f32, new: &[NewSequence]) -> anyhow::Result<String> {
-    let folder = &arguments.output;
-    let mut table = Table::new();
-    table.insert("fps".into(), Value::Float(fps.into()));
-    let sequences: anyhow::Result<Vec<Value>> =
-        new.iter().map(|new| described_sequence(folder, new).map(Value::Table)).collect();
-    table.insert("sequence".into(), Value::Array(sequences?));
     Ok(toml::to_string(&table)?)
 }
 

@@ -19,6 +19,7 @@ pub fn run(arguments: &VaryArguments, terminal: &Terminal) -> Result<(), Failure
     vary.seed = arguments.seed;
     let mut options = PackOptions::default();
     options.import = import_options(&arguments.import);
+    options.parts = true;
     let (sequences, as_sequences) = (arguments.sequences.clone(), arguments.as_sequences);
     options.variations = Some(Variations { sequences, options: vary, as_sequences });
     let report =

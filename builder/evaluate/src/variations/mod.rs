@@ -155,7 +155,7 @@ fn made(
     (options.amount, options.count, options.seed) = (amount, COUNT, seed);
     let of = |sequence: &&Sequence| {
         let frames = (sequence.first_frame..sequence.end_frame(), capture.timeline.fps());
-        vary(&capture.poses, capture.topology.weights(), frames, &options, job)
+        vary(&capture.poses, &capture.topology, frames, &options, job)
     };
     let varied = chosen.iter().map(of).collect::<Result<Vec<Varied>, _>>()?;
     let (all, _) = alternatives(capture, feet, facings, &varied, COUNT, job)?;
@@ -165,8 +165,8 @@ fn made(
 
 /// What is played, by sequence and amount.
 fn shown(chosen: &[&Sequence], measures: &[Vec<Played>]) -> Table {
-    let caption = "Alternatives as they are stored, added wholly to the recording. Acceleration and steps at the ends of stretches are beside the \
-                   recording's.";
+    let caption = "Alternatives as they are stored, mixed as players mix them (six mixtures a stretch), added wholly to the recording. Acceleration and steps \
+                   at the ends of stretches are beside the recording's.";
     let columns = [
         "sequence",
         "amount",
@@ -204,24 +204,24 @@ fn shown(chosen: &[&Sequence], measures: &[Vec<Played>]) -> Table {
     table
 }
 
-/// How long the first sequence lasts without repeating itself.
+/// How long the first sequences last without repeating themselves.
 fn lasts(capture: &Capture, chosen: &[&Sequence], all: &Arc<Alternatives>, seed: u64) -> Table {
-    let caption = "Ten minutes of a sequence, gone through again and again with alternatives drawn by a seed: passes, how many of them differ, how many \
-                   are the same as the one before, the longest passage that had been shown exactly so before, and the share of passages of ten \
-                   seconds that had.";
-    let columns = ["sequence", "seed", "passes", "different", "twice in a row", "longest again s", "10 s again %"];
+    let caption = "Ten minutes of a sequence, gone through again and again with mixtures of its alternatives drawn by a seed: passes, the mean distance \
+                   of a vertex between two of them and between the two that are nearest to each other, and the longest passage that had been \
+                   shown before within 1 mm.";
+    let columns = ["sequence", "seed", "passes", "apart mm", "nearest mm", "longest within 1 mm s"];
     let mut table = Table::new("variations_lasting", caption, &columns);
     for sequence in chosen.iter().take(2) {
         for seed in seed..seed + SEEDS {
-            let found = lasting(all, sequence, capture.timeline.fps(), LASTS, seed);
+            let shown = (*sequence, capture.topology.vertex_count());
+            let found = lasting(all, shown, capture.timeline.fps(), LASTS, seed);
             table.rows.push(vec![
                 sequence.name.as_str().into(),
                 Cell::Count(seed),
                 Cell::Count(found.passes as u64),
-                Cell::Count(found.different as u64),
-                Cell::Count(found.in_a_row as u64),
+                Cell::Number(1e3 * found.apart, 1),
+                Cell::Number(1e3 * found.nearest, 1),
                 Cell::Number(found.longest, 1),
-                Cell::Number(1e2 * found.repeated, 1),
             ]);
         }
     }
@@ -310,7 +310,7 @@ fn agreements(
             "Mark: two alternatives are 5 to 20 mm apart, and more by a larger amount",
             apart.iter().map(|apart| format!("{apart:.1}")).collect::<Vec<_>>().join(", ") + " mm",
             grows && apart.iter().all(|apart| (5.0..=20.0).contains(apart)),
-            "Means over sequences at the amounts 0.06, 0.12 and 0.25, which are shares of what moves: what hardly moves is hardly varied",
+            "Means over sequences at the amounts 0.06, 0.12 and 0.25, which are shares of what moves; what hardly moves is varied by some millimetres at least",
         ),
         one(
             "Mark: alternatives take at most 1.5 MB an actor",

@@ -5,8 +5,13 @@ use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::feet::Feet;
 use glam::Vec3;
+use kernels::random::mix;
+use synthesis::mixture;
 
-/// Measures of all alternatives of some stretches.
+/// Mixtures of a stretch's alternatives that are looked at: players show nothing else.
+const MIXED: u64 = 6;
+
+/// Measures of some stretches, their alternatives mixed as players mix them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Played {
     /// Alternatives.
@@ -54,15 +59,17 @@ pub fn played(capture: &Capture, feet: &Feet, all: &Alternatives, frames: std::o
     for (number, stretch) in all.stretches().iter().enumerate().filter(|(_, one)| frames.contains(&one.first)) {
         let span: Vec<u32> = (stretch.first..=stretch.last).collect();
         let was: Vec<Vec<Vec3>> = span.iter().map(|&frame| capture.poses.frame(frame).to_vec()).collect();
-        let shown = |alternative: usize| -> Vec<Vec<Vec3>> {
+        let shown = |draw: u64| -> Vec<Vec<Vec3>> {
+            let shares = mixture(mix(number as u64, draw), stretch.coefficients.len());
             let pose = |&frame: &u32| {
                 let mut pose = capture.poses.frame(frame).to_vec();
-                all.add((number, alternative), frame, 1.0, &mut pose);
+                all.add_mixed(number, &shares, frame, &mut pose);
                 pose
             };
             span.iter().map(pose).collect()
         };
-        let every: Vec<Vec<Vec<Vec3>>> = (0..stretch.coefficients.len()).map(shown).collect();
+        found.count += stretch.coefficients.len();
+        let every: Vec<Vec<Vec<Vec3>>> = (0..MIXED).map(shown).collect();
         let step = (1..was.len()).map(|k| distance(&was[k - 1], &was[k])).sum::<f64>() / (was.len() - 1) as f64;
         let ends = |poses: &[Vec<Vec3>]| {
             let last = poses.len() - 1;
@@ -72,7 +79,6 @@ pub fn played(capture: &Capture, feet: &Feet, all: &Alternatives, frames: std::o
         bends(&was).for_each(|bend| recorded.add(bend));
         slides(feet, &span, &was).for_each(|moved| slide[1].add(moved));
         for (k, poses) in every.iter().enumerate() {
-            found.count += 1;
             let last = poses.len() - 1;
             found.ends = found.ends.max(most(&poses[0], &was[0])).max(most(&poses[last], &was[last]));
             found.seam = found.seam.max(ends(poses));
@@ -149,16 +155,19 @@ mod tests {
         let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 4, cyclic: false };
         let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
         let rows = |steps: i16| vec![steps; 2];
-        let stretch = Stretch { first: 0, last: 3, headings: vec![0; 2], coefficients: vec![rows(100), rows(-100)] };
+        let stretch = Stretch { first: 0, last: 3, headings: vec![0; 2], coefficients: vec![rows(100)] };
         let all = Alternatives::new(vec![vec![[0, 127, 0]; 3]], vec![stretch], 3, &timeline).unwrap();
         let surface = Surface::default();
         let capture =
             Capture { name: "t".into(), topology, surface, timeline, poses, vertex_of_file_vertex: Vec::new() };
         let found = played(&capture, &Feet::default(), &all, 0..4);
-        assert_eq!((found.count, found.ends, found.edges), (2, 0.0, 0.0));
-        // Apart by 2 cm in half of the frames, off by 1 cm; the step into it goes up as much as on.
-        assert!((found.apart - 0.01).abs() < 1e-6 && (found.off - 0.005).abs() < 1e-6, "{found:?}");
-        assert!((found.seam - 2.0_f64.sqrt()).abs() < 1e-4 && (found.recorded_seam - 1.0).abs() < 1e-4, "{found:?}");
+        assert_eq!((found.count, found.ends, found.edges), (1, 0.0, 0.0));
+        // Up or down by some share of a centimetre in half of the frames; the step into it goes up or down by that much, and on by 1 cm.
+        let shares: Vec<f64> = (0..MIXED).map(|draw| f64::from(mixture(mix(0, draw), 1)[0].1)).collect();
+        let off = shares.iter().map(|share| share.abs()).sum::<f64>() / MIXED as f64;
+        let most = shares.iter().map(|share| share.abs()).fold(0.0, f64::max);
+        assert!((found.off - 0.005 * off).abs() < 1e-6 && found.apart > 0.0, "{found:?}");
+        assert!((found.seam - most.hypot(1.0)).abs() < 1e-4 && (found.recorded_seam - 1.0).abs() < 1e-4, "{found:?}");
         assert!(found.acceleration > 100.0, "what goes straight has none");
     }
 }

@@ -102,6 +102,18 @@ impl Actor {
         })
     }
 
+    /// The place, the unit and the axes of the coordinates that are written.
+    #[must_use]
+    pub fn place(&self) -> FilePlace {
+        self.place
+    }
+
+    /// For each vertex of OBJ and PLY files that are written, in their order, which one of the poses' it is.
+    #[must_use]
+    pub fn file_vertices(&self) -> &[u32] {
+        &self.mesh.vertices
+    }
+
     /// All frames wear what the recorded `frame` wears, whatever their numbers.
     pub fn wear(&mut self, frame: u32) {
         if let Some(textures) = &mut self.textures {

@@ -21,6 +21,7 @@ use crate::gpu::pose::Numbered;
 use crate::gpu::scene::{Moment, Scene};
 use crate::gpu::target::Target;
 use crate::gpu::thumbnail::Thumbnails;
+use crate::player::body_parts::BodyParts;
 
 /// The picture on one canvas, on one device.
 #[wasm_bindgen]
@@ -142,7 +143,17 @@ impl Stage {
         }
     }
 
-    /// Sets what `json` names of theme, tint, grid, path, reduced_motion and background (sRGB, 0 to 1, or null).
+    /// Takes the colours of the body's parts, which the option `parts` shows: red, green and blue of each in sRGB.
+    pub fn set_parts(&mut self, player: &Player, colours: &[u8]) {
+        let (colours, _) = colours.as_chunks::<3>();
+        let parts = BodyParts::of(player.inner.loading()).ok().flatten();
+        if let (Some(parts), Some(actor), false) = (parts, player.inner.actor(), self.lost()) {
+            self.scene.mesh.paint_parts(&self.scene.gpu, &actor.surface, &|vertex| parts.colour(vertex, colours));
+            self.due = true;
+        }
+    }
+
+    /// Sets what `json` names of theme, tint, parts, grid, path, reduced_motion and background (sRGB, 0 to 1, or null).
     ///
     /// # Errors
     /// It is no JSON object.
@@ -161,7 +172,8 @@ impl Stage {
             self.cross_fade = compare.as_deref() == Some("cross-fade");
             self.textures[0] = if compare.as_deref() == Some("naive") { Textures::Naive } else { Textures::Aligned };
         }
-        let switches = [("tint", &mut look.tint), ("grid", &mut look.grid), ("path", &mut look.path)];
+        let switches =
+            [("tint", &mut look.tint), ("parts", &mut look.parts), ("grid", &mut look.grid), ("path", &mut look.path)];
         for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
             if let Some(on) = given(name) {
                 *switch = on.is_truthy();
