@@ -137,7 +137,7 @@ mod tests {
         // One is `scale` metres.
         let lifted = |wanted: f64, most: f64, scale: f64| {
             let mut all = differences(most);
-            lift(&mut all, &[0..60], wanted, &|all| spread(all) * scale);
+            lift(&mut all, std::slice::from_ref(&(0..60)), wanted, &|all| spread(all) * scale);
             assert!(all.iter().all(|one| one[0][0] == 0.0 && one[59][0] == 0.0), "ends are pinned");
             spread(&all) * scale
         };
@@ -149,7 +149,7 @@ mod tests {
         // What moves enough stays as it is, and nothing stays nothing.
         let before = differences(0.1);
         let mut after = before.clone();
-        lift(&mut after, &[0..60], 0.0065, &|all| spread(all) * 0.2);
+        lift(&mut after, std::slice::from_ref(&(0..60)), 0.0065, &|all| spread(all) * 0.2);
         assert_eq!(after, before);
         assert_eq!(lifted(0.0065, 0.0, 0.02), 0.0);
     }

@@ -49,7 +49,7 @@ pub fn lasting(
             let mut pass = Pass::new();
             for frame in sequence.first_frame..sequence.end_frame() {
                 varied.enters(frame);
-                if (frame - sequence.first_frame) as usize % EVERY == 0 {
+                if ((frame - sequence.first_frame) as usize).is_multiple_of(EVERY) {
                     pose.fill(Vec3::ZERO);
                     varied.add(frame, &mut pose);
                     pass.push(pose.iter().step_by(stride).copied().collect());
