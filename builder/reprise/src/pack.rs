@@ -12,7 +12,7 @@ use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
 use bundle::{self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, default_max_error};
 use capture_io::import::{self, Warning};
-use editing::StoredRig;
+use editing::{StoredRig, StoredSpace};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
@@ -29,8 +29,8 @@ use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
 #[cfg(feature = "scans")]
 use crate::registered::RegisteredScan;
-pub use crate::rigged::RigSummary;
-use crate::rigged::stored_rig;
+pub use crate::rigged::{RigSummary, SpaceSummary};
+use crate::rigged::{stored_rig, stored_space};
 #[cfg(feature = "variations")]
 use crate::varied_families;
 #[cfg(feature = "variations")]
@@ -50,6 +50,9 @@ pub struct PackReport {
     /// What came of the rig, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rig: Option<RigSummary>,
+    /// What came of the learned space, where a rig was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<SpaceSummary>,
     /// Families that were made, and where their samples come from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<FamilySummary>,
@@ -116,7 +119,7 @@ pub struct StageSeconds {
     pub registration: f64,
     /// Reading files.
     pub import: f64,
-    /// The rig.
+    /// The rig and the learned space.
     pub rig: f64,
     /// Pose distances.
     pub distances: f64,
@@ -309,12 +312,22 @@ fn pack_with_files(
         }
     }
     let (rig, rig_summary) = rig.unzip();
+    let mut learned = None;
+    if options.rig.is_some() {
+        let mut own = 0.0;
+        match timed(&mut own, || stored_space(capture)) {
+            Ok(found) => learned = Some(found),
+            Err(warning) => warnings.push(warning),
+        }
+        seconds.rig += own;
+    }
+    let (learned, learned_summary) = learned.unzip();
     let measured =
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
     let (bytes, bundle) =
-        timed(&mut seconds.bundle, || encode(capture, (besides, rig.as_ref()), &graphed.graph, looks, options))?;
+        timed(&mut seconds.bundle, || encode(capture, (besides, rig.as_ref(), learned.as_ref()), &graphed.graph, looks, options))?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     warnings.extend(unreachable);
@@ -324,6 +337,7 @@ fn pack_with_files(
         graph: summary_of_graph(&graphed, &capture.timeline),
         appearance: None,
         rig: rig_summary,
+        learned: learned_summary,
         families: Vec::new(),
         #[cfg(feature = "variations")]
         variations: Vec::new(),
@@ -366,7 +380,7 @@ fn summary_of_graph(graphed: &Graphed, timeline: &Timeline) -> GraphSummary {
 
 fn encode(
     capture: &Capture,
-    (besides, rig): (Besides, Option<&StoredRig>),
+    (besides, rig, learned): (Besides, Option<&StoredRig>, Option<&StoredSpace>),
     graph: &EssentialGraph,
     (models, quality): (&[TextureModel], AppearanceQuality),
     options: &PackOptions,
@@ -384,7 +398,8 @@ fn encode(
     let material = capture.surface.materials.iter().position(|material| material.image.is_some()).unwrap_or(0) as u32;
     let looks: Vec<AppearanceInput> = models.iter().map(|model| AppearanceInput { model, material, quality }).collect();
     let mut extras = Extras::default();
-    (extras.rig, extras.alternatives, extras.body_parts) = (rig, besides.alternatives, besides.body_parts);
+    (extras.rig, extras.learned) = (rig, learned);
+    (extras.alternatives, extras.body_parts) = (besides.alternatives, besides.body_parts);
     Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
 }
 

@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 11;
+pub const VERSION_MINOR: u16 = 13;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,6 +60,8 @@ pub enum SectionKind {
     BodyParts,
     /// Families of sequences that do the same, and the numbers by which their members are asked for. Since 1.11.
     Families,
+    /// The ways in which the actor was seen to move. Since 1.13.
+    LearnedSpace,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -68,7 +70,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 28] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -94,6 +96,7 @@ impl SectionKind {
         Self::Alternatives,
         Self::BodyParts,
         Self::Families,
+        Self::LearnedSpace,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -128,6 +131,7 @@ impl SectionKind {
             Self::Contacts => 70,
             Self::BodyParts => 71,
             Self::Families => 72,
+            Self::LearnedSpace => 80,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -168,6 +172,7 @@ impl SectionKind {
             Self::Alternatives => "alternatives",
             Self::BodyParts => "body-parts",
             Self::Families => "families",
+            Self::LearnedSpace => "learned-space",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -184,6 +189,7 @@ impl SectionKind {
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
+            Self::LearnedSpace => 13,
             Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,

@@ -61,6 +61,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::EarlierContacts
         | SectionKind::Feet
         | SectionKind::Families
+        | SectionKind::LearnedSpace
         | SectionKind::FilePlace => &[SectionKind::Meta],
         SectionKind::Model
         | SectionKind::Image

@@ -22,6 +22,7 @@ mod header;
 mod integers;
 mod kind;
 mod layout;
+mod learned;
 mod meta;
 mod motion;
 mod reader;
@@ -44,6 +45,7 @@ pub use encode::{
 pub use error::{BundleError, EncodeError};
 pub use header::{Header, SectionEntry};
 pub use kind::{MAGIC, SectionKind, VERSION_MAJOR, VERSION_MINOR};
+pub use learned::decode as decode_learned_space;
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use rig::decode as decode_rig;

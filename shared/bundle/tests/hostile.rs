@@ -157,6 +157,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::Rig,
             SectionKind::BodyParts,
             SectionKind::Families,
+            SectionKind::LearnedSpace,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);
