@@ -61,6 +61,7 @@ mod failure;
 pub mod families;
 #[cfg(feature = "variations")]
 pub mod frame_maps;
+pub mod hybrid;
 #[cfg(feature = "scans")]
 pub mod look;
 mod options;

@@ -41,7 +41,7 @@ pub(crate) fn stored_space(capture: &Capture) -> Result<(StoredSpace, SpaceSumma
         learn_space(&capture.topology, &capture.poses, &frames, &SpaceOptions::default())
     else {
         let text = "no learned space: the capture moves as a whole, so edits that go by it are as rigid as possible";
-        return Err(Warning::new("W_LEARNED", text));
+        return Err(Warning::new("W_LEARNED", text.into()));
     };
     let (misfit_mm, moves_mm) = (1000.0 * misfit, 1000.0 * moves);
     let summary = SpaceSummary { modes: space.modes.len(), frames: space.frames.len(), misfit_mm, moves_mm };

@@ -11,7 +11,9 @@ use crate::error::EditError;
 use crate::carry::{handle_target, pin_targets, skin};
 use crate::grab::{Editor, FOLLOW, REST, Grab, Grip, Released};
 use crate::propagate::{firmness, share, window};
-use crate::reach::{Bend, Reach, Role};
+use crate::reach::{Bend, Reach, Role, Target};
+use crate::rig::Rig;
+use crate::rigid::Rigid;
 use crate::rotation::turn_by;
 use crate::space::Space;
 
@@ -335,20 +337,14 @@ impl Edits {
         let motions = rig.fit(pose);
         let staying: Vec<u32> = pins.iter().map(|(pin, _)| rig.bones()[rig.bone_of(*pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free, |limb| Role::of(limb, &limbs, &staying), vec![false; count]);
-        let firm: Vec<u32> = pins.iter().filter(|(_, firm)| *firm >= 1.0).map(|(pin, _)| *pin).collect();
-        let mut targets = goals;
-        let loose =
-            pins.iter().filter(|(_, firm)| *firm > 0.0 && *firm < 1.0).map(|(_, firm)| *firm).fold(0.0, f32::max);
-        let fading: Vec<u32> =
-            pins.iter().filter(|(_, firm)| *firm == loose && loose > 0.0).map(|(pin, _)| *pin).collect();
-        let (firm, fading) = (pin_targets(rig, pose, &firm, 1.0), pin_targets(rig, pose, &fading, loose));
+        let reach = reach.allowing(&centre);
         let begun = reach.motions(&centre);
-        let drifts = |target: &crate::reach::Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
+        let held_back = standing(rig, pose, &pins, &begun);
+        let drifts = |target: &Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
         let mut bend = centre.clone();
-        if !targets.is_empty() || firm.iter().chain(&fading).any(drifts) {
-            targets.extend(firm);
-            targets.extend(fading);
-            reach.solve(&targets, &centre, &mut bend, STEPS);
+        if !goals.is_empty() || held_back.iter().any(drifts) {
+            goals.extend(held_back);
+            reach.solve(&goals, &centre, &mut bend, STEPS);
         }
         let (turns, told) = skin(rig, pose, &reach.motions(&bend), &carried);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
@@ -428,6 +424,25 @@ impl Edits {
         let moved = self.editor.deformer.solve(&system, &by_modes, &turns, &told, &left).map_err(EditError::from)?;
         pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
+    }
+}
+
+/// What brings feet back to where they stand, from where the bones take them by the motions `begun`: wholly or, of feet that are about to
+/// stand or have stood, as far as they are firm.
+fn standing(rig: &Rig, pose: &[Vec3], pins: &[(u32, f32)], begun: &[Rigid]) -> Vec<Target> {
+    let mut targets = Vec::new();
+    let mut firmest = f32::INFINITY;
+    loop {
+        let next = pins.iter().map(|(_, firm)| *firm).filter(|firm| *firm < firmest).fold(0.0, f32::max);
+        if next <= 0.0 {
+            return targets;
+        }
+        firmest = next;
+        let alike: Vec<u32> = pins.iter().filter(|(_, firm)| *firm == firmest).map(|(pin, _)| *pin).collect();
+        targets.extend(pin_targets(rig, pose, &alike).into_iter().map(|mut target| {
+            target.to = Reach::place(&target, begun).lerp(target.to, firmest.min(1.0));
+            target
+        }));
     }
 }
 

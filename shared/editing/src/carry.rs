@@ -70,7 +70,7 @@ pub(crate) fn handle_target(carried: &Carried, pose: &[Vec3]) -> Target {
 }
 
 /// Targets that hold the vertices `pins` where they are: of each bone the outermost along each axis.
-pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32], share: f32) -> Vec<Target> {
+pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32]) -> Vec<Target> {
     let mut by_bone: Vec<Vec<u32>> = vec![Vec::new(); rig.bones().len()];
     pins.iter().for_each(|&pin| by_bone[rig.bone_of(pin)].push(pin));
     let mut targets = Vec::new();
@@ -83,7 +83,7 @@ pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32], share: f32) ->
         }
         targets.extend(chosen.into_iter().map(|pin| {
             let point = pose[pin as usize];
-            Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN * share * share) }
+            Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN) }
         }));
     }
     targets

@@ -205,7 +205,7 @@ impl Editor {
         let staying: Vec<u32> = grip.pins.iter().map(|&pin| rig.bones()[rig.bone_of(pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free.clone(), |limb| Role::of(limb, &limbs, &staying), steady);
         let mut targets: Vec<Target> = carried.iter().map(|one| handle_target(one, pose)).collect();
-        targets.extend(pin_targets(rig, pose, &grip.pins, 1.0));
+        targets.extend(pin_targets(rig, pose, &grip.pins));
         if free[0] && !grip.pins.is_empty() {
             targets.extend(self.balance_target(rig, pose));
         }

@@ -20,8 +20,8 @@ pub const PRIOR: f64 = 1e-3;
 /// Modes that are solved for at once: three numbers each, four at a time.
 const ABREAST: usize = 4;
 /// How often the system is made anew until a drag has come to rest, and iterations with each.
-const ROUNDS: usize = 8;
-const ITERATIONS: usize = 2;
+const ROUNDS: usize = 6;
+const ITERATIONS: usize = 12;
 /// Steps by which a rotation is followed.
 const TURN_STEPS: usize = 2;
 /// It rests where no vertex moves further than this, in metres.
@@ -157,14 +157,18 @@ impl Learned {
             return Ok(displacements);
         }
         for _ in 0..ROUNDS {
-            let before = displacements.clone();
             self.prepare(deformer, held, pose)?;
-            for _ in 0..ITERATIONS {
-                displacements = self.iterate(deformer, held, pose, wanted)?;
-            }
-            let moved = before.iter().zip(&displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-            if moved < STILL {
-                break;
+            for iteration in 0..ITERATIONS {
+                let next = self.iterate(deformer, held, pose, wanted)?;
+                let moved = next.iter().zip(&displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+                displacements = next;
+                if moved < STILL {
+                    // For this system nothing moves any more; nor does it for the one before, where it is the first iteration.
+                    if iteration == 0 {
+                        return Ok(displacements);
+                    }
+                    break;
+                }
             }
         }
         Ok(displacements)

@@ -143,7 +143,19 @@ impl Reach {
         let range = bones.iter().map(|bone| [bone.range[0] - SLACK, bone.range[1] + SLACK]).collect();
         let shifts = free[0];
         let parents = bones.iter().map(|bone| bone.parent).collect();
-        Self { parents, joints, free, rarity, rest, range, steady, shifts }
+        let none = Bend::none(bones.len());
+        Self { parents, joints, free, rarity, rest, range, steady, shifts }.allowing(&none)
+    }
+
+    /// The same where no bone is beyond its range that is turned by `bend`: what is there already is not taken back.
+    #[must_use]
+    pub fn allowing(mut self, bend: &Bend) -> Self {
+        for index in 1..self.range.len() {
+            let (beyond, _) = self.beyond(index, bend.turns[index]);
+            let [low, high] = &mut self.range[index];
+            (*low, *high) = (*low + beyond.min(Vec3::ZERO), *high + beyond.max(Vec3::ZERO));
+        }
+        self
     }
 
     /// Where `bend` takes what each bone carries, relative to the frame as it was recorded.
