@@ -404,7 +404,7 @@ fn version_1_13_can_be_written_and_read() {
     assert_eq!(validate(&bytes), []);
     let reader = BundleReader::from_bytes(&bytes).unwrap();
     assert_eq!((reader.header().unwrap().minor, reader.learned()), (13, Ok(Some(space.clone()))));
-    let beyond = StoredSpace { frames: vec![11, 0, 14, 4], ..space };
+    let beyond = StoredSpace { frames: vec![11, 0, 14, 4], ..space.clone() };
     extras.learned = Some(&beyond);
     let refused = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap_err();
     assert!(refused.to_string().contains("another capture"), "{refused}");

@@ -13,7 +13,6 @@ use crate::grab::{Editor, FOLLOW, REST, Grab, Grip, Released};
 use crate::propagate::{firmness, share, window};
 use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::Rig;
-use crate::rigid::Rigid;
 use crate::rotation::turn_by;
 use crate::space::Space;
 
@@ -338,14 +337,7 @@ impl Edits {
         let staying: Vec<u32> = pins.iter().map(|(pin, _)| rig.bones()[rig.bone_of(*pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free, |limb| Role::of(limb, &limbs, &staying), vec![false; count]);
         let reach = reach.allowing(&centre);
-        let begun = reach.motions(&centre);
-        let held_back = standing(rig, pose, &pins, &begun);
-        let drifts = |target: &Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
-        let mut bend = centre.clone();
-        if !goals.is_empty() || held_back.iter().any(drifts) {
-            goals.extend(held_back);
-            reach.solve(&goals, &centre, &mut bend, STEPS);
-        }
+        let bend = stand(&reach, goals, &centre, (rig, pose, &pins));
         let (turns, told) = skin(rig, pose, &reach.motions(&bend), &carried);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         for &(vertex, exactly, wanted, beyond) in &handles {
@@ -427,23 +419,41 @@ impl Edits {
     }
 }
 
-/// What brings feet back to where they stand, from where the bones take them by the motions `begun`: wholly or, of feet that are about to
-/// stand or have stood, as far as they are firm.
-fn standing(rig: &Rig, pose: &[Vec3], pins: &[(u32, f32)], begun: &[Rigid]) -> Vec<Target> {
-    let mut targets = Vec::new();
+/// The bend that reaches `goals` and brings feet back to where they stand: first those that stand; then, from where that has taken them,
+/// those that are about to stand or have stood, as far as they are firm. So nothing jumps where a foot begins to be held.
+fn stand(
+    reach: &Reach,
+    mut goals: Vec<Target>,
+    centre: &Bend,
+    (rig, pose, pins): (&Rig, &[Vec3], &[(u32, f32)]),
+) -> Bend {
+    let mut bend = centre.clone();
     let mut firmest = f32::INFINITY;
     loop {
         let next = pins.iter().map(|(_, firm)| *firm).filter(|firm| *firm < firmest).fold(0.0, f32::max);
         if next <= 0.0 {
-            return targets;
+            break;
         }
+        let (is_first, alike) = (firmest == f32::INFINITY, |firm: f32| firm == next);
         firmest = next;
-        let alike: Vec<u32> = pins.iter().filter(|(_, firm)| *firm == firmest).map(|(pin, _)| *pin).collect();
-        targets.extend(pin_targets(rig, pose, &alike).into_iter().map(|mut target| {
-            target.to = Reach::place(&target, begun).lerp(target.to, firmest.min(1.0));
-            target
-        }));
+        let own: Vec<u32> = pins.iter().filter(|(_, firm)| alike(*firm)).map(|(pin, _)| *pin).collect();
+        let mut targets = pin_targets(rig, pose, &own);
+        let begun = reach.motions(&bend);
+        for target in &mut targets {
+            target.to = Reach::place(target, &begun).lerp(target.to, next.min(1.0));
+        }
+        let drifts = |target: &Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
+        let has_goals = is_first && !goals.is_empty();
+        let moves = has_goals || targets.iter().any(drifts);
+        goals.extend(targets);
+        if moves {
+            reach.solve(&goals, centre, &mut bend, STEPS);
+        }
     }
+    if firmest == f32::INFINITY && !goals.is_empty() {
+        reach.solve(&goals, centre, &mut bend, STEPS);
+    }
+    bend
 }
 
 /// Whether two edits do the same to the same frame, however far that reaches.

@@ -16,12 +16,13 @@ use crate::deform::{Deformer, Held};
 use crate::dense::solve_dense;
 
 /// The prior's weight in square metres: lambda. Chosen by held-out frames (`docs/results`).
-pub const PRIOR: f64 = 1e-3;
+pub const PRIOR: f64 = 1e-4;
 /// Modes that are solved for at once: three numbers each, four at a time.
 const ABREAST: usize = 4;
-/// How often the system is made anew until a drag has come to rest, and iterations with each.
-const ROUNDS: usize = 6;
-const ITERATIONS: usize = 12;
+/// Until a drag has come to rest: iterations without modes, how often the system is made anew then, and iterations with each.
+const RIGID_ITERATIONS: usize = 15;
+const ROUNDS: usize = 8;
+const ITERATIONS: usize = 3;
 /// Steps by which a rotation is followed.
 const TURN_STEPS: usize = 2;
 /// It rests where no vertex moves further than this, in metres.
@@ -38,6 +39,8 @@ pub(crate) struct Learned {
     turned: Vec<f64>,
     normal: Vec<f64>,
     turns: Vec<Quat>,
+    /// r, as it was found last.
+    shares: Vec<f64>,
     /// U r.
     rest: Vec<Vec3>,
 }
@@ -60,6 +63,7 @@ impl Learned {
             turned: Vec::new(),
             normal: Vec::new(),
             turns: vec![Quat::IDENTITY; n],
+            shares: Vec::new(),
             rest: vec![Vec3::ZERO; n],
         };
         learned.prepare(deformer, held, pose)?;
@@ -152,18 +156,46 @@ impl Learned {
         wanted: &[Vec3],
         until_still: bool,
     ) -> Result<Vec<Vec3>, CholeskyError> {
-        let mut displacements = self.iterate(deformer, held, pose, wanted)?;
         if !until_still {
-            return Ok(displacements);
+            return self.iterate(deformer, held, pose, wanted, true);
+        }
+        // There are several valleys. From modes one gets into those where modes explain what a turn would; from turns alone, into those
+        // where modes come too late. The lower one counts.
+        let mut found: Option<(f64, Vec<Vec3>, Vec<Quat>, Vec<Vec3>)> = None;
+        for rigid in [0, RIGID_ITERATIONS] {
+            self.turns.fill(Quat::IDENTITY);
+            let displacements = self.descend(deformer, held, pose, wanted, rigid)?;
+            let energy = self.energy(deformer, held, pose, &displacements);
+            if found.as_ref().is_none_or(|(other, ..)| energy < *other) {
+                found = Some((energy, displacements, self.turns.clone(), self.rest.clone()));
+            }
+        }
+        let Some((_, displacements, turns, rest)) = found else { return Ok(vec![Vec3::ZERO; pose.len()]) };
+        (self.turns, self.rest) = (turns, rest);
+        Ok(displacements)
+    }
+
+    /// Iterations until nothing moves any more: so many as rigid as possible, then with modes.
+    fn descend(
+        &mut self,
+        deformer: &mut Deformer,
+        held: &Held,
+        pose: &[Vec3],
+        wanted: &[Vec3],
+        rigid: usize,
+    ) -> Result<Vec<Vec3>, CholeskyError> {
+        let mut displacements = vec![Vec3::ZERO; pose.len()];
+        for _ in 0..rigid {
+            displacements = self.iterate(deformer, held, pose, wanted, false)?;
         }
         for _ in 0..ROUNDS {
             self.prepare(deformer, held, pose)?;
             for iteration in 0..ITERATIONS {
-                let next = self.iterate(deformer, held, pose, wanted)?;
+                let next = self.iterate(deformer, held, pose, wanted, true)?;
                 let moved = next.iter().zip(&displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
                 displacements = next;
                 if moved < STILL {
-                    // For this system nothing moves any more; nor does it for the one before, where it is the first iteration.
+                    // For this system nothing moves any more; nor did it for the one before, where it is the first iteration.
                     if iteration == 0 {
                         return Ok(displacements);
                     }
@@ -174,6 +206,20 @@ impl Learned {
         Ok(displacements)
     }
 
+    /// What is least, for the rotations and modes as they are.
+    fn energy(&self, deformer: &Deformer, held: &Held, pose: &[Vec3], displacements: &[Vec3]) -> f64 {
+        let mut sum = 0.0;
+        for (&[i, j], &weight) in deformer.edges().iter().zip(held.weights()) {
+            let (i, j) = (i as usize, j as usize);
+            let rest = (pose[i] + self.rest[i]) - (pose[j] + self.rest[j]);
+            let turned = 0.5 * (self.turns[i] * rest + self.turns[j] * rest);
+            let missed = pose[i] - pose[j] + (displacements[i] - displacements[j]) - turned;
+            sum += f64::from(weight * missed.length_squared());
+        }
+        let costs = self.shares.iter().zip(&self.variances).map(|(share, variance)| share * share / variance);
+        sum + self.prior * costs.sum::<f64>()
+    }
+
     /// Modes, then the surface, then its rotations.
     fn iterate(
         &mut self,
@@ -181,11 +227,14 @@ impl Learned {
         held: &Held,
         pose: &[Vec3],
         wanted: &[Vec3],
+        with_modes: bool,
     ) -> Result<Vec<Vec3>, CholeskyError> {
         let right: Vec<f64> =
             self.levers.iter().zip(&self.turned).map(|(levers, turned)| turned - product(levers, wanted)).collect();
         // A system that cannot be solved leaves the modes out: as rigid as possible.
-        let shares = solve_dense(&self.normal, &right, 0.0).unwrap_or_default();
+        let found = if with_modes { solve_dense(&self.normal, &right, 0.0) } else { None };
+        let shares = found.unwrap_or_default();
+        self.shares.clone_from(&shares);
         self.rest.fill(Vec3::ZERO);
         for (mode, &share) in self.modes.iter().zip(&shares) {
             let share = share as f32;

@@ -22,6 +22,9 @@ const SHORTEST: f32 = 0.5;
 const LONGER: f32 = 4.0;
 const LONGEST: f32 = 1.6;
 
+/// How much of a frame's edit goes to the two frames before it, itself, and the two after it.
+const SPREAD: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+
 /// An edit of the last sequence, and the frames that it reaches, over the whole capture.
 pub(super) struct Towards {
     pub document: EditDocument,
@@ -102,10 +105,33 @@ pub(super) fn edited(
         EditedPoses::new(&mut source, (&both.timeline, feet), both.topology.weights(), editor, document)?;
     edited.prepare()?;
     let mut poses = Vec::new();
-    for frame in frames {
+    for frame in frames.clone() {
         let mut pose = vec![Vec3::ZERO; both.topology.vertex_count()];
         edited.read(frame, &mut pose)?;
         poses.push(pose);
     }
-    Ok(poses)
+    drop(edited);
+    Ok(smoothed(both, frames.start, &poses))
+}
+
+/// The frames from `first` on with what was edited spread over those around: each is solved for alone, and two solutions that are as good
+/// may lie a centimetre apart. What stays in all of them stays.
+fn smoothed(both: &Capture, first: u32, poses: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
+    let own = both.timeline.sequences().last().map_or(0..0, |own| own.first_frame..own.end_frame());
+    let moved = |frame: i64, vertex: usize| {
+        // Beyond the sequence's ends it goes on as there; frames that the edit does not reach are not moved.
+        let frame = frame.clamp(own.start.into(), i64::from(own.end) - 1) as u32;
+        let edited = frame.checked_sub(first).and_then(|at| poses.get(at as usize));
+        edited.map_or(Vec3::ZERO, |edited| edited[vertex] - both.poses.frame(frame)[vertex])
+    };
+    let around = |frame: i64, vertex: usize| -> Vec3 {
+        (-2..).zip(SPREAD).map(|(off, share)| moved(frame + off, vertex) * share).sum()
+    };
+    (first..)
+        .take(poses.len())
+        .map(|frame| {
+            let recorded = both.poses.frame(frame).iter().enumerate();
+            recorded.map(|(vertex, &point)| point + around(frame.into(), vertex)).collect()
+        })
+        .collect()
 }

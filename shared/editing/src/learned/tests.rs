@@ -85,7 +85,7 @@ fn it_is_what_one_large_system_gives_with_and_without_rotations() {
         for _ in 0..3 {
             let turns = learned.turns().to_vec();
             let wanted_pose = plain(&deformer, &held, &pose, (&modes, &variances), &turns, &wanted);
-            let moved = learned.iterate(&mut deformer, &held, &pose, &wanted).unwrap();
+            let moved = learned.iterate(&mut deformer, &held, &pose, &wanted, true).unwrap();
             for v in 0..COUNT {
                 let off = (pose[v] + moved[v]).distance(wanted_pose[v]);
                 assert!(off < 2e-4, "seed {seed}, vertex {v}: {off}");
