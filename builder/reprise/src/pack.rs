@@ -326,8 +326,9 @@ fn pack_with_files(
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
     job.begin("bundle")?;
-    let (bytes, bundle) =
-        timed(&mut seconds.bundle, || encode(capture, (besides, rig.as_ref(), learned.as_ref()), &graphed.graph, looks, options))?;
+    let (bytes, bundle) = timed(&mut seconds.bundle, || {
+        encode(capture, (besides, rig.as_ref(), learned.as_ref()), &graphed.graph, looks, options)
+    })?;
     let edges: Vec<(u32, u32)> = graphed.graph.transitions().iter().map(|edge| (edge.from, edge.to)).collect();
     let unreachable = unreachable(&capture.timeline, &edges, graphed.unreachable_pairs);
     warnings.extend(unreachable);

@@ -159,11 +159,8 @@ fn stored(shares: &[f64], variance: f64) -> Option<StoredMode> {
 /// The row that is nearest to the mean of all.
 fn middle(rows: &[Vec<Vec3>]) -> usize {
     let count = rows.len() as f32;
-    let mean: Vec<Vec3> =
-        (0..rows[0].len()).map(|v| rows.iter().map(|row| row[v] / count).sum::<Vec3>()).collect();
-    let off = |row: &Vec<Vec3>| -> f64 {
-        row.iter().zip(&mean).map(|(a, b)| f64::from(a.distance_squared(*b))).sum()
-    };
+    let mean: Vec<Vec3> = (0..rows[0].len()).map(|v| rows.iter().map(|row| row[v] / count).sum::<Vec3>()).collect();
+    let off = |row: &Vec<Vec3>| -> f64 { row.iter().zip(&mean).map(|(a, b)| f64::from(a.distance_squared(*b))).sum() };
     let off: Vec<f64> = rows.par_iter().map(off).collect();
     (0..off.len()).fold(0, |best, k| if off[k] < off[best] { k } else { best })
 }
@@ -189,7 +186,8 @@ mod tests {
     /// Poses of a ribbon that moves in `ways` ways, each half as far as the one before, turned and moved about.
     fn capture(ways: usize, frames: u32) -> (Topology, Poses) {
         let at = |v: usize| Vec3::new((v / 2) as f32 * 0.1, (v % 2) as f32 * 0.1, 0.0);
-        let triangles = (0..COUNT as u32 / 2 - 1).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]);
+        let triangles =
+            (0..COUNT as u32 / 2 - 1).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]);
         let topology = Topology::new(COUNT as u32, triangles.collect(), vec![1.0; COUNT]).unwrap();
         let mut poses = Poses::new(COUNT);
         for frame in 0..u64::from(frames) {
@@ -213,7 +211,8 @@ mod tests {
     fn the_ways_in_which_it_moves_are_found() {
         let (topology, poses) = capture(3, 50);
         let frames: Vec<u32> = (0..50).collect();
-        let learned = learn_space(&topology, &poses, &frames, &SpaceOptions { misfit: 0.0, ..SpaceOptions::default() }).unwrap();
+        let learned =
+            learn_space(&topology, &poses, &frames, &SpaceOptions { misfit: 0.0, ..SpaceOptions::default() }).unwrap();
         assert_eq!((learned.space.modes.len(), learned.space.frames.len()), (3, 4), "{learned:?}");
         assert!(learned.misfit < 5e-4 && learned.moves > 0.02, "{learned:?}");
         assert_eq!(learned.space.check(50), Ok(()));
@@ -235,7 +234,8 @@ mod tests {
         }
         assert!((dot(&rest, &rest) / COUNT as f64).sqrt() < 2e-3, "{:?}", dot(&rest, &rest));
         // Less is enough where more may be missed.
-        let coarse = learn_space(&topology, &poses, &frames, &SpaceOptions { misfit: 0.02, ..SpaceOptions::default() }).unwrap();
+        let coarse =
+            learn_space(&topology, &poses, &frames, &SpaceOptions { misfit: 0.02, ..SpaceOptions::default() }).unwrap();
         assert!(coarse.space.modes.len() < 3 && coarse.misfit > learned.misfit, "{coarse:?}");
     }
 

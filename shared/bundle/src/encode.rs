@@ -14,7 +14,9 @@ use super::limits::{
 };
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
-use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, learned, motion, rig, surface, ties};
+use super::{
+    alternatives, body_parts, contacts, families, feet, files, graph, integers, learned, motion, rig, surface, ties,
+};
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::files::Files;

@@ -60,7 +60,8 @@ mod tests {
     use super::*;
 
     fn space() -> StoredSpace {
-        let mode = |k: i16| StoredMode { variance: 0.1 / f32::from(k), step: 1e-3, shares: vec![2047, -30 * k, k, -2047] };
+        let mode =
+            |k: i16| StoredMode { variance: 0.1 / f32::from(k), step: 1e-3, shares: vec![2047, -30 * k, k, -2047] };
         StoredSpace { frames: vec![7, 0, 90, 4, 5], modes: (1..5).map(mode).collect() }
     }
 

@@ -22,8 +22,8 @@ use bundle::{
     encode_with_files, encode_with_rig, validate,
 };
 use captures::{contacts, feet, graph, rig, ties, timeline};
-use glam::{DVec3, Vec3};
 use editing::{StoredMode, StoredSpace};
+use glam::{DVec3, Vec3};
 use kernels::topology::Topology;
 use texture::TextureModel;
 

@@ -6,10 +6,10 @@ use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
+use crate::carry::{handle_target, pin_targets, skin};
 use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
 use crate::error::EditError;
-use crate::carry::{handle_target, pin_targets, skin};
-use crate::grab::{Editor, FOLLOW, REST, Grab, Grip, Released};
+use crate::grab::{Editor, FOLLOW, Grab, Grip, REST, Released};
 use crate::propagate::{firmness, share, window};
 use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::Rig;

@@ -31,7 +31,13 @@ pub(crate) fn size(pose: &[Vec3]) -> f32 {
 
 /// The bone that a handle takes hold of, and how far what is around follows. That of its own piece; cloth and hair, which
 /// belong to none, are grabbed for the nearest of the bones that move them: a skirt for the thigh under it.
-pub(crate) fn carry(rig: &Rig, deformer: &Deformer, (pose, motions): (&[Vec3], &[Rigid]), vertex: u32, radius: f32) -> Carried {
+pub(crate) fn carry(
+    rig: &Rig,
+    deformer: &Deformer,
+    (pose, motions): (&[Vec3], &[Rigid]),
+    vertex: u32,
+    radius: f32,
+) -> Carried {
     let Influences { joints, weights } = &rig.influences()[vertex as usize];
     let (from, to) = (rig.joints(motions), rig.ends(motions));
     let point = pose[vertex as usize];

@@ -158,14 +158,7 @@ impl Deformer {
     }
 
     /// Moves `turns` some steps towards what [`Self::turns`] finds, from where they are: for surfaces that move on little by little.
-    pub(crate) fn follow(
-        &self,
-        held: &Held,
-        pose: &[Vec3],
-        displacements: &[Vec3],
-        turns: &mut [Quat],
-        steps: usize,
-    ) {
+    pub(crate) fn follow(&self, held: &Held, pose: &[Vec3], displacements: &[Vec3], turns: &mut [Quat], steps: usize) {
         let pattern = self.pattern.symmetric();
         for (i, turn) in turns.iter_mut().enumerate() {
             let mut sum = Mat3::ZERO;

@@ -133,7 +133,7 @@ impl Editor {
             let found = rig.rest().len();
             return Err(EditError::Rig(format!("it moves {found} vertices, but the mesh has {n}")));
         }
-                let weights = topology.weights().to_vec();
+        let weights = topology.weights().to_vec();
         Ok(Self { deformer: Deformer::new(topology, order)?, rig, space: None, weights, prior: PRIOR })
     }
 

@@ -6,7 +6,8 @@ use actor::feet::{Feet, FootVertex};
 use actor::pose_source::PoseSource;
 use actor::timeline::{Sequence, Timeline};
 use editing::{
-    Bone, EditDocument, EditError, EditedPoses, Editor, Grip, Influences, Method, Rig, Scope, Space, StoredMode, StoredSpace,
+    Bone, EditDocument, EditError, EditedPoses, Editor, Grip, Influences, Method, Rig, Scope, Space, StoredMode,
+    StoredSpace,
 };
 use glam::{Mat3, Quat, Vec3};
 use kernels::topology::Topology;
@@ -137,7 +138,13 @@ const BY: Vec3 = Vec3::new(0.15, -0.1, 0.2);
 #[test]
 fn a_handle_that_stays_gives_all_frames_back_to_the_bit() {
     let poses = poses(0.05);
-    for more in ["", r#","method":"learned""#, r#","method":"arap""#, r#","scope":{"radius":0.4}"#, r#","propagate":"constraint""#] {
+    for more in [
+        "",
+        r#","method":"learned""#,
+        r#","method":"arap""#,
+        r#","scope":{"radius":0.4}"#,
+        r#","propagate":"constraint""#,
+    ] {
         let (frames, notes) = edited(&poses, document(&[edit(&poses, TOP, Vec3::ZERO, more)]), Some(rig()));
         assert!(notes.is_empty());
         assert_eq!(frames[KEY as usize], poses.frame(KEY), "{more}");
@@ -205,7 +212,9 @@ fn bones_keep_the_tube_as_long_as_it_is() {
 #[test]
 fn edits_turn_with_the_actor() {
     let (straight, turning) = (poses(0.0), poses(0.1));
-    for (propagate, method) in [("nonlinear", "rig"), ("linear", "rig"), ("constraint", "rig"), ("nonlinear", "learned")] {
+    for (propagate, method) in
+        [("nonlinear", "rig"), ("linear", "rig"), ("constraint", "rig"), ("nonlinear", "learned")]
+    {
         let more = format!(r#","propagate":"{propagate}","method":"{method}""#);
         let heading = Quat::from_rotation_y(0.1 * KEY as f32);
         let (a, _) = edited(&straight, document(&[edit(&straight, TOP, BY, &more)]), Some(rig()));

@@ -140,7 +140,9 @@ fn session(reader: &mut BundleReader) -> Session {
     for length in [0, 1, 5, words.len() / 2, words.len() - 1] {
         assert!(Known::from_words(&words[..length]).is_none());
     }
-    let mut session = Session::new(known, reader.rig_bytes().unwrap_or_default(), reader.learned_bytes().unwrap_or_default()).unwrap();
+    let mut session =
+        Session::new(known, reader.rig_bytes().unwrap_or_default(), reader.learned_bytes().unwrap_or_default())
+            .unwrap();
     give(&mut session, reader);
     session
 }
@@ -201,7 +203,10 @@ fn frames_are_those_of_a_film_to_the_bit() {
             assert_ne!(ours, pose(&mut reader, frame), "frame {frame}");
         }
         let notes = session.notes();
-        assert_eq!((notes.iter().any(|note| note.contains("no learned space")), session.has_space()), (!with_rig, with_rig));
+        assert_eq!(
+            (notes.iter().any(|note| note.contains("no learned space")), session.has_space()),
+            (!with_rig, with_rig)
+        );
         assert_eq!(notes, edited.prepare().unwrap());
     }
 }

@@ -179,7 +179,8 @@ fn summary(report: &PackReport) -> String {
     }
     if let Some(learned) = &report.learned {
         let (modes, frames, misfit, moves) = (learned.modes, learned.frames, learned.misfit_mm, learned.moves_mm);
-        let stored = report.bundle.sections.iter().find(|size| size.name == "learned-space").map_or(0, |size| size.stored);
+        let stored =
+            report.bundle.sections.iter().find(|size| size.name == "learned-space").map_or(0, |size| size.stored);
         lines.push(format!(
             "learned space: {modes} modes of {frames} frames miss {misfit:.1} of {moves:.1} mm RMS; {:.1} KB",
             stored as f64 / 1000.0

@@ -66,8 +66,9 @@ pub fn of_bundle(reader: &mut BundleReader) -> Result<Option<(u32, Rig)>, Failur
 
 /// The ways in which a bundle's actor was seen to move, where it says.
 fn space_of_bundle(reader: &mut BundleReader, topology: &Topology) -> Result<Option<Space>, Failure> {
-    let damaged =
-        |error: anyhow::Error| Failure::Input(error.context("the bundle's learned space cannot be used: pack it again"));
+    let damaged = |error: anyhow::Error| {
+        Failure::Input(error.context("the bundle's learned space cannot be used: pack it again"))
+    };
     let Some(stored) = reader.learned().map_err(|error| damaged(error.into()))? else { return Ok(None) };
     let mut poses = vec![vec![Vec3::ZERO; topology.vertex_count()]; stored.frames.len()];
     for (&frame, pose) in stored.frames.iter().zip(&mut poses) {

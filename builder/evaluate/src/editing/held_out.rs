@@ -115,7 +115,8 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
     let mut each = Table::new("editing_held_out_frames", "The same, frame by frame, mm", &columns);
     each.rows = rows;
     let halves = ["prior m^2", "off mm: every other frame from the first", "from the second"];
-    let mut prior = Table::new("editing_prior", "The product\u{2019}s learned method, by the weight of its prior", &halves);
+    let mut prior =
+        Table::new("editing_prior", "The product\u{2019}s learned method, by the weight of its prior", &halves);
     let half = |off: &[f64], from: usize| -> Vec<f64> { off.iter().skip(from).step_by(2).copied().collect() };
     let both = |off: &[f64]| [0, 1].map(|from| Cell::Number(root_mean_square(&half(off, from)), 1));
     for (lambda, off) in LAMBDAS.iter().zip(&priors) {

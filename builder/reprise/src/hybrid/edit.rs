@@ -41,9 +41,13 @@ pub(super) fn towards(both: &Capture, (rig, feet): (&Rig, &Feet), way: &Way, inw
     let pose = both.poses.frame(key);
     let wanted = laid(pose, both.poses.frame(recorded), both.topology.weights());
     let standing = (0..feet.count()).filter(|&foot| feet.stands(key, foot));
-    let limbs: Vec<u32> =
-        standing.flat_map(|foot| sole(feet, foot)).map(|v| rig.bones()[rig.bone_of(v)].limb).filter(|&limb| limb > 0).collect();
-    let handles = handles(rig, pose, &limbs).into_iter().map(|vertex| Handle { vertex, to: wanted[vertex as usize] }).collect();
+    let limbs: Vec<u32> = standing
+        .flat_map(|foot| sole(feet, foot))
+        .map(|v| rig.bones()[rig.bone_of(v)].limb)
+        .filter(|&limb| limb > 0)
+        .collect();
+    let handles =
+        handles(rig, pose, &limbs).into_iter().map(|vertex| Handle { vertex, to: wanted[vertex as usize] }).collect();
     let seconds = (SHORTEST + LONGER * way.apart_mm / 1000.0).min(LONGEST);
     let frames = i64::from((seconds * both.timeline.fps()).ceil() as u32);
     let frame = key - all.start;
@@ -101,8 +105,7 @@ pub(super) fn edited(
 ) -> Result<Vec<Vec<Vec3>>, PreparedError> {
     let editor = Editor::new(&both.topology, None, Some(rig.clone()))?;
     let mut source = both.poses.clone();
-    let mut edited =
-        EditedPoses::new(&mut source, (&both.timeline, feet), both.topology.weights(), editor, document)?;
+    let mut edited = EditedPoses::new(&mut source, (&both.timeline, feet), both.topology.weights(), editor, document)?;
     edited.prepare()?;
     let mut poses = Vec::new();
     for frame in frames.clone() {
@@ -115,9 +118,11 @@ pub(super) fn edited(
 }
 
 /// The frames from `first` on with what was edited spread over those around: each is solved for alone, and two solutions that are as good
-/// may lie a centimetre apart. What stays in all of them stays.
+/// may lie a centimetre apart. What stays in all of them stays; nothing comes to lie lower than anything of the sequence did.
 fn smoothed(both: &Capture, first: u32, poses: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
     let own = both.timeline.sequences().last().map_or(0..0, |own| own.first_frame..own.end_frame());
+    let points = own.clone().flat_map(|frame| both.poses.frame(frame));
+    let floor = points.map(|point| point.y).fold(f32::INFINITY, f32::min);
     let moved = |frame: i64, vertex: usize| {
         // Beyond the sequence's ends it goes on as there; frames that the edit does not reach are not moved.
         let frame = frame.clamp(own.start.into(), i64::from(own.end) - 1) as u32;
@@ -131,7 +136,8 @@ fn smoothed(both: &Capture, first: u32, poses: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
         .take(poses.len())
         .map(|frame| {
             let recorded = both.poses.frame(frame).iter().enumerate();
-            recorded.map(|(vertex, &point)| point + around(frame.into(), vertex)).collect()
+            let above = |point: Vec3| point.with_y(point.y.max(floor));
+            recorded.map(|(vertex, &point)| above(point + around(frame.into(), vertex))).collect()
         })
         .collect()
 }

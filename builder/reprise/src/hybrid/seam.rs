@@ -56,9 +56,8 @@ pub(super) fn best_way(
     let of_recorded = recorded.len() as u32;
     let small = part(both, &frames, of_recorded)?;
     let measured = measure(&small.topology, &small.poses, &DistanceOptions::default(), job).map_err(|e| wrong(&e))?;
-    let transitions =
-        optimal_transitions(&measured.distances, &small.timeline, &TransitionOptions::default(), job)
-            .map_err(|e| wrong(&e))?;
+    let transitions = optimal_transitions(&measured.distances, &small.timeline, &TransitionOptions::default(), job)
+        .map_err(|e| wrong(&e))?;
     let (first, second) = (0..of_recorded, of_recorded..frames.len() as u32);
     let (sources, destinations) = if inwards { (first, second) } else { (second, first) };
     let mut best: Option<(u32, u32, TransitionCost)> = None;

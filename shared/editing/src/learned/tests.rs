@@ -8,12 +8,18 @@ const COUNT: usize = 24;
 
 /// A ribbon that is bent and crumpled, and modes of it.
 fn scene(seed: u64, modes: usize) -> (Topology, Vec<Vec3>, Vec<Vec<Vec3>>) {
-    let triangles = (0..COUNT as u32 / 2 - 1).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]);
+    let triangles =
+        (0..COUNT as u32 / 2 - 1).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]);
     let topology = Topology::new(COUNT as u32, triangles.collect(), vec![1.0; COUNT]).unwrap();
     let noise = |salt: u64, v: usize| {
-        Vec3::new(signed(seed + salt, 3 * v as u64), signed(seed + salt, 3 * v as u64 + 1), signed(seed + salt, 3 * v as u64 + 2))
+        Vec3::new(
+            signed(seed + salt, 3 * v as u64),
+            signed(seed + salt, 3 * v as u64 + 1),
+            signed(seed + salt, 3 * v as u64 + 2),
+        )
     };
-    let pose = (0..COUNT).map(|v| Vec3::new((v / 2) as f32 * 0.1, (v % 2) as f32 * 0.1, 0.0) + 0.02 * noise(1, v)).collect();
+    let pose =
+        (0..COUNT).map(|v| Vec3::new((v / 2) as f32 * 0.1, (v % 2) as f32 * 0.1, 0.0) + 0.02 * noise(1, v)).collect();
     let mode = |k: usize| (0..COUNT).map(|v| 0.2 * noise(100 + k as u64, v)).collect();
     (topology, pose, (0..modes).map(mode).collect())
 }
@@ -80,8 +86,7 @@ fn it_is_what_one_large_system_gives_with_and_without_rotations() {
         let mut deformer = Deformer::new(&topology, None).unwrap();
         let held = deformer.hold(&pose, &[0, 1, 22, 13], 1e-2).unwrap();
         let wanted = [Vec3::ZERO, Vec3::ZERO, Vec3::new(0.1, 0.2, -0.15), Vec3::new(-0.05, 0.0, 0.1)];
-        let mut learned =
-            Learned::new(&mut deformer, &held, &pose, (modes.clone(), &variances), PRIOR).unwrap();
+        let mut learned = Learned::new(&mut deformer, &held, &pose, (modes.clone(), &variances), PRIOR).unwrap();
         for _ in 0..3 {
             let turns = learned.turns().to_vec();
             let wanted_pose = plain(&deformer, &held, &pose, (&modes, &variances), &turns, &wanted);
