@@ -21,8 +21,8 @@ pub const PRIOR: f64 = 1e-4;
 const ABREAST: usize = 4;
 /// Until a drag has come to rest: iterations without modes, how often the system is made anew then, and iterations with each.
 const RIGID_ITERATIONS: usize = 15;
-const ROUNDS: usize = 8;
-const ITERATIONS: usize = 3;
+const ROUNDS: usize = 4;
+const ITERATIONS: usize = 6;
 /// Steps by which a rotation is followed.
 const TURN_STEPS: usize = 2;
 /// It rests where no vertex moves further than this, in metres.
@@ -32,6 +32,8 @@ const STILL: f32 = 1e-4;
 pub(crate) struct Learned {
     modes: Vec<Vec<Vec3>>,
     variances: Vec<f64>,
+    /// The modes of the held vertices alone.
+    held_modes: Vec<Vec<Vec3>>,
     prior: f64,
     /// What holds the held vertices against each mode, for the rotations of [`Self::prepare`].
     levers: Vec<Vec<Vec3>>,
@@ -55,7 +57,9 @@ impl Learned {
         prior: f64,
     ) -> Result<Self, CholeskyError> {
         let n = pose.len();
+        let of_held = |mode: &Vec<Vec3>| held.vertices().iter().map(|&v| mode[v as usize]).collect();
         let mut learned = Self {
+            held_modes: modes.iter().map(of_held).collect(),
             modes,
             variances: variances.to_vec(),
             prior,
@@ -137,13 +141,18 @@ impl Learned {
                 turned += f64::from(missed.dot(change * (pose[i] - pose[j])));
             }
         }
-        let against = if changes.is_some() { &turned_back } else { &pulls };
         let count = self.modes.len();
+        let at_held = |field: &[Vec3]| -> Vec<Vec3> { held.vertices().iter().map(|&v| field[v as usize]).collect() };
+        let levers = at_held(&pulls);
         for other in 0..=k {
-            self.normal[k * count + other] = -product(&self.modes[other], against);
+            self.normal[k * count + other] = -match changes {
+                Some(_) => product(&self.modes[other], &turned_back),
+                // Where nothing turns only what is held pulls.
+                None => product(&self.held_modes[other], &levers),
+            };
         }
         self.normal[k * count + k] += self.prior / self.variances[k];
-        self.levers.push(held.vertices().iter().map(|&v| pulls[v as usize]).collect());
+        self.levers.push(levers);
         self.turned.push(turned);
     }
 
