@@ -47,6 +47,14 @@ pub(crate) struct Learned {
     rest: Vec<Vec3>,
 }
 
+/// Where a descent has come to rest.
+struct Valley {
+    energy: f64,
+    displacements: Vec<Vec3>,
+    turns: Vec<Quat>,
+    rest: Vec<Vec3>,
+}
+
 impl Learned {
     /// `pose`, of which `held` is held, by `modes` as it faces.
     pub(crate) fn new(
@@ -170,18 +178,19 @@ impl Learned {
         }
         // There are several valleys. From modes one gets into those where modes explain what a turn would; from turns alone, into those
         // where modes come too late. The lower one counts.
-        let mut found: Option<(f64, Vec<Vec3>, Vec<Quat>, Vec<Vec3>)> = None;
+        let mut found: Option<Valley> = None;
         for rigid in [0, RIGID_ITERATIONS] {
             self.turns.fill(Quat::IDENTITY);
             let displacements = self.descend(deformer, held, pose, wanted, rigid)?;
             let energy = self.energy(deformer, held, pose, &displacements);
-            if found.as_ref().is_none_or(|(other, ..)| energy < *other) {
-                found = Some((energy, displacements, self.turns.clone(), self.rest.clone()));
+            if found.as_ref().is_none_or(|other| energy < other.energy) {
+                let (turns, rest) = (self.turns.clone(), self.rest.clone());
+                found = Some(Valley { energy, displacements, turns, rest });
             }
         }
-        let Some((_, displacements, turns, rest)) = found else { return Ok(vec![Vec3::ZERO; pose.len()]) };
-        (self.turns, self.rest) = (turns, rest);
-        Ok(displacements)
+        let Some(lowest) = found else { return Ok(vec![Vec3::ZERO; pose.len()]) };
+        (self.turns, self.rest) = (lowest.turns, lowest.rest);
+        Ok(lowest.displacements)
     }
 
     /// Iterations until nothing moves any more: so many as rigid as possible, then with modes.

@@ -9,7 +9,6 @@ use editing::apply::{PreparedError, sole};
 use editing::{Edit, EditDocument, EditedPoses, Editor, Handle, Method, Pins, Propagation, Rig, Scope};
 use glam::Vec3;
 
-use super::document;
 use super::places::laid;
 use super::seam::Way;
 
@@ -65,7 +64,7 @@ pub(super) fn towards(both: &Capture, (rig, feet): (&Rig, &Feet), way: &Way, inw
         propagate: Propagation::Nonlinear,
         on: true,
     };
-    Towards { document: document(edit), frames: reached }
+    Towards { document: EditDocument { version: editing::document::VERSION, edits: vec![edit] }, frames: reached }
 }
 
 /// Some vertices of each bone but those of some limbs, as far from each other as they are.

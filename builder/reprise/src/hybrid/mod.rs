@@ -6,18 +6,20 @@
 //! with it, and by the rig, whose rotations fade over a window. An edit that does not make the way cheaper is not kept.
 
 mod edit;
+mod error;
 mod places;
 mod seam;
 
 use actor::capture::{Capture, Poses};
 use actor::graph::DEFAULT_ALPHA;
 use actor::timeline::{Sequence, Timeline};
-use editing::{EditDocument, Rig};
+use editing::Rig;
 use glam::Vec3;
 use job::Job;
 use pipeline::feet::feet;
 use serde::Serialize;
-use thiserror::Error;
+
+pub use self::error::HybridError;
 
 use self::edit::{Towards, edited, towards};
 use self::places::places;
@@ -25,24 +27,6 @@ use self::seam::{Way, best_way};
 
 /// Seconds of the recording around a place, and of the driven sequence from its end, that ways are looked for in.
 const AROUND: f32 = 1.2;
-
-/// Why a driven sequence cannot be joined to the recording.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum HybridError {
-    /// The driven frames are none of this capture's.
-    #[error("the driven frames do not fit the capture: {0}")]
-    Misfit(String),
-    /// The edit cannot be made.
-    #[error("the driven sequence cannot be edited: {0}")]
-    Edit(#[from] editing::apply::PreparedError),
-    /// Transitions cannot be measured.
-    #[error("transitions between the recording and the driven sequence cannot be measured: {0}")]
-    Measure(String),
-    /// It was asked to stop.
-    #[error(transparent)]
-    Stopped(#[from] job::Stopped),
-}
 
 /// How good the best way between the recording and a driven sequence is.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -185,9 +169,4 @@ fn replace(both: &mut Capture, first: u32, poses: &[Vec<Vec3>]) {
         all.push(own.map_or(both.poses.frame(frame), Vec::as_slice));
     }
     both.poses = all;
-}
-
-/// A document of one edit.
-fn document(edit: editing::Edit) -> EditDocument {
-    EditDocument { version: editing::document::VERSION, edits: vec![edit] }
 }

@@ -16,7 +16,7 @@ use pipeline::essential::sparse::Candidates;
 use pipeline::graph::{GraphOptions, graph_of};
 use pipeline::transitions::{TransitionCost, TransitionOptions, optimal_transitions};
 
-use super::HybridError;
+use super::error::HybridError;
 use super::places::laid;
 
 /// Frames that are played before a transition and after it.
