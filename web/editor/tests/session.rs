@@ -265,6 +265,6 @@ fn what_makes_no_sense_is_refused_and_the_document_before_stays() {
     assert!(session.reached(7).is_empty());
     // A rig that is none leaves the surface alone to be moved.
     let words = words(reader.timeline().unwrap(), reader.topology().unwrap(), &Feet::default(), None);
-    let session = Session::new(Known::from_words(&words).unwrap(), b"no rig").unwrap();
+    let session = Session::new(Known::from_words(&words).unwrap(), b"no rig", &[]).unwrap();
     assert!(!session.has_rig() && session.rig_trouble().is_some() && session.needs().is_empty());
 }
