@@ -105,6 +105,9 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
         &["method", "off mm", "of no edit", "stretch %", "frames"],
     );
     for ((method, one), off_all) in METHODS.iter().zip(&found).zip(&off) {
+        if one.off.is_empty() {
+            continue;
+        }
         table.rows.push(vec![
             (*method).into(),
             Cell::Number(*off_all, 1),
