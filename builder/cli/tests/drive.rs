@@ -37,6 +37,21 @@ fn the_performer_squats_and_its_soles_stay() {
     assert!(number("sole_off_mm", 1) < 10.0 && number("slide_mm", 1) < 1.0, "{report}");
     assert!(number("volume", 0) > 0.8, "{report}");
 
+    check_joins(&report);
+
+    // Without an edit the frames are as they were driven: in the middle those are the same.
+    let plain = ["drive", "squat.bvh", "--actor", "p", "-o", "plain", "--as-driven", "--json"];
+    let plain: Value = serde_json::from_str(&done(&builder(folder, &plain))).unwrap();
+    assert!(plain["joins"].is_null(), "{plain}");
+    let frames = plain["frames"].as_u64().unwrap();
+    let is_same = |frame: u64| {
+        let file = |of: &str| fs::read(folder.join(format!("{of}/frames/{frame:05}.ply"))).unwrap();
+        file("more") == file("plain")
+    };
+    let changed: u64 = joins(&report).iter().map(|join| join["changed"].as_u64().unwrap()).sum();
+    let differ = (0..frames).filter(|&frame| !is_same(frame)).count() as u64;
+    assert!(differ <= changed && (changed == 0 || differ > 0), "{differ} of {changed}");
+
     // The capture has one sequence more, of the same mesh.
     let inspected: Value = serde_json::from_str(&done(&builder(folder, &["inspect", "more", "--json"]))).unwrap();
     let mut names = inspected["sequences"].as_array().unwrap().iter().map(|s| s["name"].as_str().unwrap().to_owned());
@@ -51,6 +66,45 @@ fn the_performer_squats_and_its_soles_stay() {
     }
     done(&builder(folder, &["drive", "squat.bvh", "--actor", "p", "-o", "s.glb", "--every", "20", "-q"]));
     assert!(fs::metadata(folder.join("s.glb")).unwrap().len() > 10_000);
+}
+
+fn joins(report: &Value) -> Vec<Value> {
+    report["joins"].as_array().cloned().unwrap_or_default()
+}
+
+/// The ways in and out: an edit that is kept makes the way cheaper and brings the poses together.
+fn check_joins(report: &Value) {
+    let joins = joins(report);
+    assert_eq!(joins.len(), 2, "{report}");
+    assert_eq!([&joins[0]["inwards"], &joins[1]["inwards"]], [true, false]);
+    for join in joins {
+        let number = |when: &str, name: &str| join[when][name].as_f64().unwrap();
+        let (changed, is_kept) = (join["changed"].as_u64().unwrap(), join["after"].is_object());
+        assert_eq!(changed > 0, is_kept, "{join}");
+        if is_kept {
+            assert!(number("after", "cost") < number("before", "cost"), "{join}");
+            assert!(number("after", "apart_mm") < number("before", "apart_mm"), "{join}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "reads ../shared/data"]
+fn a_walk_of_motion_capture_is_joined_to_the_performers() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    let performer = ["performer", "-o", "p", "--frames", "400", "--vertices", "2500", "--texture-size", "128", "-q"];
+    done(&builder(folder, &performer));
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/mocap/02_01_60fps.bvh");
+    let report = done(&builder(folder, &["drive", clip, "--actor", "p", "-o", "more", "--json"]));
+    let report: Value = serde_json::from_str(&report).unwrap();
+    check_joins(&report);
+    for join in joins(&report) {
+        let cost = |when: &str| join[when]["cost"].as_f64().unwrap_or(f64::INFINITY);
+        assert!(cost("after") < 0.8 * cost("before"), "{join}");
+    }
+    let number = |name: &str, at: usize| report["measures"][name][at].as_f64().unwrap();
+    assert!(number("sole_off_mm", 1) < 10.0 && number("slide_mm", 1) < 1.0, "{report}");
 }
 
 /// The clip as a program writes it whose Z points up: (x, y, z) becomes (x, -z, y).

@@ -26,6 +26,8 @@ pub struct Driven {
     pub stands: bool,
     /// How good they are.
     pub measures: Measures,
+    /// When and where their feet stand.
+    pub planted: Planted,
 }
 
 /// Why an actor cannot be driven.
@@ -64,7 +66,7 @@ pub fn retarget(
     let Plan { planted, stands } = Plan::new((clip, mapping), body, fps)?;
     let driven = deform(body, &planted, topology, order)?;
     let measures = measure(body, topology, poses, &driven, &planted);
-    Ok(Driven { poses: driven, nearest: nearest(body, poses, &planted), stands, measures })
+    Ok(Driven { poses: driven, nearest: nearest(body, poses, &planted), stands, measures, planted })
 }
 
 /// Vertex positions of all frames in metres.

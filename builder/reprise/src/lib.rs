@@ -62,6 +62,7 @@ pub mod families;
 mod found_parts;
 #[cfg(feature = "variations")]
 pub mod frame_maps;
+pub mod hybrid;
 #[cfg(feature = "scans")]
 pub mod look;
 mod options;

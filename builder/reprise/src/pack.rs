@@ -14,7 +14,7 @@ use bundle::{
     self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, default_max_error,
 };
 use capture_io::import::{self, Warning};
-use editing::StoredRig;
+use editing::{StoredRig, StoredSpace};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
 use pipeline::distance::{self};
@@ -33,8 +33,8 @@ use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
 #[cfg(feature = "scans")]
 use crate::registered::RegisteredScan;
-pub use crate::rigged::RigSummary;
-use crate::rigged::stored_rig;
+pub use crate::rigged::{RigSummary, SpaceSummary};
+use crate::rigged::{stored_rig, stored_space};
 #[cfg(feature = "variations")]
 use crate::varied_families;
 #[cfg(feature = "variations")]
@@ -57,6 +57,9 @@ pub struct PackReport {
     /// The parts of the body, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<PartsSummary>,
+    /// What came of the learned space, where a rig was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<SpaceSummary>,
     /// Families that were made, and where their samples come from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<FamilySummary>,
@@ -123,7 +126,7 @@ pub struct StageSeconds {
     pub registration: f64,
     /// Reading files.
     pub import: f64,
-    /// The rig.
+    /// The rig and the learned space.
     pub rig: f64,
     /// Finding the parts of the body.
     pub parts: f64,
@@ -306,6 +309,7 @@ struct Stored<'a> {
     besides: Besides<'a>,
     rig: Option<&'a StoredRig>,
     found_parts: Option<&'a FoundParts>,
+    learned: Option<&'a StoredSpace>,
 }
 
 /// As [`pack_with_looks`], with what goes into the bundle besides.
@@ -328,7 +332,17 @@ fn pack_with_files(
     let wanted = options.parts.then(|| timed(&mut seconds.parts, || found_parts(capture, besides.body_parts, job)));
     let (found, parts) = wanted.transpose()?.unzip();
     let found = found.flatten();
-    let stored = Stored { besides, rig: rig.as_ref(), found_parts: found.as_ref() };
+    let mut learned = None;
+    if options.rig.is_some() {
+        let mut own = 0.0;
+        match timed(&mut own, || stored_space(capture)) {
+            Ok(found) => learned = Some(found),
+            Err(warning) => warnings.push(warning),
+        }
+        seconds.rig += own;
+    }
+    let (learned, learned_summary) = learned.unzip();
+    let stored = Stored { besides, rig: rig.as_ref(), found_parts: found.as_ref(), learned: learned.as_ref() };
     let measured =
         timed(&mut seconds.distances, || distance::measure(&capture.topology, &capture.poses, &options.distance, job))?;
     let graphed = timed(&mut seconds.graph, || essential_graph(capture, &measured, &options.graph, job))?;
@@ -344,6 +358,7 @@ fn pack_with_files(
         appearance: None,
         rig: rig_summary,
         parts,
+        learned: learned_summary,
         families: Vec::new(),
         #[cfg(feature = "variations")]
         variations: Vec::new(),
@@ -406,7 +421,7 @@ fn encode(
     let mut extras = Extras::default();
     let besides = stored.besides;
     (extras.rig, extras.alternatives, extras.body_parts) = (stored.rig, besides.alternatives, besides.body_parts);
-    extras.found_parts = stored.found_parts;
+    (extras.found_parts, extras.learned) = (stored.found_parts, stored.learned);
     Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
 }
 

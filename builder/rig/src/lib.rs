@@ -7,6 +7,7 @@
 pub mod corrections;
 pub mod estimate;
 pub mod ik;
+pub mod space;
 pub mod weights;
 
 pub use editing::{INFLUENCES, Influences, Rigid, Skin};
@@ -14,4 +15,5 @@ pub use editing::{INFLUENCES, Influences, Rigid, Skin};
 pub use self::corrections::{Correction, RigFile};
 pub use self::estimate::{Estimate, RigError, RigOptions, estimate};
 pub use self::ik::{TwoBones, two_bones};
+pub use self::space::{Learned, SpaceOptions, learn_space};
 pub use self::weights::{diffuse, spread};

@@ -16,8 +16,8 @@ use super::limits::{
 use super::meta::{Meta, SequenceMeta};
 use super::sections::{Draft, assemble};
 use super::{
-    alternatives, body_parts, contacts, families, feet, files, found_parts, graph, integers, motion, rig, surface,
-    ties, turns,
+    alternatives, body_parts, contacts, families, feet, files, found_parts, graph, integers, learned, motion, rig,
+    surface, ties, turns,
 };
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
@@ -25,7 +25,7 @@ use actor::files::Files;
 use actor::graph::EssentialGraph;
 use actor::motion::Motion;
 use actor::pose_source::{PoseError, PoseSource};
-use editing::StoredRig;
+use editing::{StoredRig, StoredSpace};
 
 /// Frames from one independent frame to the next: decoding any frame touches at most three others.
 const GROUP: u32 = 4;
@@ -152,6 +152,8 @@ pub fn encode_with_rig(
 pub struct Extras<'a> {
     /// The rig by which edits move the body.
     pub rig: Option<&'a StoredRig>,
+    /// The ways in which the capture was seen to move, by which edits move the body, too.
+    pub learned: Option<&'a StoredSpace>,
     /// Motion that differs from recorded stretches.
     pub alternatives: Option<&'a Alternatives>,
     /// The part of the body that each vertex belongs to, as it was painted.
@@ -197,6 +199,7 @@ pub fn encode_with_extras(
     let (rms_error, max_error) = (geometry.rms_error, geometry.max_error);
     let mut drafts = drafts(input, &meta, geometry)?;
     drafts.extend(extras.rig.map(|rig| rig_draft(rig, capture)).transpose()?);
+    drafts.extend(extras.learned.map(|space| learned_draft(space, capture)).transpose()?);
     drafts.extend(extras.alternatives.map(|all| alternatives_draft(all, capture)).transpose()?.flatten());
     drafts.extend(extras.body_parts.map(|parts| parts_draft(parts, capture)).transpose()?);
     drafts.extend(extras.found_parts.map(|parts| found_parts_draft(parts, capture)).transpose()?);
@@ -229,6 +232,13 @@ fn rig_draft(stored: &StoredRig, capture: &Capture) -> Result<Draft, EncodeError
     // What a reader would refuse is not written.
     rig::decode(&raw, vertex_count, capture.timeline.frame_count()).map_err(wrong)?;
     Ok(Draft { kind: SectionKind::Rig, ordinal: 0, raw })
+}
+
+/// The section of a space that was learned from this capture.
+fn learned_draft(space: &StoredSpace, capture: &Capture) -> Result<Draft, EncodeError> {
+    let raw = learned::encode(space, capture.timeline.frame_count());
+    let raw = raw.ok_or_else(|| EncodeError::Inconsistent("the learned space is that of another capture".into()))?;
+    Ok(Draft { kind: SectionKind::LearnedSpace, ordinal: 0, raw })
 }
 
 /// The section of alternatives of this capture; `None` where there are none.

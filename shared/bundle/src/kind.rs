@@ -66,6 +66,8 @@ pub enum SectionKind {
     Turns,
     /// The parts of the body that were found, and their names. Since 1.14.
     FoundParts,
+    /// The ways in which the actor was seen to move. Since 1.13.
+    LearnedSpace,
     /// The faces of the input files. Since 1.4.
     FileFaces,
     /// The place, the unit and the axes of the input files. Since 1.4.
@@ -74,7 +76,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 31] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -103,6 +105,7 @@ impl SectionKind {
         Self::Families,
         Self::Turns,
         Self::FoundParts,
+        Self::LearnedSpace,
         Self::FileFaces,
         Self::FilePlace,
     ];
@@ -140,6 +143,7 @@ impl SectionKind {
             Self::Turns => 73,
             Self::FoundParts => 90,
             Self::Alternatives => 91,
+            Self::LearnedSpace => 80,
             Self::FileFaces => 96,
             Self::FilePlace => 97,
         }
@@ -183,6 +187,7 @@ impl SectionKind {
             Self::Families => "families",
             Self::Turns => "turns",
             Self::FoundParts => "found-parts",
+            Self::LearnedSpace => "learned-space",
             Self::FileFaces => "file-faces",
             Self::FilePlace => "file-place",
         }
@@ -201,6 +206,7 @@ impl SectionKind {
         match self {
             Self::Turns => 12,
             Self::FoundParts | Self::Alternatives => 14,
+            Self::LearnedSpace => 13,
             Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,

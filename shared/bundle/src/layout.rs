@@ -62,6 +62,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Feet
         | SectionKind::Families
         | SectionKind::Turns
+        | SectionKind::LearnedSpace
         | SectionKind::FilePlace => &[SectionKind::Meta],
         SectionKind::Model
         | SectionKind::Image

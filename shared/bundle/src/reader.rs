@@ -15,7 +15,7 @@ use super::meta::Meta;
 use super::sections::{self, SectionInfo};
 use super::{
     AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, found_parts,
-    graph, integers, layout, motion, rig, surface, ties, turns,
+    graph, integers, layout, learned, motion, rig, surface, ties, turns,
 };
 use actor::alternatives::Alternatives;
 use actor::contacts::{Contacts, Held};
@@ -27,7 +27,7 @@ use actor::pose_source::{PoseError, PoseSource};
 use actor::surface::{Image, Surface};
 use actor::ties::Ties;
 use actor::timeline::Timeline;
-use editing::StoredRig;
+use editing::{StoredRig, StoredSpace};
 use kernels::topology::Topology;
 
 /// A bundle, or as much of it as has arrived.
@@ -62,6 +62,8 @@ pub struct BundleReader {
     file_place: FilePlace,
     /// The section as it is: the page hands it on.
     rig: Option<Vec<u8>>,
+    /// The section as it is: the page hands it on.
+    learned: Option<Vec<u8>>,
     /// The section as it is: it is read in pieces.
     alternatives: Option<(Vec<u8>, AlternativesCoding)>,
     /// The sections as they are: read when they are asked for.
@@ -259,6 +261,22 @@ impl BundleReader {
         };
         let stored = rig::decode(bytes, topology.vertex_count(), timeline.frame_count());
         stored.map(Some).map_err(|reason| BundleError::section(SectionKind::Rig, reason))
+    }
+
+    /// The section of the learned space, for [`super::decode_learned_space`]; `None` also where the bundle has none.
+    #[must_use]
+    pub fn learned_bytes(&self) -> Option<&[u8]> {
+        self.learned.as_deref()
+    }
+
+    /// The ways in which the actor was seen to move; `None` also where the bundle has none.
+    ///
+    /// # Errors
+    /// A section that does not hold a space of this capture.
+    pub fn learned(&self) -> Result<Option<StoredSpace>, BundleError> {
+        let (Some(bytes), Some(timeline)) = (&self.learned, &self.timeline) else { return Ok(None) };
+        let stored = learned::decode(bytes, timeline.frame_count());
+        stored.map(Some).map_err(|reason| BundleError::section(SectionKind::LearnedSpace, reason))
     }
 
     /// The number of the part of the body that each vertex belongs to, as it was painted; `None` also where the bundle does not say.
@@ -535,6 +553,7 @@ impl BundleReader {
             }
             SectionKind::FileFaces => self.file_faces = Some(raw),
             SectionKind::Rig => self.rig = Some(raw),
+            SectionKind::LearnedSpace => self.learned = Some(raw),
             SectionKind::EarlierAlternatives => {
                 self.alternatives.get_or_insert((raw, AlternativesCoding::Earlier));
             }

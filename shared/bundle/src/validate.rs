@@ -63,6 +63,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
+    findings.extend(learned_findings(&reader));
     let families = reader.timeline_with_families().err();
     let parts = reader.body_parts().err().or(reader.found_parts().err());
     let damaged = [parts, families, reader.read_alternatives().err()].into_iter().flatten();
@@ -134,6 +135,11 @@ fn rig_findings(reader: &mut BundleReader) -> Option<Finding> {
     reader.read(stored.rest_frame, &mut rest).ok()?;
     let error = stored.rig(rest).err()?;
     wrong(BundleError::section(SectionKind::Rig, error.to_string()).to_string())
+}
+
+fn learned_findings(reader: &BundleReader) -> Option<Finding> {
+    let error = reader.learned().err()?;
+    Some(Finding::new("inconsistent", Severity::Error, error.to_string()))
 }
 
 fn appearance_findings(reader: &BundleReader) -> Vec<Finding> {

@@ -162,6 +162,7 @@ fn sections_must_be_there_once_and_in_order() {
             SectionKind::FoundParts,
             SectionKind::Families,
             SectionKind::Turns,
+            SectionKind::LearnedSpace,
         ]
         .map(SectionKind::number)
         .contains(&sections[place].number);

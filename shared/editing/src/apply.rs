@@ -1,24 +1,23 @@
 //! Recorded poses with edits: what stands between a recording and whoever reads it.
 
-use std::collections::VecDeque;
-
 use actor::feet::Feet;
 use actor::pose_source::{PoseError, PoseSource};
 use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
+use crate::carry::{handle_target, pin_targets, skin};
 use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
 use crate::error::EditError;
-use crate::grab::{Editor, FOLLOW, Grab, Grip, Released, handle_target, pin_targets, skin};
+use crate::grab::{Editor, FOLLOW, Grab, Grip, REST, Released};
 use crate::propagate::{firmness, share, window};
-use crate::reach::{Bend, Reach, Role};
+use crate::reach::{Bend, Reach, Role, Target};
+use crate::rig::Rig;
 use crate::rotation::turn_by;
+use crate::space::Space;
 
 /// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
 const STEPS: usize = 12;
-/// Frames that are kept: whoever reads one reads it again soon.
-const KEPT: usize = 32;
 /// A vertex is part of a sole from this share on, in [`actor::feet::SHARE_STEP`].
 const SOLE: u8 = 128;
 /// What is this close to the lowest point stands, relative to the body's height, where no feet are known.
@@ -91,6 +90,18 @@ impl Edits {
     #[must_use]
     pub fn editor(&self) -> &Editor {
         &self.editor
+    }
+
+    /// As [`Editor::learn`]; edits that go by it are made anew.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn learn(&mut self, space: Space) -> Result<(), EditError> {
+        self.editor.learn(space)?;
+        for (edit, (_, _, keyed)) in self.document.edits.iter().zip(&mut self.edits) {
+            keyed.take_if(|_| edit.method == Method::Learned);
+        }
+        Ok(())
     }
 
     /// Takes another document in place of this one. What was made of an edit that is in both is kept.
@@ -211,6 +222,9 @@ impl Edits {
         if asked.method == Method::Rig && self.editor.rig.is_none() {
             notes.push("this actor has no rig: the surface alone is moved, as rigid as possible".to_owned());
         }
+        if asked.method == Method::Learned && !self.editor.has_space() {
+            notes.push("this actor has no learned space: the surface alone is moved, as rigid as possible".to_owned());
+        }
         let dragged = self.editor.settle(&mut grab, &to).map_err(|error| error.of_edit(edit))?;
         notes.extend(dragged.notes);
         let released = self.editor.release(grab);
@@ -322,21 +336,8 @@ impl Edits {
         let motions = rig.fit(pose);
         let staying: Vec<u32> = pins.iter().map(|(pin, _)| rig.bones()[rig.bone_of(*pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free, |limb| Role::of(limb, &limbs, &staying), vec![false; count]);
-        let firm: Vec<u32> = pins.iter().filter(|(_, firm)| *firm >= 1.0).map(|(pin, _)| *pin).collect();
-        let mut targets = goals;
-        let loose =
-            pins.iter().filter(|(_, firm)| *firm > 0.0 && *firm < 1.0).map(|(_, firm)| *firm).fold(0.0, f32::max);
-        let fading: Vec<u32> =
-            pins.iter().filter(|(_, firm)| *firm == loose && loose > 0.0).map(|(pin, _)| *pin).collect();
-        let (firm, fading) = (pin_targets(rig, pose, &firm, 1.0), pin_targets(rig, pose, &fading, loose));
-        let begun = reach.motions(&centre);
-        let drifts = |target: &crate::reach::Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
-        let mut bend = centre.clone();
-        if !targets.is_empty() || firm.iter().chain(&fading).any(drifts) {
-            targets.extend(firm);
-            targets.extend(fading);
-            reach.solve(&targets, &centre, &mut bend, STEPS);
-        }
+        let reach = reach.allowing(&centre);
+        let bend = stand(&reach, goals, &centre, (rig, pose, &pins));
         let (turns, told) = skin(rig, pose, &reach.motions(&bend), &carried);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         for &(vertex, exactly, wanted, beyond) in &handles {
@@ -388,11 +389,13 @@ impl Edits {
     fn reshape(&mut self, active: &[Active], pose: &mut [Vec3]) -> Result<(), PreparedError> {
         let n = pose.len();
         let (mut sums, mut outside) = (vec![Vec3::ZERO; n], vec![0_usize; n]);
+        let mut rest = vec![Vec3::ZERO; n];
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         let mut pinned = Vec::new();
         for one in active {
             let Some(released) = self.edits[one.edit].2.as_ref().map(|keyed| &keyed.released) else { continue };
             sums.iter_mut().zip(&released.turns).for_each(|(sum, &r)| *sum += one.turn * (r * one.share));
+            rest.iter_mut().zip(&released.rest).for_each(|(sum, &moved)| *sum += one.turn * (moved * one.share));
             released.outside.iter().for_each(|&vertex| outside[vertex as usize] += 1);
             let wanted = released.wanted.iter().map(|&wanted| one.turn * (wanted * one.share));
             held.extend(released.grip.handles.iter().copied().zip(wanted));
@@ -404,12 +407,53 @@ impl Edits {
         once(&mut held, self.weights.len());
         let (vertices, wanted): (Vec<u32>, Vec<Vec3>) = held.into_iter().unzip();
         let turns: Vec<Quat> = sums.into_iter().map(turn_by).collect();
-        let system = self.editor.deformer.hold(pose, &vertices, 1e-4).map_err(EditError::from)?;
+        let system = self.editor.deformer.hold(pose, &vertices, REST).map_err(EditError::from)?;
         let told = vec![Vec3::ZERO; n];
-        let moved = self.editor.deformer.solve(&system, pose, &turns, &told, &wanted).map_err(EditError::from)?;
-        pose.iter_mut().zip(moved).for_each(|(point, moved)| *point += moved);
+        // What modes moved comes before what turned: turned are the edges of a pose that they have moved.
+        let by_modes: Vec<Vec3> = pose.iter().zip(&rest).map(|(&point, &moved)| point + moved).collect();
+        let left: Vec<Vec3> =
+            vertices.iter().zip(wanted).map(|(&vertex, wanted)| wanted - rest[vertex as usize]).collect();
+        let moved = self.editor.deformer.solve(&system, &by_modes, &turns, &told, &left).map_err(EditError::from)?;
+        pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
     }
+}
+
+/// The bend that reaches `goals` and brings feet back to where they stand: first those that stand; then, from where that has taken them,
+/// those that are about to stand or have stood, as far as they are firm. So nothing jumps where a foot begins to be held.
+fn stand(
+    reach: &Reach,
+    mut goals: Vec<Target>,
+    centre: &Bend,
+    (rig, pose, pins): (&Rig, &[Vec3], &[(u32, f32)]),
+) -> Bend {
+    let mut bend = centre.clone();
+    let mut firmest = f32::INFINITY;
+    loop {
+        let next = pins.iter().map(|(_, firm)| *firm).filter(|firm| *firm < firmest).fold(0.0, f32::max);
+        if next <= 0.0 {
+            break;
+        }
+        let (is_first, alike) = (firmest == f32::INFINITY, |firm: f32| firm == next);
+        firmest = next;
+        let own: Vec<u32> = pins.iter().filter(|(_, firm)| alike(*firm)).map(|(pin, _)| *pin).collect();
+        let mut targets = pin_targets(rig, pose, &own);
+        let begun = reach.motions(&bend);
+        for target in &mut targets {
+            target.to = Reach::place(target, &begun).lerp(target.to, next.min(1.0));
+        }
+        let drifts = |target: &Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
+        let has_goals = is_first && !goals.is_empty();
+        let moves = has_goals || targets.iter().any(drifts);
+        goals.extend(targets);
+        if moves {
+            reach.solve(&goals, centre, &mut bend, STEPS);
+        }
+    }
+    if firmest == f32::INFINITY && !goals.is_empty() {
+        reach.solve(&goals, centre, &mut bend, STEPS);
+    }
+    bend
 }
 
 /// Whether two edits do the same to the same frame, however far that reaches.
@@ -446,65 +490,4 @@ pub enum PreparedError {
     /// The edit cannot be made.
     #[error(transparent)]
     Edit(#[from] EditError),
-}
-
-/// Recorded poses with the edits of a document; as bit for bit as they were where no edit reaches.
-pub struct EditedPoses<'a, S: PoseSource> {
-    source: &'a mut S,
-    timeline: &'a Timeline,
-    feet: &'a Feet,
-    edits: Edits,
-    kept: VecDeque<(u32, Vec<Vec3>)>,
-}
-
-impl<'a, S: PoseSource> EditedPoses<'a, S> {
-    /// The poses of `source` with the edits of `document`; `weights` are the topology's, `feet` say what stands.
-    ///
-    /// # Errors
-    /// What the capture does not have, and in which edit.
-    pub fn new(
-        source: &'a mut S,
-        (timeline, feet): (&'a Timeline, &'a Feet),
-        weights: &[f32],
-        editor: Editor,
-        document: EditDocument,
-    ) -> Result<Self, EditError> {
-        let edits = Edits::new(timeline, weights, editor, document)?;
-        Ok(Self { source, timeline, feet, edits, kept: VecDeque::new() })
-    }
-
-    /// Makes all edits of their own frames now; what is not as it was wanted, in sentences.
-    ///
-    /// # Errors
-    /// A frame that cannot be read; edits that cannot be made.
-    pub fn prepare(&mut self) -> Result<Vec<String>, PreparedError> {
-        self.edits.prepare(&mut Recording { source: self.source, timeline: self.timeline, feet: self.feet })?;
-        Ok(self.edits.notes())
-    }
-}
-
-impl<S: PoseSource> PoseSource for EditedPoses<'_, S> {
-    fn read(&mut self, frame: u32, pose: &mut [Vec3]) -> Result<(), PoseError> {
-        if !self.edits.reaches(self.timeline, frame) {
-            return self.source.read(frame, pose);
-        }
-        if let Some((_, kept)) = self.kept.iter().find(|(other, _)| *other == frame) {
-            pose.copy_from_slice(kept);
-            return Ok(());
-        }
-        self.source.read(frame, pose)?;
-        let mut edited = pose.to_vec();
-        let mut recording = Recording { source: self.source, timeline: self.timeline, feet: self.feet };
-        self.edits.apply(&mut recording, frame, &mut edited).map_err(|error| match error {
-            PreparedError::Pose(error) => error,
-            // Edits were checked: what is left is a pose that is not finite.
-            PreparedError::Edit(_) => PoseError::Damaged(frame),
-        })?;
-        pose.copy_from_slice(&edited);
-        if self.kept.len() == KEPT {
-            self.kept.pop_front();
-        }
-        self.kept.push_back((frame, edited));
-        Ok(())
-    }
 }

@@ -5,7 +5,7 @@
 //! wanted, exactly. This is the Laplacian editing of Tejera et al. (2013), equation 4, for displacements: where nothing turns
 //! and nothing is wanted, the solution is zero to the bit.
 
-use glam::{DMat3, Quat, Vec3};
+use glam::{DMat3, Mat3, Quat, Vec3};
 use kernels::cholesky::{
     CholeskyError, ConstrainedFactor, Constraints, EliminationOrder, SolveScratch, Symbolic, Workspace,
 };
@@ -13,7 +13,7 @@ use kernels::gradients::TriangleBatches;
 use kernels::laplacian::{Laplacian, LaplacianPattern};
 use kernels::topology::Topology;
 
-use kernels::rotation::best_rotation;
+use kernels::rotation::{best_rotation, turned_towards};
 
 /// Smaller weights are this: negative cotangents would break the search for rotations.
 const LEAST_WEIGHT: f32 = 1e-3;
@@ -42,6 +42,12 @@ impl Held {
     #[must_use]
     pub fn vertices(&self) -> &[u32] {
         &self.held
+    }
+
+    /// How firmly the others stay.
+    #[must_use]
+    pub fn anchor(&self) -> f32 {
+        self.anchor
     }
 
     /// The weights of the edges, in the order of [`Deformer::edges`].
@@ -119,6 +125,54 @@ impl Deformer {
         let wanted: Vec<f32> = wanted.iter().flat_map(|v| v.to_array()).collect();
         held.factor.solve(&self.symbolic, &wanted, 3, &mut x, &mut self.scratch)?;
         Ok(x.chunks_exact(3).map(Vec3::from_slice).collect())
+    }
+
+    /// As [`Self::solve`] for several fields at once in place of a pose, whose held vertices go to nothing: what is added to each.
+    /// `changes` says, edge by edge, how the edges turn beside none.
+    pub(crate) fn fields(
+        &mut self,
+        held: &Held,
+        fields: &[Vec<Vec3>],
+        changes: Option<&[Mat3]>,
+    ) -> Result<Vec<Vec<Vec3>>, CholeskyError> {
+        let (n, sides) = (self.pattern.symmetric().row_count(), 3 * fields.len());
+        let mut x = vec![0.0_f32; n * sides];
+        if let Some(changes) = changes {
+            let edges = self.pattern.symmetric().edges();
+            for ((&[i, j], &change), &weight) in edges.iter().zip(changes).zip(&held.weights) {
+                let (i, j) = (i as usize, j as usize);
+                for (k, field) in fields.iter().enumerate() {
+                    let pull = (change * (field[i] - field[j]) * weight).to_array();
+                    for (axis, pull) in pull.into_iter().enumerate() {
+                        x[i * sides + 3 * k + axis] += pull;
+                        x[j * sides + 3 * k + axis] -= pull;
+                    }
+                }
+            }
+        }
+        let back = |&vertex: &u32| fields.iter().flat_map(move |field| (-field[vertex as usize]).to_array());
+        let wanted: Vec<f32> = held.held.iter().flat_map(back).collect();
+        held.factor.solve(&self.symbolic, &wanted, sides, &mut x, &mut self.scratch)?;
+        let of = |k: usize| x.chunks_exact(sides).map(move |row| Vec3::from_slice(&row[3 * k..])).collect();
+        Ok((0..fields.len()).map(of).collect())
+    }
+
+    /// Moves `turns` some steps towards what [`Self::turns`] finds, from where they are: for surfaces that move on little by little.
+    pub(crate) fn follow(&self, held: &Held, pose: &[Vec3], displacements: &[Vec3], turns: &mut [Quat], steps: usize) {
+        let pattern = self.pattern.symmetric();
+        for (i, turn) in turns.iter_mut().enumerate() {
+            let mut sum = Mat3::ZERO;
+            let (columns, edges) = pattern.row(i);
+            for (&j, &edge) in columns.iter().zip(edges) {
+                let from = pose[i] - pose[j as usize];
+                let to = from + (displacements[i] - displacements[j as usize]);
+                let from = from * held.weights[edge as usize];
+                sum.x_axis += to * from.x;
+                sum.y_axis += to * from.y;
+                sum.z_axis += to * from.z;
+            }
+            *turn = turned_towards(*turn, &sum, steps);
+        }
     }
 
     /// The rotation of each vertex that takes its edges in `pose` best to those of `pose` displaced by `displacements`: the

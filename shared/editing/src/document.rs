@@ -107,6 +107,8 @@ pub enum Method {
     /// Bones turn, the surface follows in one solve.
     #[default]
     Rig,
+    /// In the ways in which the capture was seen to move, as rigid as possible beyond them.
+    Learned,
     /// As rigid as possible.
     Arap,
     /// Differential coordinates as they are: for small moves.
@@ -144,6 +146,12 @@ impl EditDocument {
         let document = document(&Json::document(text, read)?)?;
         document.check_numbers()?;
         Ok(document)
+    }
+
+    /// Whether any of its edits goes by the learned space.
+    #[must_use]
+    pub fn wants_space(&self) -> bool {
+        self.edits.iter().any(|edit| edit.method == Method::Learned)
     }
 
     /// The document as JSON.
@@ -251,7 +259,8 @@ fn edit(value: &Json) -> Result<Edit, Unread> {
             word => one_of(word, "scope", &[("body", Scope::Body), ("limb", Scope::Limb)])?,
         },
         method: {
-            let known = [("rig", Method::Rig), ("arap", Method::Arap), ("laplace", Method::Laplace)];
+            use Method::{Arap, Laplace, Learned, Rig};
+            let known = [("rig", Rig), ("learned", Learned), ("arap", Arap), ("laplace", Laplace)];
             one_of(fields.maybe("method"), "method", &known)?
         },
         propagate: {

@@ -72,6 +72,9 @@ pub enum EditError {
     /// A rig whose parts do not fit together.
     #[error("this is not a rig: {0}")]
     Rig(String),
+    /// A learned space whose parts do not fit together.
+    #[error("this is not a learned space: {0}")]
+    Space(String),
     /// A surface that cannot be solved for.
     #[error("the surface cannot be edited: {0}")]
     Surface(#[from] CholeskyError),

@@ -8,22 +8,20 @@ use glam::{Quat, Vec3};
 use kernels::align::centre_of_mass;
 use kernels::topology::Topology;
 
+use crate::carry::{Carried, carry, free, handle_target, pin_targets, size, skin};
 use crate::deform::{Deformer, Held};
 use crate::document::{Method, Scope};
 use crate::error::EditError;
+use crate::learned::{Learned, PRIOR};
 use crate::reach::{Bend, Reach, Role, Target};
-use crate::rig::{NO_BONE, Rig};
-use crate::rigid::Rigid;
-use crate::rotation::between;
-use crate::skin::{Influences, Skin};
+use crate::rig::Rig;
+use crate::space::Space;
 
 /// How firmly vertices follow the skin beside the weights of edges.
 pub(crate) const FOLLOW: f32 = 0.02;
 /// The same where there is no skin: only against parts that nothing holds.
-const REST: f32 = 1e-4;
-/// Weight of handles and pins in the inverse kinematics, and of the centre of mass over the ground.
-pub(crate) const HANDLE: f32 = 4.0;
-pub(crate) const PIN: f32 = 20.0;
+pub(crate) const REST: f32 = 1e-4;
+/// Weight of the centre of mass over the ground in the inverse kinematics.
 const BALANCE: f32 = 0.1;
 /// Steps of a drag, and of a grab's first one.
 const STEPS: usize = 6;
@@ -51,16 +49,9 @@ pub struct Grip {
     pub pins: Vec<u32>,
     /// What may move.
     pub scope: Scope,
-    /// How it moves; [`Method::Rig`] where there is no rig is [`Method::Arap`].
+    /// How it moves; [`Method::Rig`] where there is no rig and [`Method::Learned`] where there is no space are
+    /// [`Method::Arap`].
     pub method: Method,
-}
-
-/// A vertex that takes hold of a bone: what is around it follows the bone, too, by these shares.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Carried {
-    pub vertex: u32,
-    pub bone: usize,
-    pub around: Vec<(u32, f32)>,
 }
 
 /// A pose that is being dragged.
@@ -80,6 +71,7 @@ pub struct Grab {
 enum By {
     Bones { reach: Box<Reach>, bend: Bend, carried: Vec<Carried>, targets: Vec<Target>, skinned: Vec<Vec3> },
     Surface { turns: Vec<Quat>, outside: Vec<u32> },
+    Modes { learned: Box<Learned>, outside: Vec<u32> },
 }
 
 /// What came of a drag.
@@ -105,6 +97,8 @@ pub struct Released {
     pub(crate) bones: Option<ReleasedBones>,
     /// Rotation vectors of vertices where there is no rig; vertices that do not move.
     pub(crate) turns: Vec<Vec3>,
+    /// What modes moved the vertices by before they turned; nothing where there were none.
+    pub(crate) rest: Vec<Vec3>,
     pub(crate) outside: Vec<u32>,
 }
 
@@ -122,7 +116,10 @@ pub(crate) struct ReleasedBones {
 pub struct Editor {
     pub(crate) deformer: Deformer,
     pub(crate) rig: Option<Rig>,
+    space: Option<Space>,
     weights: Vec<f32>,
+    /// The prior's weight beside the modes of the space.
+    prior: f64,
 }
 
 impl Editor {
@@ -136,7 +133,31 @@ impl Editor {
             let found = rig.rest().len();
             return Err(EditError::Rig(format!("it moves {found} vertices, but the mesh has {n}")));
         }
-        Ok(Self { deformer: Deformer::new(topology, order)?, rig, weights: topology.weights().to_vec() })
+        let weights = topology.weights().to_vec();
+        Ok(Self { deformer: Deformer::new(topology, order)?, rig, space: None, weights, prior: PRIOR })
+    }
+
+    /// From now on edits may go by the modes of `space`.
+    ///
+    /// # Errors
+    /// A space of another mesh; nothing is changed then.
+    pub fn learn(&mut self, space: Space) -> Result<(), EditError> {
+        if space.modes().iter().any(|mode| mode.len() != self.weights.len()) {
+            return Err(EditError::Space("its modes are those of another mesh".into()));
+        }
+        self.space = Some(space);
+        Ok(())
+    }
+
+    /// Weighs the prior of modes otherwise, in square metres: for whoever measures what it does.
+    pub fn set_prior(&mut self, prior: f64) {
+        self.prior = if prior.is_finite() && prior > 0.0 { prior } else { PRIOR };
+    }
+
+    /// Whether edits may go by modes.
+    #[must_use]
+    pub fn has_space(&self) -> bool {
+        self.space.is_some()
     }
 
     /// The rig.
@@ -184,7 +205,7 @@ impl Editor {
         let staying: Vec<u32> = grip.pins.iter().map(|&pin| rig.bones()[rig.bone_of(pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free.clone(), |limb| Role::of(limb, &limbs, &staying), steady);
         let mut targets: Vec<Target> = carried.iter().map(|one| handle_target(one, pose)).collect();
-        targets.extend(pin_targets(rig, pose, &grip.pins, 1.0));
+        targets.extend(pin_targets(rig, pose, &grip.pins));
         if free[0] && !grip.pins.is_empty() {
             targets.extend(self.balance_target(rig, pose));
         }
@@ -207,7 +228,14 @@ impl Editor {
         }
         let fixed: Vec<u32> = grip.handles.iter().chain(&grip.pins).chain(&outside).copied().collect();
         let held = self.deformer.hold(pose, &fixed, REST)?;
-        let by = By::Surface { turns: vec![Quat::IDENTITY; pose.len()], outside };
+        let by = match self.space.as_ref().filter(|_| grip.method == Method::Learned) {
+            Some(space) => {
+                let modes = (space.facing(pose, &self.weights), space.variances());
+                let learned = Learned::new(&mut self.deformer, &held, pose, modes, self.prior)?;
+                By::Modes { learned: Box::new(learned), outside }
+            }
+            None => By::Surface { turns: vec![Quat::IDENTITY; pose.len()], outside },
+        };
         Ok(Grab::new(pose, grip, size(pose), held, by))
     }
 
@@ -250,13 +278,13 @@ impl Editor {
         let at = |handle: u32| grab.pose[handle as usize];
         grab.wanted = grab.grip.handles.iter().zip(to).map(|(&handle, &to)| to - at(handle)).collect();
         if grab.grip.handles.iter().zip(to).all(|(&handle, &to)| to == at(handle)) {
-            grab.still();
+            self.still(grab)?;
             return Ok(Dragged { pose: grab.pose.clone(), notes: Vec::new() });
         }
         let mut notes = Vec::new();
         match grab.by {
             By::Bones { .. } => self.pull_bones(grab, to, until_still, &mut notes)?,
-            By::Surface { .. } => self.pull_surface(grab, until_still, &mut notes)?,
+            By::Surface { .. } | By::Modes { .. } => self.pull_surface(grab, until_still, &mut notes)?,
         }
         grab.is_first = false;
         Ok(Dragged { pose: grab.moved(), notes })
@@ -322,11 +350,19 @@ impl Editor {
                 notes.push(far(handle, length - most));
             }
         }
-        let By::Surface { turns, .. } = &mut grab.by else { return Ok(()) };
         let told = vec![Vec3::ZERO; grab.pose.len()];
         let fixed = grab.held.vertices().len();
         let mut wanted = grab.wanted.clone();
         wanted.resize(fixed, Vec3::ZERO);
+        let turns = match &mut grab.by {
+            By::Bones { .. } => return Ok(()),
+            By::Modes { learned, .. } => {
+                let moved = learned.pull(&mut self.deformer, &grab.held, &grab.pose, &wanted, until_still)?;
+                grab.displacements = moved;
+                return Ok(());
+            }
+            By::Surface { turns, .. } => turns,
+        };
         let iterations = match grab.grip.method {
             Method::Laplace => 1,
             _ if until_still => MOST_ITERATIONS,
@@ -340,6 +376,21 @@ impl Editor {
                 break;
             }
             *turns = self.deformer.turns(&grab.held, &grab.pose, &grab.displacements);
+        }
+        Ok(())
+    }
+
+    /// Back to the pose that was grabbed.
+    fn still(&mut self, grab: &mut Grab) -> Result<(), EditError> {
+        grab.displacements.fill(Vec3::ZERO);
+        grab.is_first = true;
+        match &mut grab.by {
+            By::Bones { bend, skinned, .. } => {
+                *bend = Bend::none(bend.turns.len());
+                skinned.clear();
+            }
+            By::Surface { turns, .. } => turns.fill(Quat::IDENTITY),
+            By::Modes { learned, .. } => learned.still(&mut self.deformer, &grab.held, &grab.pose)?,
         }
         Ok(())
     }
@@ -360,8 +411,10 @@ impl Editor {
             wanted: grab.wanted.clone(),
             bones: None,
             turns: Vec::new(),
+            rest: Vec::new(),
             outside: Vec::new(),
         };
+        let vectors = |turns: &[Quat]| turns.iter().map(|&turn| crate::reach::logarithm(turn)).collect();
         match &grab.by {
             By::Bones { reach, bend, carried, skinned, .. } => {
                 let skin_of = |one: &Carried| skinned.get(one.vertex as usize).copied().unwrap_or_default();
@@ -370,7 +423,11 @@ impl Editor {
                 released.bones = Some(ReleasedBones { free, bend, carried, beyond });
             }
             By::Surface { turns, outside } => {
-                released.turns = turns.iter().map(|&turn| crate::reach::logarithm(turn)).collect();
+                released.turns = vectors(turns);
+                released.outside.clone_from(outside);
+            }
+            By::Modes { learned, outside } => {
+                (released.turns, released.rest) = (vectors(learned.turns()), learned.rest().to_vec());
                 released.outside.clone_from(outside);
             }
         }
@@ -390,19 +447,6 @@ impl Grab {
         &self.grip
     }
 
-    /// Back to the pose that was grabbed.
-    fn still(&mut self) {
-        self.displacements.fill(Vec3::ZERO);
-        self.is_first = true;
-        match &mut self.by {
-            By::Bones { bend, skinned, .. } => {
-                *bend = Bend::none(bend.turns.len());
-                skinned.clear();
-            }
-            By::Surface { turns, .. } => turns.fill(Quat::IDENTITY),
-        }
-    }
-
     fn moved(&self) -> Vec<Vec3> {
         self.pose.iter().zip(&self.displacements).map(|(&point, &displacement)| point + displacement).collect()
     }
@@ -413,94 +457,4 @@ fn far(vertex: u32, short: f32) -> String {
     let centimetres = (100.0 * short).round() as u32;
     let (metres, rest) = (centimetres / 100, centimetres % 100);
     format!("vertex {vertex} stops {metres}.{rest:02} m short of where it is to go: the body does not reach further")
-}
-
-/// How large a pose is: the longest side of its box.
-fn size(pose: &[Vec3]) -> f32 {
-    let low = pose.iter().copied().reduce(Vec3::min).unwrap_or_default();
-    let high = pose.iter().copied().reduce(Vec3::max).unwrap_or_default();
-    (high - low).max_element()
-}
-
-/// The bone that a handle takes hold of, and how far what is around follows. That of its own piece; cloth and hair, which
-/// belong to none, are grabbed for the nearest of the bones that move them: a skirt for the thigh under it.
-fn carry(rig: &Rig, deformer: &Deformer, (pose, motions): (&[Vec3], &[Rigid]), vertex: u32, radius: f32) -> Carried {
-    let Influences { joints, weights } = &rig.influences()[vertex as usize];
-    let (from, to) = (rig.joints(motions), rig.ends(motions));
-    let point = pose[vertex as usize];
-    let distance = |k: usize| {
-        let bone = joints[k] as usize;
-        let along = to[bone] - from[bone];
-        let share = ((point - from[bone]).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-        point.distance(from[bone] + along * share)
-    };
-    let is_loose = rig.core()[vertex as usize] == NO_BONE;
-    let is_better = |k: usize, best: usize| match is_loose {
-        true => weights[k] > 0.0 && (weights[best] <= 0.0 || distance(k) < distance(best)),
-        false => weights[k] > weights[best],
-    };
-    let best = (1..joints.len()).fold(0, |best, k| if is_better(k, best) { k } else { best });
-    let bone = joints[best] as usize;
-    let share = weights[best];
-    let distances = deformer.distances(pose, &[vertex], radius);
-    let around = distances.iter().enumerate().filter(|(_, distance)| distance.is_finite()).map(|(other, distance)| {
-        let u = (distance / radius).clamp(0.0, 1.0);
-        (other as u32, (1.0 - share) * (1.0 - u * u * (3.0 - 2.0 * u)))
-    });
-    Carried { vertex, bone, around: around.collect() }
-}
-
-/// Which bones may turn.
-fn free(rig: &Rig, scope: Scope, limbs: &[u32]) -> Vec<bool> {
-    let bones = rig.bones().iter().enumerate();
-    bones.map(|(index, bone)| scope == Scope::Body || (index > 0 && limbs.contains(&bone.limb))).collect()
-}
-
-pub(crate) fn handle_target(carried: &Carried, pose: &[Vec3]) -> Target {
-    let point = pose[carried.vertex as usize];
-    Target { parts: vec![(carried.bone, 1.0, point)], to: point, weight: Vec3::splat(HANDLE) }
-}
-
-/// Targets that hold the vertices `pins` where they are: of each bone the outermost along each axis.
-pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32], share: f32) -> Vec<Target> {
-    let mut by_bone: Vec<Vec<u32>> = vec![Vec::new(); rig.bones().len()];
-    pins.iter().for_each(|&pin| by_bone[rig.bone_of(pin)].push(pin));
-    let mut targets = Vec::new();
-    for (bone, pins) in by_bone.iter().enumerate() {
-        let mut chosen: Vec<u32> = Vec::new();
-        for axis in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z, Vec3::Y, Vec3::NEG_Y] {
-            let along = |pin: u32| pose[pin as usize].dot(axis);
-            let outermost = pins.iter().copied().reduce(|best, pin| if along(pin) > along(best) { pin } else { best });
-            chosen.extend(outermost.filter(|pin| !chosen.contains(pin)));
-        }
-        targets.extend(chosen.into_iter().map(|pin| {
-            let point = pose[pin as usize];
-            Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN * share * share) }
-        }));
-    }
-    targets
-}
-
-/// How each vertex of `pose` is turned and displaced where its bones do `motions`.
-pub(crate) fn skin(rig: &Rig, pose: &[Vec3], motions: &[Rigid], carried: &[Carried]) -> (Vec<Quat>, Vec<Vec3>) {
-    let origin = vec![Rigid { rotation: Quat::IDENTITY, translation: Vec3::ZERO }; motions.len()];
-    let skin = Skin::new(&origin, motions);
-    let is_still: Vec<bool> = motions.iter().map(|motion| *motion == origin[0]).collect();
-    let (mut turns, mut told) = (Vec::with_capacity(pose.len()), Vec::with_capacity(pose.len()));
-    for (influences, &point) in rig.influences().iter().zip(pose) {
-        let moves = |k: usize| influences.weights[k] > 0.0 && !is_still[influences.joints[k] as usize];
-        // What no bone moves is not moved by rounding, either.
-        let motion = if (0..influences.joints.len()).any(moves) { skin.motion(influences) } else { origin[0] };
-        turns.push(motion.rotation);
-        told.push(motion.apply(point) - point);
-    }
-    for one in carried.iter().filter(|one| !is_still[one.bone]) {
-        let motion = &motions[one.bone];
-        for &(vertex, share) in &one.around {
-            let vertex = vertex as usize;
-            turns[vertex] = between(turns[vertex], motion.rotation, share);
-            told[vertex] = told[vertex].lerp(motion.apply(pose[vertex]) - pose[vertex], share);
-        }
-    }
-    (turns, told)
 }

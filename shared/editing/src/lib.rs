@@ -16,24 +16,31 @@
 //! propagation scales rotation vectors, whose sum has no order where edits overlap.
 
 pub mod apply;
+mod carry;
 pub mod deform;
+mod dense;
 pub mod document;
+pub mod edited;
 pub mod error;
 pub mod grab;
+mod learned;
 pub mod propagate;
 pub mod reach;
 pub mod rig;
 pub mod rigid;
 pub mod rotation;
 pub mod skin;
+pub mod space;
 pub mod stored;
 
-pub use self::apply::{EditedPoses, Edits, Recording};
+pub use self::apply::{Edits, Recording};
 pub use self::deform::Deformer;
 pub use self::document::{Edit, EditDocument, Handle, Method, Pins, Propagation, Scope};
+pub use self::edited::EditedPoses;
 pub use self::error::EditError;
 pub use self::grab::{Dragged, Editor, Grab, Grip, Released};
 pub use self::rig::{Bone, Rig};
 pub use self::rigid::Rigid;
 pub use self::skin::{INFLUENCES, Influences, Skin};
+pub use self::space::{Space, StoredMode, StoredSpace};
 pub use self::stored::StoredRig;

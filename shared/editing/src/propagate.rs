@@ -6,8 +6,8 @@ use crate::document::Edit;
 
 /// Seconds to both sides that an edit reaches where its window is not given.
 const DEFAULT_SECONDS: f32 = 0.25;
-/// Frames over which a foot that is about to stand, or has stood, is held less and less.
-const FADE: i64 = 5;
+/// Seconds over which a foot that is about to stand, or has stood, is held less and less.
+const FADE: f32 = 0.2;
 
 /// The window of an edit: frames before and after its own at which it has faded to nothing.
 #[must_use]
@@ -45,12 +45,13 @@ fn fade(steps: i64, [before, after]: [i64; 2]) -> f32 {
 /// the frames beside.
 #[must_use]
 pub fn firmness(timeline: &Timeline, frame: u32, stands: impl Fn(u32) -> bool) -> f32 {
+    let fade = (FADE * timeline.fps()).ceil().clamp(1.0, 1000.0) as i64;
     let held = |steps: i64| {
         let other = timeline.offset(frame, steps)?;
-        let u = steps.abs() as f32 / FADE as f32;
+        let u = steps.abs() as f32 / fade as f32;
         stands(other).then_some(1.0 - u * u * (3.0 - 2.0 * u))
     };
-    (1 - FADE..FADE).filter_map(held).fold(0.0, f32::max)
+    (1 - fade..fade).filter_map(held).fold(0.0, f32::max)
 }
 
 #[cfg(test)]

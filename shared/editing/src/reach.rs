@@ -7,6 +7,7 @@
 
 use glam::{DMat3, Mat3, Quat, Vec3};
 
+use crate::dense::solve_dense;
 use crate::rig::Rig;
 use crate::rigid::Rigid;
 use crate::rotation::{cross_matrix, log_change, rotation_vector, turn_by};
@@ -142,7 +143,19 @@ impl Reach {
         let range = bones.iter().map(|bone| [bone.range[0] - SLACK, bone.range[1] + SLACK]).collect();
         let shifts = free[0];
         let parents = bones.iter().map(|bone| bone.parent).collect();
-        Self { parents, joints, free, rarity, rest, range, steady, shifts }
+        let none = Bend::none(bones.len());
+        Self { parents, joints, free, rarity, rest, range, steady, shifts }.allowing(&none)
+    }
+
+    /// The same where no bone is beyond its range that is turned by `bend`: what is there already is not taken back.
+    #[must_use]
+    pub fn allowing(mut self, bend: &Bend) -> Self {
+        for index in 1..self.range.len() {
+            let (beyond, _) = self.beyond(index, bend.turns[index]);
+            let [low, high] = &mut self.range[index];
+            (*low, *high) = (*low + beyond.min(Vec3::ZERO), *high + beyond.max(Vec3::ZERO));
+        }
+        self
     }
 
     /// Where `bend` takes what each bone carries, relative to the frame as it was recorded.
@@ -363,38 +376,6 @@ impl Equations {
             }
         }
     }
-}
-
-/// Solves `(A + damping diag(A)) x = b` by Cholesky; `None` where that is not positive definite.
-fn solve_dense(matrix: &[f64], right: &[f64], damping: f64) -> Option<Vec<f64>> {
-    let n = right.len();
-    let mut lower = matrix.to_vec();
-    let mut x = right.to_vec();
-    for j in 0..n {
-        lower[j * n + j] += damping * lower[j * n + j] + 1e-9;
-        for k in 0..j {
-            lower[j * n + j] -= lower[j * n + k] * lower[j * n + k];
-        }
-        let pivot = lower[j * n + j];
-        if pivot.is_nan() || pivot <= 0.0 {
-            return None;
-        }
-        let root = pivot.sqrt();
-        lower[j * n + j] = root;
-        for i in j + 1..n {
-            let dot: f64 = (0..j).map(|k| lower[i * n + k] * lower[j * n + k]).sum();
-            lower[i * n + j] = (lower[i * n + j] - dot) / root;
-        }
-    }
-    for i in 0..n {
-        let dot: f64 = (0..i).map(|k| lower[i * n + k] * x[k]).sum();
-        x[i] = (x[i] - dot) / lower[i * n + i];
-    }
-    for i in (0..n).rev() {
-        let dot: f64 = (i + 1..n).map(|k| lower[k * n + i] * x[k]).sum();
-        x[i] = (x[i] - dot) / lower[i * n + i];
-    }
-    x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
 #[cfg(test)]

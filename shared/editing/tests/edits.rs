@@ -5,7 +5,10 @@ use actor::capture::Poses;
 use actor::feet::{Feet, FootVertex};
 use actor::pose_source::PoseSource;
 use actor::timeline::{Sequence, Timeline};
-use editing::{Bone, EditDocument, EditError, EditedPoses, Editor, Grip, Influences, Method, Rig, Scope};
+use editing::{
+    Bone, EditDocument, EditError, EditedPoses, Editor, Grip, Influences, Method, Rig, Scope, Space, StoredMode,
+    StoredSpace,
+};
 use glam::{Mat3, Quat, Vec3};
 use kernels::topology::Topology;
 
@@ -87,6 +90,14 @@ fn timeline() -> Timeline {
     Timeline::new(25.0, vec![sequence]).unwrap()
 }
 
+/// The two ways in which three of its frames differ, so common that they cost nearly nothing.
+fn space(poses: &Poses) -> Space {
+    let mode = |variance, shares: [i16; 2]| StoredMode { variance, step: 0.001, shares: shares.to_vec() };
+    let stored = StoredSpace { frames: vec![0, 8, 14], modes: vec![mode(900.0, [500, 0]), mode(400.0, [300, -400])] };
+    let of: Vec<Vec<Vec3>> = stored.frames.iter().map(|&frame| poses.frame(frame).to_vec()).collect();
+    stored.space(&of, topology().weights()).unwrap()
+}
+
 /// The lowest ring stands in every frame.
 fn feet() -> Feet {
     let vertices = (0..AROUND).map(|vertex| FootVertex { vertex, leg: 255, sole: 255 });
@@ -109,7 +120,8 @@ fn edit(poses: &Poses, vertex: u32, by: Vec3, more: &str) -> String {
 /// All frames with these edits, and the notes.
 fn edited(poses: &Poses, document: EditDocument, rig: Option<Rig>) -> (Vec<Vec<Vec3>>, Vec<String>) {
     let (timeline, feet, topology) = (timeline(), feet(), topology());
-    let editor = Editor::new(&topology, None, rig).unwrap();
+    let mut editor = Editor::new(&topology, None, rig).unwrap();
+    editor.learn(space(poses)).unwrap();
     let mut source = poses.clone();
     let mut edited = EditedPoses::new(&mut source, (&timeline, &feet), topology.weights(), editor, document).unwrap();
     let notes = edited.prepare().unwrap().to_vec();
@@ -126,7 +138,13 @@ const BY: Vec3 = Vec3::new(0.15, -0.1, 0.2);
 #[test]
 fn a_handle_that_stays_gives_all_frames_back_to_the_bit() {
     let poses = poses(0.05);
-    for more in ["", r#","method":"arap""#, r#","scope":{"radius":0.4}"#, r#","propagate":"constraint""#] {
+    for more in [
+        "",
+        r#","method":"learned""#,
+        r#","method":"arap""#,
+        r#","scope":{"radius":0.4}"#,
+        r#","propagate":"constraint""#,
+    ] {
         let (frames, notes) = edited(&poses, document(&[edit(&poses, TOP, Vec3::ZERO, more)]), Some(rig()));
         assert!(notes.is_empty());
         assert_eq!(frames[KEY as usize], poses.frame(KEY), "{more}");
@@ -140,8 +158,15 @@ fn a_handle_that_stays_gives_all_frames_back_to_the_bit() {
 #[test]
 fn handles_are_met_pins_stay_and_the_window_ends() {
     let poses = poses(0.05);
-    let methods =
-        ["", r#","method":"arap""#, r#","method":"laplace""#, r#","scope":"limb""#, r#","scope":{"radius":0.5}"#];
+    let methods = [
+        "",
+        r#","method":"arap""#,
+        r#","method":"laplace""#,
+        r#","method":"learned""#,
+        r#","method":"learned","scope":{"radius":0.9}"#,
+        r#","scope":"limb""#,
+        r#","scope":{"radius":0.5}"#,
+    ];
     for method in methods {
         for propagate in ["nonlinear", "linear", "constraint"] {
             let more = format!(r#"{method},"propagate":"{propagate}""#);
@@ -187,8 +212,10 @@ fn bones_keep_the_tube_as_long_as_it_is() {
 #[test]
 fn edits_turn_with_the_actor() {
     let (straight, turning) = (poses(0.0), poses(0.1));
-    for propagate in ["nonlinear", "linear", "constraint"] {
-        let more = format!(r#","propagate":"{propagate}""#);
+    for (propagate, method) in
+        [("nonlinear", "rig"), ("linear", "rig"), ("constraint", "rig"), ("nonlinear", "learned")]
+    {
+        let more = format!(r#","propagate":"{propagate}","method":"{method}""#);
         let heading = Quat::from_rotation_y(0.1 * KEY as f32);
         let (a, _) = edited(&straight, document(&[edit(&straight, TOP, BY, &more)]), Some(rig()));
         let (b, _) = edited(&turning, document(&[edit(&turning, TOP, heading * BY, &more)]), Some(rig()));
@@ -232,6 +259,57 @@ fn what_cannot_be_reached_is_approached_and_said() {
     }
     let (_, notes) = edited(&poses, document(&[edit(&poses, TOP, BY, "")]), None);
     assert!(notes[0].contains("no rig"), "{notes:?}");
+}
+
+#[test]
+fn a_body_that_goes_by_its_space_bends_as_it_was_seen_to() {
+    // A frame that is no part of the space is put where a handle of another one is.
+    let poses = poses(0.05);
+    let (key, other) = (poses.frame(KEY), poses.frame(10));
+    // The other frame as the edited one stands: turned with it.
+    let turn = Quat::from_rotation_y(0.05 * (KEY as f32 - 10.0));
+    let stands = Vec3::new(2.0, 0.0, 1.0);
+    let wanted: Vec<Vec3> = other.iter().map(|&p| turn * (p - stands) + stands).collect();
+    let by = wanted[TOP as usize] - key[TOP as usize];
+    let off = |more: &str| {
+        let (frames, notes) = edited(&poses, document(&[edit(&poses, TOP, by, more)]), None);
+        assert!(notes.is_empty(), "{notes:?}");
+        let all = frames[KEY as usize].iter().zip(&wanted).map(|(a, b)| a.distance_squared(*b)).sum::<f32>();
+        (all / COUNT as f32).sqrt()
+    };
+    let (learned, rigid) = (off(r#","method":"learned""#), off(r#","method":"arap""#));
+    assert!(by.length() > 0.1 && learned < 0.5 * rigid, "{learned} {rigid}");
+}
+
+#[test]
+fn without_a_space_a_note_says_so() {
+    let (poses, timeline, feet, topology) = (poses(0.0), timeline(), feet(), topology());
+    let editor = Editor::new(&topology, None, Some(rig())).unwrap();
+    let mut source = poses.clone();
+    let asked = document(&[edit(&poses, TOP, BY, r#","method":"learned""#)]);
+    let mut edited = EditedPoses::new(&mut source, (&timeline, &feet), topology.weights(), editor, asked).unwrap();
+    assert!(edited.prepare().unwrap()[0].contains("no learned space"));
+    let mut other = Editor::new(&Topology::new(3, vec![[0, 1, 2]], vec![1.0; 3]).unwrap(), None, None).unwrap();
+    assert!(matches!(other.learn(space(&poses)), Err(EditError::Space(_))));
+}
+
+#[test]
+fn a_learned_drag_meets_its_handle_at_once_and_goes_back_to_nothing() {
+    let poses = poses(0.0);
+    let mut editor = Editor::new(&topology(), None, None).unwrap();
+    editor.learn(space(&poses)).unwrap();
+    let grip = Grip { handles: vec![TOP], pins: (0..AROUND).collect(), scope: Scope::Body, method: Method::Learned };
+    let mut grab = editor.grab(poses.frame(KEY), &grip).unwrap();
+    let from = poses.frame(KEY)[TOP as usize];
+    for step in 1..=10 {
+        let dragged = editor.drag(&mut grab, &[from + BY * (step as f32 / 10.0)]).unwrap();
+        assert!(dragged.pose[TOP as usize].distance(from + BY * (step as f32 / 10.0)) < 1e-5);
+        (0..AROUND as usize).for_each(|pin| assert_eq!(dragged.pose[pin], poses.frame(KEY)[pin]));
+    }
+    assert_eq!(editor.drag(&mut grab, &[from]).unwrap().pose, poses.frame(KEY));
+    let again = editor.settle(&mut grab, &[from + BY]).unwrap().pose;
+    let mut fresh = editor.grab(poses.frame(KEY), &grip).unwrap();
+    assert_eq!(editor.settle(&mut fresh, &[from + BY]).unwrap().pose, again);
 }
 
 #[test]

@@ -15,8 +15,13 @@ const ARRIVED: f32 = 1e-6;
 /// the identity: it also finds a turn for points on a line or in one place. Points that are not finite give the identity.
 #[must_use]
 pub fn least_turn(covariance: &Mat3) -> Quat {
-    let mut rotation = Quat::IDENTITY;
-    for _ in 0..STEPS {
+    turned_towards(Quat::IDENTITY, covariance, STEPS)
+}
+
+/// The same in `steps` steps from `rotation`: little is left of what was nearly found before.
+#[must_use]
+pub fn turned_towards(mut rotation: Quat, covariance: &Mat3, steps: usize) -> Quat {
+    for _ in 0..steps {
         let turned = Mat3::from_quat(rotation);
         let (mut axis, mut dot) = (Vec3::ZERO, 0.0);
         for column in 0..3 {

@@ -49,21 +49,27 @@ fn array(points: &[Vec3]) -> Float32Array {
 
 #[wasm_bindgen]
 impl Editor {
-    /// Edits with what a player's `editable` and `rig` have handed over.
+    /// Edits with what a player's `editable`, `rig` and `learned` have handed over.
     ///
     /// # Errors
     /// It does not fit together.
     #[wasm_bindgen(constructor)]
-    pub fn new(words: &[u32], rig: &[u8]) -> Result<Self, JsValue> {
+    pub fn new(words: &[u32], rig: &[u8], learned: &[u8]) -> Result<Self, JsValue> {
         console_error_panic_hook::set_once();
         let known = Known::from_words(words).ok_or(SessionError::Misfit)?;
-        Ok(Self { inner: Session::new(known, rig)? })
+        Ok(Self { inner: Session::new(known, rig, learned)? })
     }
 
     /// Whether bones move the body.
     #[must_use]
     pub fn has_rig(&self) -> bool {
         self.inner.has_rig()
+    }
+
+    /// Whether edits may go by the ways in which the actor was seen to move.
+    #[must_use]
+    pub fn has_space(&self) -> bool {
+        self.inner.has_space()
     }
 
     /// Why a rig that the actor has cannot be used; empty where it can be.

@@ -1,9 +1,9 @@
 //! The edits of one actor on a page: a document, the frames that it reaches, and what is being dragged.
 
 use actor::pose_source::{PoseError, PoseSource};
-use bundle::decode_rig;
+use bundle::{decode_learned_space, decode_rig};
 use editing::apply::PreparedError;
-use editing::{EditDocument, EditError, Editor, Edits, Grab, Recording, StoredRig};
+use editing::{EditDocument, EditError, Editor, Edits, Grab, Recording, StoredRig, StoredSpace};
 use glam::Vec3;
 use thiserror::Error;
 
@@ -59,6 +59,9 @@ pub struct Session {
     /// The rig as long as its rest pose is not there.
     stored: Option<StoredRig>,
     rig_trouble: Option<String>,
+    /// The learned space as long as the poses that it is made of are not all there, and those that are.
+    learning: Option<(StoredSpace, Vec<Option<Vec<Vec3>>>)>,
+    has_space: bool,
     edits: Option<Edits>,
     given: Given,
     /// The edit that is being dragged, what of it, and the frame as it was recorded.
@@ -66,18 +69,25 @@ pub struct Session {
 }
 
 impl Session {
-    /// Edits an actor; `rig` is the bundle's section, or empty.
+    /// Edits an actor; `rig` and `learned` are the bundle's sections, or empty.
     ///
     /// # Errors
     /// A mesh that cannot be factorised.
-    pub fn new(known: Known, rig: &[u8]) -> Result<Self, SessionError> {
+    pub fn new(known: Known, rig: &[u8], learned: &[u8]) -> Result<Self, SessionError> {
         let (n, frames) = (known.topology.vertex_count(), known.timeline.frame_count());
         let (stored, rig_trouble) = match (rig.is_empty(), decode_rig(rig, n, frames)) {
             (true, _) => (None, None),
             (false, Ok(stored)) => (Some(stored), None),
             (false, Err(reason)) => (None, Some(format!("the rig {reason}"))),
         };
-        let mut session = Self { known, stored, rig_trouble, edits: None, given: Given::default(), held: None };
+        // Edits that go by a space that cannot be used say that there is none.
+        let learning = decode_learned_space(learned, frames).ok().map(|space| {
+            let poses = vec![None; space.frames.len()];
+            (space, poses)
+        });
+        let has_space = learning.is_some();
+        let (edits, given, held) = (None, Given::default(), None);
+        let mut session = Self { known, stored, rig_trouble, learning, has_space, edits, given, held };
         if session.stored.is_none() {
             session.open(None)?;
         }
@@ -98,6 +108,12 @@ impl Session {
         self.edits.as_ref().is_some_and(|edits| edits.editor().rig().is_some())
     }
 
+    /// Whether edits may go by the ways in which the actor was seen to move.
+    #[must_use]
+    pub fn has_space(&self) -> bool {
+        self.has_space
+    }
+
     /// Why a rig that the actor has cannot be used.
     #[must_use]
     pub fn rig_trouble(&self) -> Option<&str> {
@@ -110,6 +126,10 @@ impl Session {
         let Some(edits) = &self.edits else { return self.stored.iter().map(|stored| stored.rest_frame).collect() };
         let count = edits.document().edits.len();
         let mut frames: Vec<u32> = Vec::new();
+        if let Some((space, poses)) = self.learning.as_ref().filter(|_| edits.document().wants_space()) {
+            let missing = space.frames.iter().zip(poses).filter(|(_, pose)| pose.is_none());
+            frames.extend(missing.map(|(&frame, _)| frame));
+        }
         for frame in (0..count).filter_map(|edit| edits.frame(edit)) {
             if !self.given.has(frame) && !frames.contains(&frame) {
                 frames.push(frame);
@@ -130,10 +150,32 @@ impl Session {
             let rig = stored.rig(pose.clone()).map_err(|error| self.rig_trouble = Some(error.to_string())).ok();
             self.open(rig)?;
         }
+        self.learn(frame, &pose);
         if !self.given.has(frame) {
             self.given.0.push((frame, pose));
         }
+        self.forget();
         Ok(())
+    }
+
+    /// Takes a pose that the learned space is made of; with the last of them it is there.
+    fn learn(&mut self, frame: u32, pose: &[Vec3]) {
+        let Some((space, poses)) = &mut self.learning else { return };
+        if let Some(at) = space.frames.iter().position(|&of| of == frame) {
+            poses[at].get_or_insert(pose.to_vec());
+        }
+        let Some(edits) = self.edits.as_mut().filter(|_| poses.iter().all(Option::is_some)) else { return };
+        let poses: Vec<Vec<Vec3>> = poses.iter_mut().filter_map(Option::take).collect();
+        let made = space.space(&poses, self.known.topology.weights());
+        self.has_space = made.and_then(|space| edits.learn(space)).is_ok();
+        self.learning = None;
+    }
+
+    /// Poses of frames that no edit is of are not kept.
+    fn forget(&mut self) {
+        let Some(edits) = &self.edits else { return };
+        let kept: Vec<u32> = (0..edits.document().edits.len()).filter_map(|edit| edits.frame(edit)).collect();
+        self.given.0.retain(|(frame, _)| kept.contains(frame));
     }
 
     /// Takes a document in place of the one before; what is being dragged is let go.
@@ -144,8 +186,7 @@ impl Session {
         let edits = self.edits.as_mut().ok_or(SessionError::Misfit)?;
         edits.replace(&self.known.timeline, document)?;
         self.held = None;
-        let kept: Vec<u32> = (0..edits.document().edits.len()).filter_map(|edit| edits.frame(edit)).collect();
-        self.given.0.retain(|(frame, _)| kept.contains(frame));
+        self.forget();
         Ok(())
     }
 

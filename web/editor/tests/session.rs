@@ -8,8 +8,8 @@ use actor::graph::EssentialGraph;
 use actor::pose_source::PoseSource;
 use actor::surface::{Corner, Material, Part, Surface};
 use actor::timeline::{Sequence, Timeline};
-use bundle::{BundleInput, BundleReader, encode_with_rig};
-use editing::{Bone, EditDocument, EditedPoses, Editor, Influences, Rig, StoredRig};
+use bundle::{BundleInput, BundleReader, Extras, encode_with_extras};
+use editing::{Bone, EditDocument, EditedPoses, Editor, Influences, Rig, StoredMode, StoredRig, StoredSpace};
 use editor::scene::{Known, words};
 use editor::session::{Session, SessionError};
 use glam::{Mat3, Quat, Vec3};
@@ -90,6 +90,12 @@ fn stored_rig(capture: &Capture) -> StoredRig {
     StoredRig::of(&Rig::new(bones, influences.collect(), core.collect(), pose).unwrap(), REST)
 }
 
+/// Two ways in which three of its frames differ.
+fn stored_space() -> StoredSpace {
+    let mode = |variance, shares: [i16; 2]| StoredMode { variance, step: 0.001, shares: shares.to_vec() };
+    StoredSpace { frames: vec![2, 10, 17], modes: vec![mode(0.5, [500, 0]), mode(0.1, [300, -400])] }
+}
+
 /// A bundle of the tube, which stands on its lowest ring, with a rig or without.
 fn bundle(with_rig: bool) -> BundleReader {
     let capture = capture();
@@ -105,7 +111,9 @@ fn bundle(with_rig: bool) -> BundleReader {
         generator: "test".into(),
     };
     let rig = with_rig.then(|| stored_rig(&capture));
-    let (bytes, _) = encode_with_rig(&input, &[], &Files::default(), rig.as_ref()).unwrap();
+    let (mut extras, space) = (Extras::default(), stored_space());
+    (extras.rig, extras.learned) = (rig.as_ref(), with_rig.then_some(&space));
+    let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
     BundleReader::from_bytes(&bytes).unwrap()
 }
 
@@ -132,7 +140,9 @@ fn session(reader: &mut BundleReader) -> Session {
     for length in [0, 1, 5, words.len() / 2, words.len() - 1] {
         assert!(Known::from_words(&words[..length]).is_none());
     }
-    let mut session = Session::new(known, reader.rig_bytes().unwrap_or_default()).unwrap();
+    let mut session =
+        Session::new(known, reader.rig_bytes().unwrap_or_default(), reader.learned_bytes().unwrap_or_default())
+            .unwrap();
     give(&mut session, reader);
     session
 }
@@ -161,11 +171,12 @@ fn frames_are_those_of_a_film_to_the_bit() {
             edit(10, at, Vec3::new(0.1, -0.05, 0.15), ""),
             edit(14, later, Vec3::new(-0.05, 0.0, 0.1), r#","propagate":"constraint","scope":"limb""#),
             edit(12, at, Vec3::new(0.05, 0.0, 0.0), r#","method":"arap","pins":"none","on":false"#),
+            edit(12, at, Vec3::new(0.06, 0.0, -0.02), r#","method":"learned""#),
         ];
         let text = document(&edits);
         session.replace(parsed(&text)).unwrap();
         give(&mut session, &mut reader);
-        let mut reached: Vec<u32> = (0..3).flat_map(|edit| session.reached(edit)).collect();
+        let mut reached: Vec<u32> = (0..4).flat_map(|edit| session.reached(edit)).collect();
         reached.sort_unstable();
         reached.dedup();
         assert_eq!(reached, (4..21).collect::<Vec<u32>>());
@@ -175,7 +186,11 @@ fn frames_are_those_of_a_film_to_the_bit() {
         let feet = film.graph().unwrap().feet().clone();
         let stored = film.rig().unwrap();
         let rig = stored.map(|stored| stored.rig(pose(&mut film, REST)).unwrap());
-        let editor = Editor::new(&topology, None, rig).unwrap();
+        let mut editor = Editor::new(&topology, None, rig).unwrap();
+        if let Some(stored) = film.learned().unwrap() {
+            let of: Vec<Vec<Vec3>> = stored.frames.iter().map(|&frame| pose(&mut film, frame)).collect();
+            editor.learn(stored.space(&of, topology.weights()).unwrap()).unwrap();
+        }
         let document = EditDocument::from_json(&text).unwrap();
         let mut edited = EditedPoses::new(&mut film, (&timeline, &feet), topology.weights(), editor, document).unwrap();
         // Those nearest to the actor come first on a page.
@@ -187,7 +202,12 @@ fn frames_are_those_of_a_film_to_the_bit() {
             assert_eq!(ours, theirs, "frame {frame}");
             assert_ne!(ours, pose(&mut reader, frame), "frame {frame}");
         }
-        assert_eq!(session.notes(), edited.prepare().unwrap());
+        let notes = session.notes();
+        assert_eq!(
+            (notes.iter().any(|note| note.contains("no learned space")), session.has_space()),
+            (!with_rig, with_rig)
+        );
+        assert_eq!(notes, edited.prepare().unwrap());
     }
 }
 
@@ -245,6 +265,6 @@ fn what_makes_no_sense_is_refused_and_the_document_before_stays() {
     assert!(session.reached(7).is_empty());
     // A rig that is none leaves the surface alone to be moved.
     let words = words(reader.timeline().unwrap(), reader.topology().unwrap(), &Feet::default(), None);
-    let session = Session::new(Known::from_words(&words).unwrap(), b"no rig").unwrap();
+    let session = Session::new(Known::from_words(&words).unwrap(), b"no rig", &[]).unwrap();
     assert!(!session.has_rig() && session.rig_trouble().is_some() && session.needs().is_empty());
 }

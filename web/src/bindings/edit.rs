@@ -37,6 +37,12 @@ impl Player {
         parts.map_or(String::new(), |parts| parts.names.join("\n"))
     }
 
+    /// The bundle's section of the learned space; empty where there is none.
+    #[must_use]
+    pub fn learned(&self) -> Uint8Array {
+        Uint8Array::from(self.inner.loading().learned().unwrap_or_default())
+    }
+
     /// The bundle's section of families: JSON; empty where there is none, or it has not arrived.
     #[must_use]
     pub fn families(&self) -> Uint8Array {

@@ -230,6 +230,15 @@ impl Loading {
         }
     }
 
+    /// The section of the learned space, where the bundle has one.
+    #[must_use]
+    pub fn learned(&self) -> Option<&[u8]> {
+        match &self.source.recorded {
+            Recorded::Memory(_) => None,
+            Recorded::Bundle(reader) => reader.learned_bytes(),
+        }
+    }
+
     /// The section of families, where the bundle has one.
     #[must_use]
     pub fn families(&self) -> Option<&[u8]> {

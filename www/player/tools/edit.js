@@ -31,6 +31,7 @@ const SCOPES = [
 ];
 const METHODS = [
   { value: 'rig', text: 'bones', title: 'Bones turn, the surface follows' },
+  { value: 'learned', text: 'learned', title: 'As the actor was seen to move' },
   { value: 'arap', text: 'rigid', title: 'The surface alone, as rigid as possible' },
   { value: 'laplace', text: 'smooth', title: 'The surface alone, with its details as they are: for small moves' },
 ];
@@ -579,7 +580,8 @@ export class EditTool extends Tool {
     this.radius.root.hidden = !region;
     if (region) this.radius.show(String(Math.round(scope.radius * 1000) / 10));
     this.method.choose(method);
-    this.method.root.firstChild.disabled = !this.hasRig;
+    this.method.root.children[0].disabled = !this.hasRig;
+    this.method.root.children[1].disabled = !(driver.editor?.has_space() ?? true);
     this.fade.choose(propagate);
     this.showFields();
     this.actions.forEach((one) => (one.disabled = !edit));

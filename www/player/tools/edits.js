@@ -61,7 +61,7 @@ export class EditDriver {
   open() {
     const { player } = this;
     this.forget();
-    this.editor = new this.module.Editor(player.editable(), player.rig());
+    this.editor = new this.module.Editor(player.editable(), player.rig(), player.learned());
     this.knows = player;
     this.give();
   }

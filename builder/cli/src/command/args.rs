@@ -530,6 +530,10 @@ pub struct DriveArguments {
     /// them as one more sequence.
     #[arg(long, short, value_name = "OUT")]
     pub output: String,
+    /// Leave beginning and end of the new sequence as the clip has them. Otherwise they are edited towards the recording, where that
+    /// makes the ways in and out cheaper.
+    #[arg(long)]
+    pub as_driven: bool,
     /// Pack that capture, too, into this bundle.
     #[arg(long, value_name = "FILE")]
     pub into: Option<PathBuf>,

@@ -173,7 +173,8 @@ fn write(
     let (Some(topology), order) = (reader.topology().cloned(), reader.order().map(<[u32]>::to_vec)) else {
         return Err(failure(ExportError::NotWhole));
     };
-    let editor = rigged::editor(reader, (&topology, order.as_deref()), timeline, arguments.rig.as_deref(), terminal)?;
+    let rig = (&document, arguments.rig.as_deref());
+    let editor = rigged::editor(reader, (&topology, order.as_deref()), timeline, rig, terminal)?;
     let weights = topology.weights().to_vec();
     let mut edited = EditedPoses::new(reader, (timeline, graph.feet()), &weights, editor, document)
         .with_context(|| file.display().to_string())

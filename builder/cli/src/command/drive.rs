@@ -7,8 +7,11 @@ use anyhow::{Context, anyhow};
 use capture_io::export::{ExportOptions, Output, Written};
 use capture_io::import::Warning;
 use capture_io::mocap::{MocapOptions, ReadClip, read_clip};
+use drive::measure::measure;
 use drive::retarget::Driven;
-use drive::{Mapping, MappingFile, Measures, Role, retarget};
+use drive::{Body, Mapping, MappingFile, Measures, Role, retarget};
+use job::{Job, Progress};
+use reprise::hybrid::{EndReport, Hybrid, HybridError, WayReport, join};
 use reprise::pack::PackOptions;
 use serde::Serialize;
 
@@ -32,6 +35,9 @@ struct DriveReport {
     output: String,
     /// What was measured on them.
     measures: Measures,
+    /// The ways into the new sequence and out of it, where it goes into a capture.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    joins: Vec<EndReport>,
     /// Seconds: of reading clip and actor, and of making all frames.
     seconds: [f64; 2],
     /// What is not as in the clip, or may be mistaken.
@@ -57,7 +63,7 @@ pub fn run(arguments: &DriveArguments, terminal: &Terminal) -> Result<(), Failur
     let read_seconds = began.elapsed().as_secs_f64();
     let began = Instant::now();
     let mesh = (&actor.topology, actor.order.as_deref());
-    let driven = retarget((&clip, &mapping), &body, mesh, (&actor.poses, actor.timeline.fps())).map_err(input)?;
+    let mut driven = retarget((&clip, &mapping), &body, mesh, (&actor.poses, actor.timeline.fps())).map_err(input)?;
     let seconds = [read_seconds, began.elapsed().as_secs_f64()];
     if !driven.stands {
         let message = format!(
@@ -69,6 +75,10 @@ pub fn run(arguments: &DriveArguments, terminal: &Terminal) -> Result<(), Failur
         warnings.push(warning);
     }
     let name = sequence_name(arguments);
+    let mut joins = Vec::new();
+    if output.is_none() && !arguments.as_driven {
+        joins = joined(&actor, &body, (&name, &mut driven), terminal)?;
+    }
     let written = match &output {
         Some(output) => frames(arguments, arguments.every, &actor, (&name, &driven), output, terminal)?,
         None => capture(arguments, &actor, &name, &driven, terminal)?,
@@ -78,7 +88,7 @@ pub fn run(arguments: &DriveArguments, terminal: &Terminal) -> Result<(), Failur
     if arguments.json {
         let (mapping, output) = (mapping.file(&clip), arguments.output.clone());
         let Written { frames, .. } = written;
-        print_json(&DriveReport { mapping, frames, output, measures: driven.measures, seconds, warnings })?;
+        print_json(&DriveReport { mapping, frames, output, measures: driven.measures, joins, seconds, warnings })?;
     }
     Ok(())
 }
@@ -139,6 +149,43 @@ fn sequence_name(arguments: &DriveArguments) -> String {
     let file = arguments.clip.rsplit_once('+').map_or(arguments.clip.as_str(), |(_, motion)| motion);
     let stem = Path::new(file).file_stem().map_or("clip".into(), |stem| stem.to_string_lossy().into_owned());
     arguments.sequence.clone().unwrap_or(stem)
+}
+
+/// Edits the frames' beginning and end towards the recording, and says what that did.
+fn joined(
+    actor: &ReadActor,
+    body: &Body,
+    (name, driven): (&str, &mut Driven),
+    terminal: &Terminal,
+) -> Result<Vec<EndReport>, Failure> {
+    let Origin::Capture(imported) = &actor.origin else { return Ok(Vec::new()) };
+    let report = |step: Progress| terminal.progress(step);
+    let joined = join(&imported.capture, &body.rig, (name, &driven.poses), &Job::new(&report));
+    let Hybrid { poses, ends } = joined.map_err(|error| match error {
+        HybridError::Stopped(_) => Failure::StoppedReading,
+        error => input(error),
+    })?;
+    driven.poses = poses;
+    driven.measures = measure(body, &actor.topology, &actor.poses, &driven.poses, &driven.planted);
+    for end in &ends {
+        terminal.log(&said(end));
+    }
+    Ok(ends)
+}
+
+fn said(end: &EndReport) -> String {
+    let way = |way: &WayReport| {
+        format!(
+            "cost {:.2} over {} frames, poses {:.0} mm apart in its middle, acceleration {:.1} m/s^2 where the frames have {:.1}",
+            way.cost, way.duration, way.apart_mm, way.acceleration[0], way.acceleration[1]
+        )
+    };
+    let (name, sequence) = (if end.inwards { "in from" } else { "out to" }, &end.sequence);
+    let before = format!("best way {name} {sequence}, frame {}: {}", end.before.frames[0], way(&end.before));
+    match &end.after {
+        Some(after) => format!("{before}\n  with {} frames edited: {}", end.changed, way(after)),
+        None => format!("{before}; an edit would not make it cheaper"),
+    }
 }
 
 /// Writes the frames as any walk's are written.

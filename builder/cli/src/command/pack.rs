@@ -187,6 +187,15 @@ fn summary(report: &PackReport) -> String {
         lines.push(format!("family {}: {} {} {}", family.name, family.parameter, values.join(", "), family.unit));
     }
     lines.extend(report.parts.as_ref().map(|parts| parts_line(parts, seconds.parts)));
+    if let Some(learned) = &report.learned {
+        let (modes, frames, misfit, moves) = (learned.modes, learned.frames, learned.misfit_mm, learned.moves_mm);
+        let stored =
+            report.bundle.sections.iter().find(|size| size.name == "learned-space").map_or(0, |size| size.stored);
+        lines.push(format!(
+            "learned space: {modes} modes of {frames} frames miss {misfit:.1} of {moves:.1} mm RMS; {:.1} KB",
+            stored as f64 / 1000.0
+        ));
+    }
     if let Some(rig) = &report.rig {
         let kind = if rig.human { ", a human's" } else { "" };
         let (bones, misfit) = (rig.bones, rig.misfit_mm);

@@ -7,7 +7,7 @@ use actor::pose_source::PoseSource;
 use actor::timeline::Timeline;
 use anyhow::Context;
 use bundle::BundleReader;
-use editing::{Editor, Rig};
+use editing::{EditDocument, Editor, Rig, Space};
 use glam::Vec3;
 use kernels::topology::Topology;
 use rig::{Estimate, RigError, RigFile, RigOptions, estimate};
@@ -64,8 +64,38 @@ pub fn of_bundle(reader: &mut BundleReader) -> Result<Option<(u32, Rig)>, Failur
     Ok(Some((frame, rig)))
 }
 
-/// What edits poses of a bundle: with the rig that it has, with one that is estimated and corrected by a file, or without one where nothing moves against anything else.
+/// The ways in which a bundle's actor was seen to move, where it says.
+fn space_of_bundle(reader: &mut BundleReader, topology: &Topology) -> Result<Option<Space>, Failure> {
+    let damaged = |error: anyhow::Error| {
+        Failure::Input(error.context("the bundle's learned space cannot be used: pack it again"))
+    };
+    let Some(stored) = reader.learned().map_err(|error| damaged(error.into()))? else { return Ok(None) };
+    let mut poses = vec![vec![Vec3::ZERO; topology.vertex_count()]; stored.frames.len()];
+    for (&frame, pose) in stored.frames.iter().zip(&mut poses) {
+        reader.read(frame, pose).map_err(|error| damaged(error.into()))?;
+    }
+    stored.space(&poses, topology.weights()).map(Some).map_err(|error| damaged(error.into()))
+}
+
+/// What makes the edits of `document`: as [`bare_editor`], with the bundle's learned space where one of them goes by it.
 pub fn editor(
+    reader: &mut BundleReader,
+    (topology, order): (&Topology, Option<&[u32]>),
+    timeline: &Timeline,
+    (document, file): (&EditDocument, Option<&Path>),
+    terminal: &Terminal,
+) -> Result<Editor, Failure> {
+    let mut editor = bare_editor(reader, (topology, order), timeline, file, terminal)?;
+    if document.wants_space()
+        && let Some(space) = space_of_bundle(reader, topology)?
+    {
+        editor.learn(space).map_err(|error| Failure::Input(error.into()))?;
+    }
+    Ok(editor)
+}
+
+/// What edits poses of a bundle: with the rig that it has, with one that is estimated and corrected by a file, or without one where nothing moves against anything else.
+fn bare_editor(
     reader: &mut BundleReader,
     (topology, order): (&Topology, Option<&[u32]>),
     timeline: &Timeline,

@@ -322,6 +322,7 @@ export const tests = {
     await player.untilFound('the editor', (element) => element.testing.edits().ready);
     assert.match(await says(player), /no rig/);
     assert.equal(await player.part('.edit-dock [role="radio"][value="rig"]').isDisabled(), true);
+    assert.equal(await player.part('.edit-dock [role="radio"][value="learned"]').isDisabled(), false, 'the space needs no rig');
     const { x, y } = await hand(player);
     await pull(player, { x: x - 3, y }, [10, -10]);
     await settled(player);
@@ -337,6 +338,50 @@ export const tests = {
       element.tool = 'edit';
     });
     await player.untilFound('the sentence', (element) => /the rig .*: the surface alone is moved/.test(element.shadowRoot.querySelector('.outcome').textContent));
+    await player.close();
+  },
+
+  'a body follows as it was seen to move; an actor that knows no such ways says so': async (browser) => {
+    const player = await editing(browser);
+    await player.part('.edit-dock [role="radio"][value="learned"]').click();
+    const edit = await pulled(player);
+    assert.equal(edit.method, 'learned');
+    const [{ vertex, to }] = edit.handles;
+    const key = await frameOf(player, edit);
+    const recorded = await player.run((element, [at, one]) => element.testing.recordedPose(at).slice(3 * one, 3 * one + 3), [key, vertex]);
+    const wanted = Math.hypot(...to.map((place, axis) => place - recorded[axis]));
+    const learned = await moved(player, key, vertex);
+    assert.ok(wanted > 0.1 && Math.abs(learned.there - wanted) < 1e-3, `${learned.there} of ${wanted} m`);
+    const soles = await player.run((element, at) => {
+      const { editor } = element.testing.core.toolbox.kit.edits;
+      return Array.from(editor.stands(at)).flatMap((stands, foot) => (stands ? Array.from(editor.sole(foot)).slice(0, 5) : []));
+    }, key);
+    for (const one of soles) assert.ok((await moved(player, key, one)).there < 1e-3, 'a pin has moved');
+    // The same edit side by side with the others: each has its own pose, and a handle that is met.
+    const pose = () => player.run((element, at) => Array.from(element.testing.framePose(at)), key);
+    const seen = [await pose()];
+    for (const method of ['arap', 'rig', 'laplace']) {
+      await player.part(`.edit-dock [role="radio"][value="${method}"]`).click();
+      await settled(player);
+      assert.ok(Math.abs((await moved(player, key, vertex)).there - wanted) < 1e-3, method);
+      seen.push(await pose());
+    }
+    for (const [a, one] of seen.entries()) for (const other of seen.slice(0, a)) assert.notDeepEqual(one, other);
+    // Zero is the frame as it was recorded, to the bit.
+    await player.run((element, one) => (element.edits = { version: 1, edits: [one] }), { ...edit, handles: [{ vertex, to: Array.from(recorded) }] });
+    await settled(player);
+    assert.deepEqual(await moved(player, key), { most: 0, there: 0 });
+    // A bundle without the section.
+    await player.run((element) => {
+      element.testing.player.learned = () => new Uint8Array();
+      element.testing.core.toolbox.kit.edits.forget();
+      element.tool = 'pose';
+      element.tool = 'edit';
+    });
+    await player.untilFound('the editor', (element) => element.testing.edits().ready);
+    assert.equal(await player.part('.edit-dock [role="radio"][value="learned"]').isDisabled(), true);
+    await player.run((element, one) => (element.edits = { version: 1, edits: [one] }), edit);
+    await player.untilFound('the note', (element) => /no learned space/.test(element.shadowRoot.querySelector('.outcome').textContent));
     await player.close();
   },
 
