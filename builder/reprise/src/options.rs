@@ -36,9 +36,23 @@ pub struct PackOptions {
     pub appearance: AppearanceChoice,
     /// Corrections of the rig that is estimated, by which edits move the body; no rig where not given.
     pub rig: Option<RigFile>,
+    /// What the page shows of a scan.
+    #[cfg(feature = "scans")]
+    pub mode: ScanMode,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
     pub variations: Option<Variations>,
+}
+
+/// What the page shows of a scan, of which every frame has its own mesh.
+#[cfg(feature = "scans")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScanMode {
+    /// The one mesh that all frames were brought onto.
+    #[default]
+    Global,
+    /// In recorded frames the scan's own mesh and image; in transitions and in whatever is edited that one mesh.
+    Windows,
 }
 
 #[cfg(feature = "variations")]

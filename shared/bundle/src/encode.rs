@@ -13,6 +13,7 @@ use super::limits::{
     MAX_BYTES, MAX_CORNERS, MAX_IMAGES, MAX_MATERIALS, MAX_SECTION_BYTES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };
 use super::meta::{Meta, SequenceMeta};
+use super::scanned::ScannedFrames;
 use super::sections::{Draft, assemble};
 use super::{alternatives, body_parts, contacts, families, feet, files, graph, integers, motion, rig, surface, ties};
 use actor::alternatives::Alternatives;
@@ -152,6 +153,8 @@ pub struct Extras<'a> {
     pub alternatives: Option<&'a Alternatives>,
     /// The part of the body that each vertex belongs to, as it was painted.
     pub body_parts: Option<&'a [u8]>,
+    /// Frames as they were scanned.
+    pub scanned: Option<&'a ScannedFrames>,
 }
 
 /// As [`encode_with_files`], with what a bundle may have besides.
@@ -199,6 +202,9 @@ pub fn encode_with_extras(
         let report = add_appearance(&mut drafts, textures, models, capture)?;
         appearance = appearance.or(Some(report));
     }
+    if let Some(scanned) = extras.scanned {
+        add_scanned(&mut drafts, scanned, capture)?;
+    }
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;
         return Err(EncodeError::TooLarge { what: "bytes in one section", count, limit: MAX_SECTION_BYTES });
@@ -241,6 +247,15 @@ fn parts_draft(parts: &[u8], capture: &Capture) -> Result<Draft, EncodeError> {
     let raw = body_parts::encode(parts, &capture.topology);
     let raw = raw.ok_or_else(|| EncodeError::Inconsistent("the painted parts are those of another mesh".into()))?;
     Ok(Draft { kind: SectionKind::BodyParts, ordinal: 0, raw })
+}
+
+/// Nothing comes behind the groups: a page fetches them when it wants them.
+fn add_scanned(drafts: &mut Vec<Draft>, scanned: &ScannedFrames, capture: &Capture) -> Result<(), EncodeError> {
+    let (index, groups) = scanned.sections(&capture.timeline)?;
+    drafts.push(Draft { kind: SectionKind::Scanned, ordinal: 0, raw: index });
+    let group = |(ordinal, raw): (u32, &Vec<u8>)| Draft { kind: SectionKind::ScannedGroup, ordinal, raw: raw.clone() };
+    drafts.extend((0..).zip(groups).map(group));
+    Ok(())
 }
 
 /// What the page does not need comes behind what it does.

@@ -63,6 +63,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(appearance_findings(&reader));
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
+    findings.extend(scanned_findings(&reader));
     let families = reader.timeline_with_families().err();
     let damaged = [reader.body_parts().err(), families, reader.read_alternatives().err()].into_iter().flatten();
     findings.extend(damaged.map(|error| Finding::new("inconsistent", Severity::Error, error.to_string())));
@@ -120,6 +121,18 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
 fn file_findings(reader: &BundleReader) -> Option<Finding> {
     let error = reader.file_faces().err()?;
     Some(Finding::new("inconsistent", Severity::Error, error.to_string()))
+}
+
+/// Groups of scanned frames that cannot be read.
+fn scanned_findings(reader: &BundleReader) -> Vec<Finding> {
+    let Some(index) = reader.scanned() else { return Vec::new() };
+    let wrong = |ordinal: u32| {
+        let reason = index.read(ordinal, reader.scanned_group(ordinal)?).err()?;
+        let kind = Some(SectionKind::ScannedGroup);
+        let error = BundleError::Inconsistent { kind, ordinal, reason: reason.into() };
+        Some(Finding::new("damaged-scan", Severity::Error, error.to_string()))
+    };
+    (0..index.groups.len() as u32).filter_map(wrong).collect()
 }
 
 fn rig_findings(reader: &mut BundleReader) -> Option<Finding> {

@@ -17,6 +17,7 @@ mod plan;
 mod plans;
 pub mod produce;
 pub mod report;
+pub mod scanned;
 pub mod state;
 pub mod texture_modes;
 mod variety;

@@ -4,6 +4,7 @@
 
 mod open;
 mod readback;
+mod scans;
 mod texture;
 mod view;
 
@@ -44,6 +45,8 @@ pub struct Stage {
     textures: [Textures; 2],
     /// Whether the actor wears a texture as captured instead, for comparison.
     original: bool,
+    /// Whether the registered mesh is shown where scanned frames are there, too, for comparison.
+    template: bool,
 }
 
 /// The adapter as the page reads it.
@@ -121,6 +124,7 @@ impl Stage {
             self.due = true;
         }
         if self.due {
+            let scan = player.inner.scan().filter(|_| !self.template);
             self.camera.follow(picture.ground());
             self.scene.show(&Moment {
                 before: Numbered { number: numbers[0], pose: &picture.before.pose },
@@ -128,6 +132,7 @@ impl Stage {
                 weight,
                 synthetic: picture.synthetic(),
                 ground: picture.ground(),
+                scan: scan.map(|scan| (scan.place, scan.number, scan.placement)),
             });
             self.scene.show_trail(player.inner.trail(), player.inner.played());
         }
@@ -158,6 +163,7 @@ impl Stage {
         }
         if let Some(compare) = given("compare") {
             let compare = compare.as_string();
+            self.template = compare.as_deref() == Some("template");
             self.cross_fade = compare.as_deref() == Some("cross-fade");
             self.textures[0] = if compare.as_deref() == Some("naive") { Textures::Naive } else { Textures::Aligned };
         }

@@ -46,6 +46,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             time: now(),
             cross_fade: false,
             original: false,
+            template: false,
             textures: Default::default(),
         };
         Ok(stage.into())
