@@ -37,10 +37,10 @@ pub use crate::rigged::RigSummary;
 use crate::rigged::stored_rig;
 #[cfg(feature = "variations")]
 use crate::varied_families;
-#[cfg(feature = "scans")]
-pub use crate::windows::ScannedSummary;
 #[cfg(feature = "variations")]
 use crate::vary::{AlternativesSummary, add_sequences, alternatives, learn};
+#[cfg(feature = "scans")]
+pub use crate::windows::ScannedSummary;
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]

@@ -211,7 +211,8 @@ pub fn register(
     warnings.extend(told_of_frames(&scans, &survey, &tree, &registered.lost));
     warnings.extend(writer.projection.is_none().then(colourless));
     warnings.extend(told_of_registered(&scans, &registered, &alone));
-    let written = sequences.iter().flat_map(|s| (s.frames.0..=s.frames.1).map(|frame| first_of(&scans, s.number) + frame));
+    let written =
+        sequences.iter().flat_map(|s| (s.frames.0..=s.frames.1).map(|frame| first_of(&scans, s.number) + frame));
     let written = written.collect();
     let named = sequences.iter().map(|s| (s.name.clone(), s.frames.1 - s.frames.0 + 1)).collect();
     let textures = writer.projection.is_some();

@@ -43,7 +43,7 @@ pub(crate) fn scanned_frames(
     (offset, step): (Vec3, f32),
     job: &Job,
 ) -> Result<(ScannedFrames, ScannedSummary), PackError> {
-    let (mut all, mut images, mut open) = (ScannedFrames::new(step), 0, None);
+    let (mut all, mut images, mut open) = (ScannedFrames::default(), 0, None);
     let numbered: Vec<(u32, usize)> = (0..).zip(written.iter().copied()).collect();
     for (number, batch) in numbered.chunks(BATCH).enumerate() {
         job.tell("scanned frames", (number * BATCH) as u64, written.len() as u64)?;
@@ -110,7 +110,8 @@ fn alone(scans: &Scans, of_scan: usize, frame: u32, offset: Vec3) -> Result<Opti
     let mut known: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
     let triangles = surface.mesh.triangles.iter().enumerate().map(|(number, triangle)| {
         std::array::from_fn(|k| {
-            let (vertex, uv) = (triangle[k], uvs.get(number).filter(|_| still.is_some()).map_or([0.0; 2], |uvs| uvs[k].to_array()));
+            let (vertex, uv) =
+                (triangle[k], uvs.get(number).filter(|_| still.is_some()).map_or([0.0; 2], |uvs| uvs[k].to_array()));
             *known.entry((vertex, uv.map(f32::to_bits))).or_insert_with(|| {
                 corners.push(ScannedCorner { vertex, uv });
                 corners.len() as u32 - 1

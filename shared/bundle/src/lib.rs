@@ -49,7 +49,8 @@ pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use rig::decode as decode_rig;
 pub use scanned::{
-    CodedGroup, GROUP_FRAMES, OpenGroup, ScannedCorner, ScannedFrames, ScannedGroup, ScannedHead, ScannedIndex, code_group, ordered,
+    CodedGroup, GROUP_FRAMES, OpenGroup, ScannedCorner, ScannedFrames, ScannedGroup, ScannedHead, ScannedIndex,
+    code_group, ordered,
 };
 pub use sections::SectionInfo;
 pub use validate::{Finding, Severity, validate};

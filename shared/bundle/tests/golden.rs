@@ -236,7 +236,7 @@ fn version_1_12_can_be_written_and_read() {
         generator: "reprise 0.1.0".into(),
     };
     let step = 1.0 / 1024.0;
-    let mut frames = ScannedFrames::new(step);
+    let mut frames = ScannedFrames::default();
     scanned().iter().for_each(|group| frames.push(code_group(group, step).unwrap()));
     let mut extras = Extras::default();
     extras.scanned = Some(&frames);

@@ -29,7 +29,10 @@ fn image(seed: u8, bytes: usize) -> Image {
 fn grid(first_frame: u32, side: u32, frames: usize) -> ScannedGroup {
     let count = side + 1;
     let mut corners: Vec<ScannedCorner> = (0..count * count)
-        .map(|vertex| ScannedCorner { vertex, uv: [(vertex % count) as f32, (vertex / count) as f32].map(|x| x / side as f32) })
+        .map(|vertex| ScannedCorner {
+            vertex,
+            uv: [(vertex % count) as f32, (vertex / count) as f32].map(|x| x / side as f32),
+        })
         .collect();
     let mut triangles = Vec::new();
     for at in 0..side * side {
@@ -69,7 +72,7 @@ fn coloured(first_frame: u32) -> ScannedGroup {
 }
 
 fn frames(groups: &[ScannedGroup]) -> ScannedFrames {
-    let mut all = ScannedFrames::new(STEP);
+    let mut all = ScannedFrames::default();
     groups.iter().for_each(|group| all.push(code_group(group, STEP).unwrap()));
     all
 }
@@ -230,10 +233,13 @@ fn what_is_damaged_is_refused_or_is_another_group() {
             let mut forged = sections.clone();
             forged.iter_mut().for_each(|section| section.may_be_skipped = section.number >= 32);
             forged[index].raw[place] ^= 0x55;
-            validate(&assembled(&forged));
+            let _ = validate(&assembled(&forged));
             forged[index].raw.truncate(place);
             let told = validate(&assembled(&forged));
-            assert!(told.iter().any(|finding| ["inconsistent", "damaged-scan"].contains(&finding.code)), "{place}: {told:?}");
+            assert!(
+                told.iter().any(|finding| ["inconsistent", "damaged-scan"].contains(&finding.code)),
+                "{place}: {told:?}"
+            );
         }
     }
     // Something behind the groups is refused.

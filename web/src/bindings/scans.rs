@@ -10,9 +10,9 @@ impl Player {
     /// The first byte in the bundle and the bytes of group `ordinal` of scanned frames; empty where there is none. Those of the first
     /// one lie where all else ends.
     #[must_use]
-    pub fn scan_section(&self, ordinal: u32) -> Vec<f64> {
-        let section = self.inner.scan_section(ordinal);
-        section.map_or(Vec::new(), |(start, length)| vec![start as f64, length as f64])
+    pub fn scan_section(&self, ordinal: u32) -> Vec<u32> {
+        // A bundle has less than 4 GiB.
+        self.inner.scan_section(ordinal).map_or(Vec::new(), |(start, length)| vec![start as u32, length as u32])
     }
 
     /// Where the images of group `ordinal` lie in the `bytes` of its section: beginning and end of each.
@@ -22,13 +22,5 @@ impl Player {
     pub fn scan_images(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, JsValue> {
         let images = self.inner.scan_images(ordinal, bytes).map_err(bundle_error)?;
         Ok(images.into_iter().flat_map(|range| [range.start as u32, range.end as u32]).collect())
-    }
-
-    /// The format of the images of group `ordinal`, as a media type each, with spaces between them.
-    #[must_use]
-    pub fn scan_types(&self, ordinal: u32) -> String {
-        let head = self.inner.scans().and_then(|index| index.groups.get(ordinal as usize));
-        let types = head.map(|head| head.images.iter().map(|image| image.0.media_type()).collect::<Vec<_>>());
-        types.unwrap_or_default().join(" ")
     }
 }

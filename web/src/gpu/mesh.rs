@@ -81,7 +81,11 @@ impl Shape {
     #[must_use]
     pub fn of_scan(gpu: &Gpu, group: &ScannedGroup) -> Self {
         let colour = |vertex: u32| group.colours.get(vertex as usize).map_or([255; 4], |&[r, g, b]| [r, g, b, 255]);
-        let drawn = |corner: &ScannedCorner| DrawnCorner { vertex: corner.vertex, uv: corner.uv, colour: colour(corner.vertex) };
+        let drawn = |corner: &ScannedCorner| DrawnCorner {
+            vertex: corner.vertex,
+            uv: corner.uv,
+            colour: colour(corner.vertex),
+        };
         let corners: Vec<_> = group.corners.iter().map(drawn).collect();
         Self::new(gpu, &corners, &group.triangles)
     }

@@ -40,7 +40,8 @@ impl Scans {
         wanted: &[u32],
     ) {
         let shown = self.shown.map(|(group, _)| group);
-        self.held.retain(|held| held.ordinal != ordinal && (wanted.contains(&held.ordinal) || shown == Some(held.ordinal)));
+        self.held
+            .retain(|held| held.ordinal != ordinal && (wanted.contains(&held.ordinal) || shown == Some(held.ordinal)));
         let vertex = |corner: u32| group.corners.get(corner as usize).map_or(0, |corner| corner.vertex);
         let triangles = group.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         if textures.is_empty() {

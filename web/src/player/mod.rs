@@ -448,4 +448,6 @@ impl Player {
 }
 
 #[cfg(test)]
+mod scanned_tests;
+#[cfg(test)]
 mod tests;

@@ -77,7 +77,8 @@ impl ScannedTexture {
     /// # Errors
     /// A file that is no image that is read.
     pub fn still(&self) -> Result<Image, ImportError> {
-        if let [Cell { picture: Some(Picture { path, bytes, layer: None }), tint: [1.0, 1.0, 1.0] }] = self.cells.as_slice()
+        if let [Cell { picture: Some(Picture { path, bytes, layer: None }), tint: [1.0, 1.0, 1.0] }] =
+            self.cells.as_slice()
             && matches!(image::guess_format(bytes), Ok(image::ImageFormat::Jpeg | image::ImageFormat::WebP))
         {
             let image = from_bytes(bytes.clone(), path)?;
@@ -85,7 +86,8 @@ impl ScannedTexture {
                 return Ok(image);
             }
         }
-        let path = || self.cells.iter().find_map(|cell| cell.picture.as_ref()).map_or_else(PathBuf::new, |p| p.path.clone());
+        let path =
+            || self.cells.iter().find_map(|cell| cell.picture.as_ref()).map_or_else(PathBuf::new, |p| p.path.clone());
         jpeg(self.decoded()?).map_err(|reason| ImportError::Image { path: path(), reason })
     }
 
@@ -260,7 +262,13 @@ mod tests {
         let still = png.still().unwrap();
         assert_eq!((still.format, still.width, still.height), (ImageFormat::Jpeg, 4, 4));
         let read = image::load_from_memory(&still.bytes).unwrap().into_rgb8();
-        assert!(read.pixels().all(|pixel| pixel.0.iter().zip([200, 30, 60]).all(|(&a, b): (&u8, i32)| (i32::from(a) - b).abs() < 6)));
+        assert!(
+            read.pixels().all(|pixel| pixel
+                .0
+                .iter()
+                .zip([200, 30, 60])
+                .all(|(&a, b): (&u8, i32)| (i32::from(a) - b).abs() < 6))
+        );
         let bytes = still.bytes.clone();
         let of = |tint| {
             let picture = Picture { path: PathBuf::new(), bytes: bytes.clone(), layer: None };

@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
-use super::{ScannedGroup, ScannedHead, mesh, ordered};
+use glam::Vec2;
+
+use super::mesh::{self, FARTHEST_UV};
+use super::{ScannedCorner, ScannedGroup, ScannedHead, ordered};
 use crate::error::EncodeError;
 use crate::limits::{MAX_COORDINATE, MAX_SCANNED_FRAMES, MAX_SECTION_BYTES};
 
@@ -52,6 +55,10 @@ fn check(group: &ScannedGroup, step: f32) -> Result<(), EncodeError> {
     if !group.colours.is_empty() && (group.colours.len() != vertices || !group.images.is_empty()) {
         return wrong("have colours of other vertices, or images besides");
     }
+    let is_near = |corner: &ScannedCorner| Vec2::from(corner.uv).abs().max_element() <= FARTHEST_UV;
+    if step.is_nan() || step <= 0.0 || !group.corners.iter().all(is_near) {
+        return wrong("have texture coordinates that are too far out, or no step");
+    }
     let farthest = step * (MAX_COORDINATE - 2) as f32;
     for (frame, pose) in (first..).zip(&group.poses) {
         if let Some(vertex) = pose.iter().position(|p| !(p.is_finite() && p.abs().max_element() <= farthest)) {
@@ -62,18 +69,12 @@ fn check(group: &ScannedGroup, step: f32) -> Result<(), EncodeError> {
 }
 
 fn head_of(group: &ScannedGroup) -> ScannedHead {
-    let range = |axis: usize| {
-        let values = group.corners.iter().map(|corner| corner.uv[axis]).filter(|uv| uv.is_finite());
-        let (low, high) = values.fold((f32::MAX, f32::MIN), |(low, high), uv| (low.min(uv), high.max(uv)));
-        if low <= high && !group.images.is_empty() { (low, high - low) } else { (0.0, 0.0) }
-    };
     ScannedHead {
         first_frame: group.first_frame,
         frames: group.poses.len() as u32,
         vertices: group.poses[0].len() as u32,
         corners: group.corners.len() as u32,
         triangles: group.triangles.len() as u32,
-        uv_range: [range(0), range(1)],
         coloured: !group.colours.is_empty(),
         images: group.images.iter().map(|image| (image.format, image.width, image.height)).collect(),
         worn: group.worn.clone(),

@@ -1,21 +1,20 @@
-//! The index of scanned frames: which group holds which frame, and what each group will need. Serialised by postcard.
+//! The index of scanned frames: which group holds which frame, and what each group will need. A list of whole numbers.
 
+use actor::surface::ImageFormat;
 use actor::timeline::Timeline;
-use serde::{Deserialize, Serialize};
 
 use super::group::{CodedGroup, OpenGroup};
 use super::{ScannedGroup, ScannedHead, mesh};
 use crate::error::EncodeError;
+use crate::integers;
 use crate::limits::{MAX_CORNERS, MAX_SCANNED_FRAMES, MAX_SCANNED_SIDE, MAX_SECTIONS, MAX_TRIANGLES, MAX_VERTICES};
 
-/// Texture coordinates may be so far out: pictures repeat.
-const FARTHEST_UV: f32 = 1e4;
+/// Numbers of a list at most, and what each is below.
+const MOST: (u32, u32) = (1 << 24, 1 << 24);
 
 /// Which scanned frames there are.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScannedIndex {
-    /// Positions are whole multiples of this, in metres.
-    pub step: f32,
     /// The groups, in order of their frames.
     pub groups: Vec<ScannedHead>,
 }
@@ -23,33 +22,48 @@ pub struct ScannedIndex {
 impl ScannedIndex {
     /// Reads the section.
     pub(crate) fn decode(raw: &[u8], timeline: &Timeline) -> Result<Self, &'static str> {
-        let (index, rest): (Self, _) = postcard::take_from_bytes(raw).map_err(|_| "is no list of groups")?;
-        if !rest.is_empty() {
-            return Err("has bytes left over");
+        let mut numbers = integers::decode(raw, MOST.0, MOST.1)?.into_iter();
+        let mut groups = Vec::new();
+        while let Some(first_frame) = numbers.next() {
+            let short = "ends within a group";
+            let mut next = || numbers.next().ok_or(short);
+            let [frames, vertices, corners, triangles, coloured, images] =
+                [next()?, next()?, next()?, next()?, next()?, next()?];
+            if frames > MAX_SCANNED_FRAMES || images > frames {
+                return Err(WRONG);
+            }
+            let images =
+                (0..images).map(|_| Ok((format_of(next()?)?, next()?, next()?))).collect::<Result<Vec<_>, _>>()?;
+            let worn = if images.is_empty() { 0 } else { frames };
+            let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, _>>()?;
+            let coloured = coloured > 0;
+            groups.push(ScannedHead { first_frame, frames, vertices, corners, triangles, coloured, images, worn });
         }
-        index.check(timeline)?;
-        Ok(index)
+        let index = Self { groups };
+        if index.is_sound(timeline) { Ok(index) } else { Err(WRONG) }
     }
 
-    /// What must hold; the reason where it does not.
-    fn check(&self, timeline: &Timeline) -> Result<(), &'static str> {
-        if !(self.step.is_finite() && self.step > 0.0 && self.step < 1e6) {
-            return Err("has a step that is no length");
-        }
-        let mut next = 0_u32;
-        for head in &self.groups {
-            if head.first_frame < next || head.frames == 0 || head.frames > MAX_SCANNED_FRAMES {
-                return Err("has groups that overlap, are empty or too long");
-            }
-            next = head.first_frame.checked_add(head.frames).ok_or("has a frame that does not exist")?;
-            check_head(head)?;
-        }
-        if next > timeline.frame_count() { Err("has a frame that does not exist") } else { Ok(()) }
+    /// Groups in order, with frames that there are.
+    fn is_sound(&self, timeline: &Timeline) -> bool {
+        let mut next = 0;
+        let in_order = |head: &ScannedHead| {
+            let sound = head.first_frame >= next && is_sound(head);
+            next = head.first_frame.saturating_add(head.frames);
+            sound
+        };
+        self.groups.iter().all(in_order) && next <= timeline.frame_count()
     }
 
     /// The section.
-    pub(crate) fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
-        postcard::to_allocvec(self)
+    pub(crate) fn encode(&self) -> Vec<u8> {
+        let mut numbers = Vec::new();
+        for head in &self.groups {
+            numbers.extend([head.first_frame, head.frames, head.vertices, head.corners, head.triangles]);
+            numbers.extend([u32::from(head.coloured), head.images.len() as u32]);
+            numbers.extend(head.images.iter().flat_map(|&(format, width, height)| [number_of(format), width, height]));
+            numbers.extend(&head.worn);
+        }
+        integers::encode(&numbers)
     }
 
     /// The group that holds `frame`, and which of its frames that is; `None` where it was not scanned, or was lost.
@@ -82,31 +96,36 @@ impl ScannedIndex {
     /// The reason where that is none of it.
     pub fn read(&self, ordinal: u32, bytes: &[u8]) -> Result<ScannedGroup, &'static str> {
         let open = self.open(ordinal, bytes)?;
-        mesh::decode(open.mesh, open.head, self.step)
+        mesh::decode(open.mesh, open.head)
     }
 }
 
-fn check_head(head: &ScannedHead) -> Result<(), &'static str> {
+const WRONG: &str = "has groups out of order, or without a surface, an image or a frame that they need";
+
+fn is_sound(head: &ScannedHead) -> bool {
     let sizes = [(head.vertices, MAX_VERTICES), (head.corners, MAX_CORNERS), (head.triangles, MAX_TRIANGLES)];
-    if sizes.iter().any(|&(size, limit)| size == 0 || size > limit) {
-        return Err("has a group without a surface, or with too large a one");
-    }
-    // Every corner is used, and so is every vertex.
-    if head.vertices > head.corners || u64::from(head.corners) > 3 * u64::from(head.triangles) {
-        return Err("has a group with corners that nothing can use");
-    }
-    if head.uv_range.iter().any(|&(low, extent)| !(low.abs() <= FARTHEST_UV && (0.0..=2.0 * FARTHEST_UV).contains(&extent))) {
-        return Err("has texture coordinates that are too far out");
-    }
-    let sound = |&(_, width, height): &(_, u32, u32)| (1..=MAX_SCANNED_SIDE).contains(&width) && (1..=MAX_SCANNED_SIDE).contains(&height);
-    if head.images.len() > head.frames as usize || !head.images.iter().all(sound) || (head.coloured && !head.images.is_empty()) {
-        return Err("has images that nothing can wear");
-    }
-    let worn = if head.images.is_empty() { 0 } else { head.frames as usize };
-    if head.worn.len() != worn || head.worn.iter().any(|&image| image as usize >= head.images.len()) {
-        return Err("has frames without their image");
-    }
-    Ok(())
+    let sides =
+        head.images.iter().flat_map(|&(_, width, height)| [(width, MAX_SCANNED_SIDE), (height, MAX_SCANNED_SIDE)]);
+    let frames = [(head.frames, MAX_SCANNED_FRAMES)];
+    let (images, worn) = (head.images.len(), if head.images.is_empty() { 0 } else { head.frames as usize });
+    sizes.into_iter().chain(sides).chain(frames).all(|(size, limit)| (1..=limit).contains(&size))
+        // Every corner is used, and so is every vertex.
+        && head.vertices <= head.corners
+        && head.corners <= 3 * head.triangles
+        && images <= head.frames as usize
+        && !(head.coloured && images > 0)
+        && head.worn.len() == worn
+        && head.worn.iter().all(|&image| (image as usize) < images)
+}
+
+const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP];
+
+fn format_of(number: u32) -> Result<ImageFormat, &'static str> {
+    FORMATS.get(number as usize).copied().ok_or(WRONG)
+}
+
+fn number_of(format: ImageFormat) -> u32 {
+    FORMATS.iter().position(|&other| other == format).unwrap_or(0) as u32
 }
 
 /// Coded groups on their way into a bundle.
@@ -117,12 +136,6 @@ pub struct ScannedFrames {
 }
 
 impl ScannedFrames {
-    /// None yet; positions are whole multiples of `step` metres.
-    #[must_use]
-    pub fn new(step: f32) -> Self {
-        Self { index: ScannedIndex { step, groups: Vec::new() }, groups: Vec::new() }
-    }
-
     /// Takes the next group.
     pub fn push(&mut self, CodedGroup { head, bytes }: CodedGroup) {
         self.index.groups.push(head);
@@ -143,13 +156,13 @@ impl ScannedFrames {
 
     /// The sections' contents: the index, and the groups.
     pub(crate) fn sections(&self, timeline: &Timeline) -> Result<(Vec<u8>, &[Vec<u8>]), EncodeError> {
-        let wrong = |reason: &str| EncodeError::Inconsistent(format!("the index of scanned frames {reason}"));
         if self.groups.len() as u32 > MAX_SECTIONS / 2 {
             let (count, limit) = (self.groups.len() as u64, u64::from(MAX_SECTIONS / 2));
             return Err(EncodeError::TooLarge { what: "groups of scanned frames", count, limit });
         }
-        self.index.check(timeline).map_err(wrong)?;
-        let index = self.index.encode().map_err(|error| wrong(&error.to_string()))?;
-        Ok((index, &self.groups))
+        if !self.index.is_sound(timeline) {
+            return Err(EncodeError::Inconsistent(format!("the index of scanned frames {WRONG}")));
+        }
+        Ok((self.index.encode(), &self.groups))
     }
 }

@@ -17,7 +17,6 @@ mod order;
 
 use actor::surface::{Image, ImageFormat};
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 
 pub(super) use arrived::ArrivedScans;
 pub use group::{CodedGroup, OpenGroup, code_group};
@@ -56,7 +55,7 @@ pub struct ScannedCorner {
 }
 
 /// What is told of a group before it is there.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScannedHead {
     /// The first of its frames, counted over the whole capture.
     pub first_frame: u32,
@@ -68,8 +67,6 @@ pub struct ScannedHead {
     pub corners: u32,
     /// Triangles of its mesh.
     pub triangles: u32,
-    /// Least texture coordinate and extent along each axis.
-    pub uv_range: [(f32, f32); 2],
     /// Whether vertices have colours.
     pub coloured: bool,
     /// Format, width and height of its images.

@@ -47,6 +47,8 @@ pub struct Stage {
     original: bool,
     /// Whether the registered mesh is shown where scanned frames are there, too, for comparison.
     template: bool,
+    /// Images of a group of scanned frames that is to be taken.
+    scan_images: Vec<wgpu::Texture>,
 }
 
 /// The adapter as the page reads it.

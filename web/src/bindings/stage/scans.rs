@@ -1,6 +1,5 @@
 //! Frames as they were scanned: the page brings groups of them, decoded by the browser.
 
-use js_sys::Array;
 use wasm_bindgen::prelude::*;
 use web_sys::ImageBitmap;
 
@@ -19,16 +18,21 @@ impl Stage {
         player.inner.scans_ahead().into_iter().filter(|&group| !scans.holds(group)).collect()
     }
 
-    /// Takes group `ordinal` from the `bytes` of its section, with its images decoded; whether that could be done. Those that are not
-    /// wanted any more go.
-    pub fn take_scan(&mut self, player: &Player, ordinal: u32, bytes: &[u8], bitmaps: &Array) -> bool {
+    /// Takes the next image of the group that [`Self::take_scan`] will take, decoded.
+    pub fn add_scan_image(&mut self, bitmap: &ImageBitmap) {
+        let texture = self.texture_of(bitmap);
+        self.scan_images.extend(texture);
+    }
+
+    /// Takes group `ordinal` from the `bytes` of its section, with the images that were added; whether that could be done. Those that are
+    /// not wanted any more go.
+    pub fn take_scan(&mut self, player: &Player, ordinal: u32, bytes: &[u8]) -> bool {
+        let textures = std::mem::take(&mut self.scan_images);
         let group = player.inner.scans().and_then(|index| index.read(ordinal, bytes).ok());
-        let Some(group) = group.filter(|_| !self.lost()) else { return false };
-        let bitmaps = bitmaps.iter().filter_map(|bitmap| bitmap.dyn_into::<ImageBitmap>().ok());
-        let textures: Vec<wgpu::Texture> = bitmaps.filter_map(|bitmap| self.texture_of(&bitmap)).collect();
-        if group.worn.iter().any(|&image| image as usize >= textures.len()) {
+        let Some(group) = group.filter(|group| group.worn.iter().all(|&image| (image as usize) < textures.len()))
+        else {
             return false;
-        }
+        };
         let (scene, wanted) = (&mut self.scene, player.inner.scans_ahead());
         scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, group), textures, &wanted);
         self.due = true;
