@@ -7,6 +7,8 @@
 
 /** Groups on their way at once. */
 const COMING = 3;
+/** Bytes that are read at a time until all of the header is there. */
+const HEADER = 4096;
 /** Bytes that are put together into one blob. */
 const PIECE = 8_000_000;
 
@@ -31,6 +33,18 @@ export class Scans {
 
   get player() {
     return this.session.director.player;
+  }
+
+  /** Hands the player what is its of `bytes`, which end at `loaded`; a little at a time until its header says where groups begin. */
+  feed(bytes, loaded) {
+    const before = loaded - bytes.byteLength;
+    for (let at = 0; at < bytes.byteLength; ) {
+      const end = Math.min(bytes.byteLength, this.player.phase() === 'empty' ? at + HEADER : Infinity);
+      const part = bytes.subarray(at, end);
+      this.player.push(this.take(part, before + end));
+      this.learn(part, before + end);
+      at = end;
+    }
   }
 
   /** Keeps what belongs to groups. @returns {Uint8Array} what of `bytes`, which end at `loaded`, comes before */

@@ -81,8 +81,7 @@ export class Session {
     let turn = performance.now();
     for await (const { bytes, loaded } of chunks) {
       if (this.closed) return;
-      player.push(scans.take(bytes, loaded));
-      scans.learn(bytes, loaded);
+      scans.feed(bytes, loaded);
       if (this.complete) {
         // Frames as they were scanned: nobody waits for them.
         this.owner.more();
