@@ -24,11 +24,11 @@ fn body(angle: f32, cell: f32) -> Mesh {
     polygonise(Vec3::new(-1.0, 0.0, -0.5), Vec3::new(1.0, 2.2, 0.5), cell, distance)
 }
 
-/// As an OBJ file with texture coordinates, which are places seen from the front, and a crumb that floats beside.
-fn write(path: &Path, mesh: &Mesh) {
+/// As an OBJ file with texture coordinates, which are places of `seen` from the front, and a crumb that floats beside.
+fn write(path: &Path, mesh: &Mesh, seen: &[Vec3]) {
     let mut text = String::new();
-    for p in &mesh.positions {
-        text.push_str(&format!("v {} {} {}\nvt {} {}\n", p.x, p.y, p.z, p.x / 3.0 + 0.5, p.y / 3.0));
+    for (p, at) in mesh.positions.iter().zip(seen) {
+        text.push_str(&format!("v {} {} {}\nvt {} {}\n", p.x, p.y, p.z, at.x / 3.0 + 0.5, at.y / 3.0));
     }
     let count = mesh.positions.len();
     text.push_str("v 3 0 0\nv 3.1 0 0\nv 3 0.1 0\nvt 0 0\nvt 0 0\nvt 0 0\n");
@@ -41,27 +41,28 @@ fn write(path: &Path, mesh: &Mesh) {
 }
 
 /// Frames 0 to 3 are two meshes that lean, frames 4 to 6 are a mesh each, and frame 5 is another size.
-fn meshes() -> Vec<Mesh> {
+fn meshes() -> Vec<(Mesh, Vec<Vec3>)> {
     let lean = |mut mesh: Mesh, by: f32| {
+        let before = mesh.positions.clone();
         mesh.positions.iter_mut().for_each(|p| *p = Quat::from_rotation_x(by * p.y) * *p);
-        mesh
+        (mesh, before)
     };
     let mesh = |k: usize| match k {
-        0..4 => lean(body(-0.3 + 0.1 * (k / 2) as f32, 0.06 + 0.001 * (k / 2) as f32), 0.03 * (k % 2) as f32),
+        0..=3 => lean(body(-0.3 + 0.1 * (k / 2) as f32, 0.06 + 0.001 * (k / 2) as f32), 0.03 * (k % 2) as f32),
         5 => {
             let mut large = body(0.2, 0.06);
             large.positions.iter_mut().for_each(|p| *p *= 3.0);
-            large
+            lean(large, 0.0)
         }
-        _ => body(0.05 * k as f32, 0.06 + 0.001 * k as f32),
+        _ => lean(body(0.05 * k as f32, 0.06 + 0.001 * k as f32), 0.0),
     };
     (0..8).map(mesh).collect()
 }
 
 fn scan(folder: &Path) -> Vec<String> {
     fs::create_dir_all(folder).unwrap();
-    for (k, mesh) in meshes().iter().enumerate() {
-        write(&folder.join(format!("frame_{k:03}.obj")), mesh);
+    for (k, (mesh, seen)) in meshes().iter().enumerate() {
+        write(&folder.join(format!("frame_{k:03}.obj")), mesh, seen);
         let colour = |x: u32, y: u32| image::Rgb([4 * x as u8, 255 - 4 * y as u8, 30 * k as u8]);
         image::RgbImage::from_fn(64, 64, colour).save(folder.join(format!("texture_{k:03}.png"))).unwrap();
     }
@@ -101,7 +102,7 @@ fn a_scan_is_packed_with_its_own_frames() {
         let (ordinal, place) = index.place_of(frame).unwrap();
         let section = reader.scanned_group(ordinal).unwrap().to_vec();
         let group = index.read(ordinal, &section).unwrap();
-        let mesh = &meshes[of_scan];
+        let mesh = &meshes[of_scan].0;
         // All of it but the crumb.
         assert_eq!(group.triangles.len(), mesh.triangles.len(), "frame {frame}");
         let (low, high) = bounds(&group.poses[place as usize]);
@@ -153,7 +154,7 @@ fn what_is_no_scan_is_told_so() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = body(0.1, 0.1);
     for k in 0..3 {
-        write(&folder.path().join(format!("frame_{k}.obj")), &mesh);
+        write(&folder.path().join(format!("frame_{k}.obj")), &mesh, &mesh.positions);
     }
     let refused = pack(&[folder.path().to_string_lossy().into_owned()], &windows(), &Job::silent()).unwrap_err();
     assert!(matches!(refused, PackError::Option(_)) && refused.to_string().contains("--mode windows"), "{refused}");
