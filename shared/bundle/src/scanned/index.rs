@@ -32,10 +32,11 @@ impl ScannedIndex {
             if frames > MAX_SCANNED_FRAMES || images > frames {
                 return Err(WRONG);
             }
-            let images =
-                (0..images).map(|_| Ok((format_of(next()?)?, next()?, next()?))).collect::<Result<Vec<_>, _>>()?;
+            let images = (0..images)
+                .map(|_| Ok((format_of(next()?)?, next()?, next()?)))
+                .collect::<Result<Vec<_>, &'static str>>()?;
             let worn = if images.is_empty() { 0 } else { frames };
-            let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, _>>()?;
+            let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, &'static str>>()?;
             let coloured = coloured > 0;
             groups.push(ScannedHead { first_frame, frames, vertices, corners, triangles, coloured, images, worn });
         }
