@@ -203,7 +203,7 @@ pub fn encode_with_extras(
         appearance = appearance.or(Some(report));
     }
     if let Some(scanned) = extras.scanned {
-        add_scanned(&mut drafts, scanned, capture)?;
+        drafts.extend(scanned.drafts(&capture.timeline)?);
     }
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;
@@ -247,15 +247,6 @@ fn parts_draft(parts: &[u8], capture: &Capture) -> Result<Draft, EncodeError> {
     let raw = body_parts::encode(parts, &capture.topology);
     let raw = raw.ok_or_else(|| EncodeError::Inconsistent("the painted parts are those of another mesh".into()))?;
     Ok(Draft { kind: SectionKind::BodyParts, ordinal: 0, raw })
-}
-
-/// Nothing comes behind the groups: a page fetches them when it wants them.
-fn add_scanned(drafts: &mut Vec<Draft>, scanned: &ScannedFrames, capture: &Capture) -> Result<(), EncodeError> {
-    let (index, groups) = scanned.sections(&capture.timeline)?;
-    drafts.push(Draft { kind: SectionKind::Scanned, ordinal: 0, raw: index });
-    let group = |(ordinal, raw): (u32, &Vec<u8>)| Draft { kind: SectionKind::ScannedGroup, ordinal, raw: raw.clone() };
-    drafts.extend((0..).zip(groups).map(group));
-    Ok(())
 }
 
 /// What the page does not need comes behind what it does.

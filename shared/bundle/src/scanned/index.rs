@@ -7,7 +7,9 @@ use super::group::{CodedGroup, OpenGroup};
 use super::{ScannedGroup, ScannedHead, mesh};
 use crate::error::EncodeError;
 use crate::integers;
+use crate::kind::SectionKind;
 use crate::limits::{MAX_CORNERS, MAX_SCANNED_FRAMES, MAX_SCANNED_SIDE, MAX_SECTIONS, MAX_TRIANGLES, MAX_VERTICES};
+use crate::sections::Draft;
 
 /// Numbers of a list at most, and what each is below.
 const MOST: (u32, u32) = (1 << 24, 1 << 24);
@@ -155,8 +157,8 @@ impl ScannedFrames {
         self.groups.iter().map(|bytes| bytes.len() as u64).sum()
     }
 
-    /// The sections' contents: the index, and the groups.
-    pub(crate) fn sections(&self, timeline: &Timeline) -> Result<(Vec<u8>, &[Vec<u8>]), EncodeError> {
+    /// The sections, which come last: a page fetches groups when it wants them.
+    pub(crate) fn drafts(&self, timeline: &Timeline) -> Result<Vec<Draft>, EncodeError> {
         if self.groups.len() as u32 > MAX_SECTIONS / 2 {
             let (count, limit) = (self.groups.len() as u64, u64::from(MAX_SECTIONS / 2));
             return Err(EncodeError::TooLarge { what: "groups of scanned frames", count, limit });
@@ -164,6 +166,9 @@ impl ScannedFrames {
         if !self.index.is_sound(timeline) {
             return Err(EncodeError::Inconsistent(format!("the index of scanned frames {WRONG}")));
         }
-        Ok((self.index.encode(), &self.groups))
+        let mut drafts = vec![Draft { kind: SectionKind::Scanned, ordinal: 0, raw: self.index.encode() }];
+        let of = |(ordinal, raw): (u32, &Vec<u8>)| Draft { kind: SectionKind::ScannedGroup, ordinal, raw: raw.clone() };
+        drafts.extend((0..).zip(&self.groups).map(of));
+        Ok(drafts)
     }
 }
