@@ -323,6 +323,8 @@ export interface ActorInfo {
   appearance: [number, number] | null;
   /** Modes of textures that were not aligned, to compare with; `null` where the file holds none or they are still to come. */
   naive: number | null;
+  /** Frames that can be shown as they were scanned (`builder pack --mode windows`); 0 where there are none. */
+  scanned: number;
   /** Whether the actor has alternatives of what was recorded (`variety`). */
   varies: boolean;
   /** Frames in the largest strongly connected component: all of them reach each other. */
@@ -365,6 +367,8 @@ export interface PlayerState {
   synthesis_ms: number;
   /** The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded. */
   alternative?: number;
+  /** Where there are scanned frames: whether the last picture showed one, or the mesh that all of them were brought onto. */
+  shown?: 'scan' | 'template';
 }
 
 /** What an `error` event, or an error that a method throws, is about. */

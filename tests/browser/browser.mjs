@@ -9,7 +9,7 @@ import { serve } from './server.mjs';
 const here = dirname(fileURLToPath(import.meta.url));
 export const dist = resolve(process.env.REPRISE_DIST ?? join(here, '../../dist'));
 export const bundlePath = resolve(process.env.REPRISE_BUNDLE ?? join(dist, 'demo.reprise'));
-const out = join(here, 'out');
+export const out = join(here, 'out');
 
 const FLAGS = [
   '--no-sandbox',

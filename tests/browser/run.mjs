@@ -12,6 +12,7 @@ import { tests as joined } from './tests/joined.mjs';
 import { tests as native } from './tests/native.mjs';
 import { tests as loading } from './tests/loading.mjs';
 import { tests as appearance } from './tests/appearance.mjs';
+import { tests as scans } from './tests/scans.mjs';
 import { tests as walking } from './tests/walking.mjs';
 import { tests as errors } from './tests/errors.mjs';
 import { tests as page } from './tests/page.mjs';
@@ -24,7 +25,7 @@ import { tests as tools } from './tests/tools/all.mjs';
 import { tests as pictures } from './tests/pictures.mjs';
 
 const wanted = process.argv[2] ?? '';
-const chosen = [modules, joined, native, loading, appearance, walking, errors, page, element, lives, frameworks, tools, parts, keys, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
+const chosen = [modules, joined, native, loading, appearance, scans, walking, errors, page, element, lives, frameworks, tools, parts, keys, pictures].flatMap(Object.entries).filter(([name]) => name.includes(wanted));
 
 const browser = await Browser.launch();
 

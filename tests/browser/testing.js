@@ -186,6 +186,74 @@ class Testing {
     if (began) again();
   }
 
+  /** Draws, and tells what of an actor with scanned frames is shown. */
+  shown() {
+    this.core.draw();
+    this.core.loop.request();
+    return this.core.director.shown;
+  }
+
+  /** Draws, and tells which share of the picture has colours for which `is` holds. */
+  async share(is) {
+    this.core.draw();
+    const pixels = await this.stage.read_pixels();
+    let count = 0;
+    for (let at = 0; at < pixels.length; at += 4) count += Number(is(pixels[at], pixels[at + 1], pixels[at + 2]));
+    return (4 * count) / pixels.length;
+  }
+
+  /**
+   * Draws the moment as scanned and on the mesh that all frames were brought onto, both once they are there. Shares of the picture, and of
+   * what the actor covers in either, whose colour differs by more than 8 of 255; of the latter also by how many pixels only one covers.
+   */
+  async switched() {
+    const { looks } = this.core.view;
+    const pictures = [];
+    for (const way of ['ours', 'template']) {
+      looks.choose(way);
+      if (this.core.director.info.appearance) await this.texture('poisson');
+      while (this.shown() !== (way === 'ours' ? 'scan' : 'template')) await new Promise((resolve) => setTimeout(resolve, 20));
+      this.core.draw();
+      pictures.push(await this.stage.read_pixels());
+    }
+    looks.choose('ours');
+    const [scan, template] = pictures;
+    const { most, apart } = this.constructor;
+    const empty = scan.subarray(0, 3);
+    const counts = { pixels: scan.length / 4, covered: 0, changed: 0, within: 0, outline: 0 };
+    for (let at = 0; at < scan.length; at += 4) {
+      const [inScan, inTemplate] = [scan, template].map((pixels) => apart(pixels, at, empty, 0) > 60);
+      const differs = apart(scan, at, template, at) > most;
+      counts.covered += Number(inScan || inTemplate);
+      counts.changed += Number(differs);
+      counts.within += Number(differs && (inScan || inTemplate));
+      counts.outline += Number(differs && inScan !== inTemplate);
+    }
+    return counts;
+  }
+
+  static most = 8;
+
+  /** The largest difference of two pixels in any channel. */
+  static apart(one, at, other, where) {
+    return Math.max(...[0, 1, 2].map((channel) => Math.abs(one[at + channel] - other[where + channel])));
+  }
+
+  /** Draws, and tells the middle of what differs from the picture's corner, in pixels. */
+  async middle() {
+    this.core.draw();
+    const pixels = await this.stage.read_pixels();
+    const { width } = this.core.view.stage.canvas;
+    const [sum, count] = [[0, 0], [0]];
+    for (let at = 0; at < pixels.length; at += 4) {
+      if (![0, 1, 2].some((channel) => Math.abs(pixels[at + channel] - pixels[channel]) > 60)) continue;
+      sum[0] += (at / 4) % width;
+      sum[1] += Math.floor(at / 4 / width);
+      count[0] += 1;
+    }
+    return sum.map((value) => value / Math.max(1, count[0]));
+  }
+
   /** Draws, and reads the picture back: its size, its corner and how much of it differs from the corner's colour, and its mean colour. */
   async picture() {
     this.core.draw();

@@ -3,16 +3,20 @@
 //! The models are smooth waves over the actor's own atlas, with edges in the mean, so that every pass has something to do.
 
 use actor::capture::{Capture, Poses};
+use actor::files::Files;
 use actor::pose_source::PoseSource;
 use actor::surface::Surface;
 use anyhow::{Context, Result};
 use bundle::{
-    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, ModeDecoder, encode_with_looks,
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, EncodeReport, Extras, ModeDecoder, ScannedFrames,
+    encode_with_extras,
 };
 use glam::Vec3;
 use texture::TextureModel;
 use texture::basis::Mode;
 use texture::dealign::Aligned;
+
+use crate::scanned::scanned;
 
 /// Modes of colours and of warps.
 const MODES: [usize; 2] = [8, 4];
@@ -105,6 +109,38 @@ pub fn model(active: Vec<bool>, size: usize, frame_count: usize) -> TextureModel
 /// # Errors
 /// A bundle that is not complete.
 pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
+    written_again(bundle, |capture| {
+        let active = active_texels(&capture.surface, size);
+        let aligned = model(active, size, capture.timeline.frame_count() as usize);
+        // To compare with: the same colours, which nothing moves.
+        let naive = TextureModel {
+            mean_warp: vec![0.0; aligned.mean_warp.len()],
+            warps: Vec::new(),
+            warp_coefficients: Vec::new(),
+            ..aligned.clone()
+        };
+        Ok((vec![aligned, naive], None))
+    })
+}
+
+/// The bundle, read and written again with frames as if they had been scanned.
+///
+/// # Errors
+/// A bundle that is not complete.
+pub fn with_scans(bundle: &[u8]) -> Result<Vec<u8>> {
+    let written = written_again(bundle, |capture| {
+        let (triangles, frames) = (capture.topology.triangles(), capture.timeline.frame_count());
+        let scanned = scanned(triangles, frames, |frame| Ok(capture.poses.frame(frame).to_vec()))?;
+        Ok((Vec::new(), Some(scanned)))
+    });
+    written.map(|(bytes, _)| bytes)
+}
+
+/// The bundle, read and written again with what `more` says.
+fn written_again(
+    bundle: &[u8],
+    more: impl Fn(&Capture) -> Result<(Vec<TextureModel>, Option<ScannedFrames>)>,
+) -> Result<(Vec<u8>, EncodeReport)> {
     let mut reader = BundleReader::from_bytes(bundle)?;
     let missing = "the bundle is not complete";
     let meta = reader.meta().context(missing)?.clone();
@@ -120,15 +156,6 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
         reader.read(frame, &mut pose)?;
         poses.push(&pose);
     }
-    let active = active_texels(&surface, size);
-    let aligned = model(active, size, timeline.frame_count() as usize);
-    // To compare with: the same colours, which nothing moves.
-    let naive = TextureModel {
-        mean_warp: vec![0.0; aligned.mean_warp.len()],
-        warps: Vec::new(),
-        warp_coefficients: Vec::new(),
-        ..aligned.clone()
-    };
     let capture = Capture { name: meta.name, topology, surface, timeline, poses, vertex_of_file_vertex: Vec::new() };
     let input = BundleInput {
         capture: &capture,
@@ -138,9 +165,14 @@ pub fn dress(bundle: &[u8], size: usize) -> Result<(Vec<u8>, EncodeReport)> {
         poisson_order: reader.order(),
         generator: meta.generator,
     };
-    let looks =
-        [&aligned, &naive].map(|model| AppearanceInput { model, material: 0, quality: AppearanceQuality::default() });
-    Ok(encode_with_looks(&input, &looks)?)
+    let (models, scanned) = more(&capture)?;
+    let looks: Vec<AppearanceInput> = models
+        .iter()
+        .map(|model| AppearanceInput { model, material: 0, quality: AppearanceQuality::default() })
+        .collect();
+    let mut extras = Extras::default();
+    extras.scanned = scanned.as_ref();
+    Ok(encode_with_extras(&input, &looks, &Files::default(), &extras)?)
 }
 
 /// All modes of a bundle, as the player reads them.

@@ -3,6 +3,7 @@
 pub mod dressed;
 mod driven;
 pub mod hostile;
+pub mod scanned;
 
 use anyhow::{Context, Result, bail};
 use bundle::BundleReader;

@@ -126,6 +126,7 @@ export class Core {
     if (changed && poses.due(start)) poses.choose(director);
     const moving = live && view.stage.stage.camera_moving();
     const dressing = live && view.looks.step(director, view.stage.stage);
+    this.session.scans.step();
     const draws = changed || moving || dressing || this.dirty;
     if (draws) this.draw();
     const walk = view.preview.plan ?? director.walk;
@@ -140,6 +141,7 @@ export class Core {
     if (!stage.alive() || !this.director?.info) return;
     this.dirty = false;
     stage.stage.draw(this.director.player);
+    if (this.director.info.scanned) this.director.shown = stage.stage.shows_scan() ? 'scan' : 'template';
     this.toolbox.place();
   }
 

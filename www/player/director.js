@@ -23,6 +23,8 @@ export class Director {
     this.timeline = null;
     this.known = null;
     this.walk = null;
+    /** What the last picture showed of an actor with scanned frames. */
+    this.shown = undefined;
   }
 
   /** Reads the bundle's description again: textures and transitions arrive after the first pose. */
@@ -36,6 +38,7 @@ export class Director {
   /** @returns {import('../reprise-player').PlayerState} */
   get state() {
     this.known ??= JSON.parse(this.player.state());
+    if (this.shown) this.known.shown = this.shown;
     return this.known;
   }
 

@@ -25,7 +25,7 @@ export function actorAddress(text, base = globalThis.document?.baseURI) {
  * Opens the stream.
  * @param {URL} url
  * @param {AbortSignal} signal
- * @returns {Promise<{total: number, chunks: AsyncGenerator<{bytes: Uint8Array, loaded: number}>}>} `total` is 0 if unknown
+ * @returns {Promise<{total: number, encoded: boolean, chunks: AsyncGenerator<{bytes: Uint8Array, loaded: number}>}>} `total` is 0 if unknown
  */
 export async function openActor(url, signal) {
   let response;
@@ -40,9 +40,9 @@ export async function openActor(url, signal) {
     throw new PlayerError(kind, `${url.href} answered ${response.status}.`);
   }
   // With a content encoding, the length counts the encoded bytes, which nobody sees.
-  const encoded = response.headers.get('content-encoding');
+  const encoded = Boolean(response.headers.get('content-encoding'));
   const total = encoded ? 0 : Number(response.headers.get('content-length')) || 0;
-  return { total, chunks: read(response.body, url, signal) };
+  return { total, encoded, chunks: read(response.body, url, signal) };
 }
 
 async function* read(body, url, signal) {

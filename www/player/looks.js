@@ -14,6 +14,7 @@ const WAYS = [
   { name: 'cross-fade', title: 'The two textures blended linearly: details show twice' },
   { name: 'naive', title: 'As many principal components of textures that were not aligned' },
   { name: 'original', title: 'The texture as it was captured, in recorded frames; ours in between' },
+  { name: 'template', title: 'The mesh that all scanned frames were brought onto, in recorded frames, too' },
 ];
 
 export class Looks {
@@ -58,9 +59,12 @@ export class Looks {
 
   /** One display frame's share of the work. @returns whether there is more to do */
   step({ info, player, state }, stage) {
-    this.chip.hidden = !info.appearance;
-    this.list.children[2].hidden = info.naive === null;
-    this.list.children[3].hidden = !this.on.originals();
+    this.chip.hidden = !info.appearance && !info.scanned;
+    const { children } = this.list;
+    children[1].hidden = !info.appearance;
+    children[2].hidden = info.naive === null;
+    children[3].hidden = !info.appearance || !this.on.originals();
+    children[4].hidden = !info.scanned;
     if (!info.appearance) return false;
     this.wear(player, state, stage);
     const more = player.refine(READING);

@@ -5,6 +5,7 @@ import { loadEngine } from './engine.js';
 import { PlayerError, checkSupport } from './errors.js';
 import { Textures } from './images.js';
 import { actorAddress, openActor } from './loading.js';
+import { Scans } from './scans.js';
 
 /** A device lost this often within so many milliseconds is not tried again by itself. */
 const LOSSES = { most: 3, within: 30_000 };
@@ -34,6 +35,7 @@ export class Session {
     this.ending = new AbortController();
     this.director = null;
     this.textures = new Textures();
+    this.scans = new Scans(this);
     this.complete = false;
     this.shown = false;
     /** Whether a texture was rebuilt from the modes that have arrived. */
@@ -57,27 +59,35 @@ export class Session {
     try {
       checkSupport();
       const url = actorAddress(address);
-      const [engine, { total, chunks }] = await Promise.all([loadEngine(), openActor(url, signal)]);
+      const [engine, { total, encoded, chunks }] = await Promise.all([loadEngine(), openActor(url, signal)]);
       if (this.closed) return;
       this.engine = engine;
       this.director = new Director(new engine.Player());
-      await this.receive(chunks, total);
+      // Parts of what is encoded on its way are not parts of the bundle.
+      await this.receive(chunks, total, encoded ? null : url);
     } catch (error) {
-      if (this.closed) return;
+      // Where scanned frames do not come, there is a mesh to show in their place.
+      if (this.closed || (this.complete && this.scans.start < Infinity)) return;
       this.owner.failed(error);
       // What has arrived stays: a stage that is being opened just now will show it.
       if (!this.director?.info) this.ending.abort();
     }
   }
 
-  async receive(chunks, total) {
-    const { player } = this.director;
+  /** @param {URL | null} address where parts of the bundle may be had */
+  async receive(chunks, total, address) {
+    const { director: { player }, scans } = this;
     let phase = 'empty';
     let turn = performance.now();
     for await (const { bytes, loaded } of chunks) {
       if (this.closed) return;
-      player.push(bytes);
-      this.owner.progress(loaded, total);
+      scans.feed(bytes, loaded);
+      if (this.complete) {
+        // Frames as they were scanned: nobody waits for them.
+        this.owner.more();
+        continue;
+      }
+      this.owner.progress(Math.min(loaded, scans.start), Math.min(total, scans.start));
       const before = phase;
       phase = player.phase();
       if (phase !== before || performance.now() - turn > TURN) {
@@ -85,8 +95,18 @@ export class Session {
         await rest(0);
         turn = performance.now();
       }
+      if (loaded > scans.start && phase === 'complete') {
+        this.finish().catch((error) => this.closed || this.owner.failed(error));
+        if (address && loaded < total && (await scans.ask(address))) return;
+      }
     }
-    if (this.closed) return;
+    if (this.closed || this.complete) return;
+    await this.finish();
+  }
+
+  /** All is there but frames as they were scanned. */
+  async finish() {
+    const { player } = this.director;
     player.finish();
     this.complete = true;
     this.arrived(player.phase());
@@ -113,6 +133,7 @@ export class Session {
       await this.view.open(this.engine, this.director.player);
       if (this.closed) return;
       this.textures.forget();
+      this.scans.forget();
       this.sendTextures();
       const first = !this.shown;
       this.shown = true;

@@ -129,8 +129,8 @@ pub struct Survey {
 /// What a frame is like, whether it was turned inside out and whether parts of it float about, and what tells its mesh.
 type Look = (Candidate, [bool; 2], MeshMark);
 
-/// A frame, cleaned; whether it was turned inside out.
-pub(crate) fn cleaned(scan: &mut Scan) -> Option<(Cleaned, bool)> {
+/// A frame, cleaned; whether it was turned, for its triangles faced inwards. `None` where nothing is left.
+pub fn cleaned(scan: &mut Scan) -> Option<(Cleaned, bool)> {
     let cleaned = scan.cleaned()?;
     if cleaned.surface.mesh.volume() >= 0.0 {
         return Some((cleaned, false));

@@ -84,6 +84,8 @@ pub mod transfer;
 mod varied_families;
 #[cfg(feature = "variations")]
 pub mod vary;
+#[cfg(feature = "scans")]
+mod windows;
 
 pub use actor::capture::{Capture, CaptureError, Poses};
 pub use actor::graph::{EssentialGraph, Transition};

@@ -38,9 +38,23 @@ pub struct PackOptions {
     pub rig: Option<RigFile>,
     /// Whether the parts of the body are found, unless they were painted, and stored for the page to show.
     pub parts: bool,
+    /// What the page shows of a scan.
+    #[cfg(feature = "scans")]
+    pub mode: ScanMode,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
     pub variations: Option<Variations>,
+}
+
+/// What the page shows of a scan, of which every frame has its own mesh.
+#[cfg(feature = "scans")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScanMode {
+    /// The one mesh that all frames were brought onto.
+    #[default]
+    Global,
+    /// In recorded frames the scan's own mesh and image; in transitions and in whatever is edited that one mesh.
+    Windows,
 }
 
 #[cfg(feature = "variations")]

@@ -11,7 +11,8 @@ use appearance::naive::naive;
 use appearance::textures::{TextureFiles, TextureSource};
 use appearance::{self, AppearanceOptions, AppearanceSummary, Charts};
 use bundle::{
-    self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, default_max_error,
+    self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, ScannedFrames,
+    default_max_error,
 };
 use capture_io::import::{self, Warning};
 use editing::{StoredRig, StoredSpace};
@@ -28,6 +29,8 @@ use crate::found_parts::found_parts;
 #[cfg(feature = "scans")]
 use crate::look::is_scan;
 use crate::options::FIRST_FRAME;
+#[cfg(feature = "scans")]
+pub use crate::options::ScanMode;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
@@ -39,6 +42,8 @@ use crate::rigged::{stored_rig, stored_space};
 use crate::varied_families;
 #[cfg(feature = "variations")]
 use crate::vary::{AlternativesSummary, add_sequences, alternatives, learn};
+#[cfg(feature = "scans")]
+pub use crate::windows::ScannedSummary;
 
 /// What packing cost and what came out; what `--json` prints.
 #[derive(Clone, Debug, Serialize)]
@@ -71,6 +76,10 @@ pub struct PackReport {
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alternatives: Option<AlternativesSummary>,
+    /// The frames as they were scanned, where these are shown.
+    #[cfg(feature = "scans")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scanned: Option<ScannedSummary>,
     /// Wall-clock seconds of each stage.
     pub seconds: StageSeconds,
     /// The most memory that the process held, in bytes, where the system tells.
@@ -136,6 +145,8 @@ pub struct StageSeconds {
     pub graph: f64,
     /// Textures.
     pub appearance: f64,
+    /// Frames as they were scanned.
+    pub scanned: f64,
     /// Encoding the bundle.
     pub bundle: f64,
 }
@@ -145,6 +156,16 @@ pub struct StageSeconds {
 /// # Errors
 /// Input that cannot be read, options that do not fit it, or stages that contradict each other.
 pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
+    pack_of(inputs, options, None, job)
+}
+
+/// As [`pack`]; of the registered scan `of`, where `inputs` are its.
+fn pack_of(
+    inputs: &[String],
+    options: &PackOptions,
+    of: Option<ScanOf>,
+    job: &Job,
+) -> Result<(Vec<u8>, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let start = Instant::now();
     let imported = match import::import(inputs, &options.import, job) {
@@ -153,7 +174,10 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
         Err(error) if is_scan(&error) => {
             let registered = RegisteredScan::new(inputs, options, job)?;
             seconds.registration = start.elapsed().as_secs_f64();
-            let (bytes, mut report) = pack(&[registered.input()], &registered.options(options), job)?;
+            let of = (options.mode == ScanMode::Windows).then_some((&registered, options));
+            let mut own = registered.options(options);
+            own.mode = ScanMode::Global;
+            let (bytes, mut report) = pack_of(&[registered.input()], &own, of, job)?;
             report.seconds.registration = seconds.registration;
             report.warnings.splice(0..0, registered.warnings);
             return Ok((bytes, report));
@@ -161,6 +185,13 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
         imported => imported?,
     };
     seconds.import = start.elapsed().as_secs_f64();
+    #[cfg(feature = "scans")]
+    if options.mode == ScanMode::Windows {
+        return Err(PackError::Option(
+            "--mode windows shows the frames of a scan, of which each has its own mesh; here all frames share one: leave it out"
+                .into(),
+        ));
+    }
     let mut imported = imported;
     let families = families::add(&mut imported, job)?;
     #[cfg(feature = "variations")]
@@ -205,11 +236,34 @@ pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<
     };
     #[cfg(not(feature = "variations"))]
     let stored = None;
-    let besides =
-        Besides { files: &imported.files, alternatives: stored.as_ref(), body_parts: imported.parts.as_deref() };
+    #[cfg(feature = "scans")]
+    let (scanned, summary_of_scanned) = match of {
+        Some((registered, scan)) => {
+            // A position that is rounded to this goes less far than the poses may.
+            let step = max_error(&imported.capture, options);
+            let frames = imported.capture.poses.len();
+            let start = Instant::now();
+            let found = registered.scanned(scan, frames, (imported.offset, step), job)?;
+            seconds.scanned = start.elapsed().as_secs_f64();
+            (Some(found.0), Some(found.1))
+        }
+        None => (None, None),
+    };
+    #[cfg(not(feature = "scans"))]
+    let (scanned, _) = (None, of);
+    let besides = Besides {
+        files: &imported.files,
+        alternatives: stored.as_ref(),
+        body_parts: imported.parts.as_deref(),
+        scanned: scanned.as_ref(),
+    };
     let (bytes, mut pack_report) = pack_with_files(&imported.capture, besides, looks, options, job)?;
     pack_report.seconds.import = seconds.import;
     pack_report.seconds.appearance = seconds.appearance;
+    #[cfg(feature = "scans")]
+    {
+        (pack_report.seconds.scanned, pack_report.scanned) = (seconds.scanned, summary_of_scanned);
+    }
     pack_report.appearance = summary;
     pack_report.families = families;
     #[cfg(feature = "variations")]
@@ -287,7 +341,7 @@ pub fn pack_with_looks(
     let files = Files::default();
     pack_with_files(
         capture,
-        Besides { files: &files, alternatives: None, body_parts: None },
+        Besides { files: &files, alternatives: None, body_parts: None, scanned: None },
         (models, quality),
         options,
         job,
@@ -302,6 +356,8 @@ struct Besides<'a> {
     alternatives: Option<&'a Alternatives>,
     /// The part of the body that each vertex belongs to, as it was painted.
     body_parts: Option<&'a [u8]>,
+    /// Frames as they were scanned.
+    scanned: Option<&'a ScannedFrames>,
 }
 
 /// What goes into a bundle besides a capture, what was made on the way among it.
@@ -311,6 +367,11 @@ struct Stored<'a> {
     found_parts: Option<&'a FoundParts>,
     learned: Option<&'a StoredSpace>,
 }
+/// A scan that was registered, and how it is packed.
+#[cfg(feature = "scans")]
+type ScanOf<'a> = (&'a RegisteredScan, &'a PackOptions);
+#[cfg(not(feature = "scans"))]
+type ScanOf<'a> = &'a std::convert::Infallible;
 
 /// As [`pack_with_looks`], with what goes into the bundle besides.
 fn pack_with_files(
@@ -364,6 +425,8 @@ fn pack_with_files(
         variations: Vec::new(),
         #[cfg(feature = "variations")]
         alternatives: None,
+        #[cfg(feature = "scans")]
+        scanned: None,
         seconds,
         peak_memory_bytes: memory::peak_bytes(),
         bundle,
@@ -411,7 +474,7 @@ fn encode(
         capture,
         graph,
         first_frame: FIRST_FRAME,
-        max_error: options.max_error.unwrap_or_else(|| default_max_error(capture, FIRST_FRAME)),
+        max_error: max_error(capture, options),
         poisson_order: Some(&order),
         generator: format!("Reprise builder {}", env!("CARGO_PKG_VERSION")),
     };
@@ -421,8 +484,13 @@ fn encode(
     let mut extras = Extras::default();
     let besides = stored.besides;
     (extras.rig, extras.alternatives, extras.body_parts) = (stored.rig, besides.alternatives, besides.body_parts);
-    (extras.found_parts, extras.learned) = (stored.found_parts, stored.learned);
+    (extras.found_parts, extras.learned, extras.scanned) = (stored.found_parts, stored.learned, besides.scanned);
     Ok(bundle::encode_with_extras(&input, &looks, besides.files, &extras)?)
+}
+
+/// The largest error of a position, in metres.
+fn max_error(capture: &Capture, options: &PackOptions) -> f32 {
+    options.max_error.unwrap_or_else(|| default_max_error(capture, FIRST_FRAME))
 }
 
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {

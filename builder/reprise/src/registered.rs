@@ -2,16 +2,22 @@
 
 use std::path::PathBuf;
 
-use capture_io::import::{ImportError, ImportOptions, Warning};
+use bundle::ScannedFrames;
+use capture_io::import::{ImportError, ImportOptions, Warning, scans};
+use glam::{DVec3, Vec3};
 use job::Job;
 
 use crate::options::{PackError, PackOptions};
-use crate::scans::{ScanOptions, register};
+use crate::scans::{RegisterError, ScanOptions, register};
+use crate::windows::{ScannedSummary, scanned_frames};
 
 /// A scan that was brought onto one mesh, in a folder that vanishes with this.
 pub(crate) struct RegisteredScan {
     folder: tempfile::TempDir,
     pub warnings: Vec<Warning>,
+    inputs: Vec<String>,
+    /// The scan's frame that each frame of the capture is.
+    written: Vec<usize>,
 }
 
 impl RegisteredScan {
@@ -21,8 +27,9 @@ impl RegisteredScan {
         let folder = tempfile::Builder::new().prefix(".registered-").tempdir_in(&root);
         let folder = folder.map_err(|source| ImportError::Io { path: root, source })?;
         let scan = ScanOptions { import: options.import.clone(), ..ScanOptions::default() };
-        let mut registered = Self { folder, warnings: Vec::new() };
+        let mut registered = Self { folder, warnings: Vec::new(), inputs: inputs.to_vec(), written: Vec::new() };
         let report = register(inputs, &scan, &registered.path(), job)?;
+        registered.written = report.written;
         registered.warnings.push(Warning::new(
             "W_SCAN_REGISTERED",
             format!(
@@ -51,5 +58,21 @@ impl RegisteredScan {
     pub fn options(&self, options: &PackOptions) -> PackOptions {
         let ImportOptions { name, cyclic, weld, .. } = options.import.clone();
         PackOptions { import: ImportOptions { name, cyclic, weld, ..ImportOptions::default() }, ..options.clone() }
+    }
+
+    /// The frames as they were scanned, less `offset`, which was taken off the capture; `frames` says how many that has of them.
+    pub fn scanned(
+        &self,
+        options: &PackOptions,
+        frames: usize,
+        (offset, step): (DVec3, f32),
+        job: &Job,
+    ) -> Result<(ScannedFrames, ScannedSummary), PackError> {
+        if frames < self.written.len() {
+            return Err(PackError::Option("--mode windows: frames of the scan are missing in the capture".into()));
+        }
+        let scans = scans(&self.inputs, &options.import).map_err(RegisterError::from)?;
+        let offset: Vec3 = offset.as_vec3();
+        scanned_frames(&scans, &self.written, (offset, step), job)
     }
 }

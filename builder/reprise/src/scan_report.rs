@@ -33,6 +33,9 @@ pub struct RegisterReport {
     pub registered: Vec<FrameReport>,
     /// The frames that are not part of the capture.
     pub lost: Vec<LostReport>,
+    /// The scan's frame that each frame of the capture is, in the capture's order.
+    #[serde(skip)]
+    pub written: Vec<usize>,
     /// How unlike frames are, row by row, square metres on a person; of the frames `compared`.
     #[serde(skip)]
     pub dissimilarity: Vec<f32>,

@@ -164,7 +164,7 @@ impl Source for Frames<'_> {
 
 impl Frames<'_> {
     /// A frame with the colours that its file gives vertices.
-    fn plain(&self, frame: usize) -> Result<(Scan, Option<ScannedTexture>), RegisterError> {
+    pub(crate) fn plain(&self, frame: usize) -> Result<(Scan, Option<ScannedTexture>), RegisterError> {
         let read = match self.0.read(frame) {
             // A frame without a surface is lost, and not the whole scan.
             Err(ImportError::NoTriangles { .. } | ImportError::Collapsed { .. }) => ScannedFrame::default(),
@@ -211,6 +211,9 @@ pub fn register(
     warnings.extend(told_of_frames(&scans, &survey, &tree, &registered.lost));
     warnings.extend(writer.projection.is_none().then(colourless));
     warnings.extend(told_of_registered(&scans, &registered, &alone));
+    let written =
+        sequences.iter().flat_map(|s| (s.frames.0..=s.frames.1).map(|frame| first_of(&scans, s.number) + frame));
+    let written = written.collect();
     let named = sequences.iter().map(|s| (s.name.clone(), s.frames.1 - s.frames.0 + 1)).collect();
     let textures = writer.projection.is_some();
     let texture_size = writer.projection.as_ref().map(|projection| projection.atlas.size);
@@ -233,6 +236,7 @@ pub fn register(
         sequences: named,
         registered: frames,
         lost: lost_reports(&scans, &registered.lost),
+        written,
         dissimilarity: (0..count * count).map(|k| survey.dissimilarity.get(k / count, k % count)).collect(),
         compared: survey.frames,
         warnings,
@@ -284,6 +288,11 @@ pub(crate) fn check_lost(scans: &Scans, all: &[(usize, Lost)], alone: usize, roo
     }
 }
 
+/// The first frame of a sequence, counted over all.
+fn first_of(scans: &Scans, sequence: usize) -> usize {
+    scans.sequences[..sequence].iter().map(|s| s.files.len()).sum()
+}
+
 /// The sequences without the frames that were lost: each is cut there. Frames that stand alone between two lost ones go, too.
 fn parts(scans: &Scans, registered: &Registered) -> (Vec<WrittenSequence>, Vec<usize>) {
     let mut runs: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
@@ -296,14 +305,13 @@ fn parts(scans: &Scans, registered: &Registered) -> (Vec<WrittenSequence>, Vec<u
         }
     }
     let (mut parts, mut alone) = (Vec::new(), Vec::new());
-    let first_of = |sequence: usize| scans.sequences[..sequence].iter().map(|s| s.files.len()).sum::<usize>();
     for (number, runs) in runs {
         let sequence = &scans.sequences[number];
         let whole = runs.first() == Some(&(0, sequence.files.len() - 1));
         let mut count = 0;
         for frames in runs {
             if frames.0 == frames.1 && sequence.files.len() > 1 {
-                alone.push(first_of(number) + frames.0);
+                alone.push(first_of(scans, number) + frames.0);
                 continue;
             }
             count += 1;

@@ -14,6 +14,7 @@ use super::limits::{
     MAX_BYTES, MAX_CORNERS, MAX_IMAGES, MAX_MATERIALS, MAX_SECTION_BYTES, MAX_TRANSITIONS, MAX_TRIANGLES, MAX_VERTICES,
 };
 use super::meta::{Meta, SequenceMeta};
+use super::scanned::ScannedFrames;
 use super::sections::{Draft, assemble};
 use super::{
     alternatives, body_parts, contacts, families, feet, files, found_parts, graph, integers, learned, motion, rig,
@@ -160,6 +161,8 @@ pub struct Extras<'a> {
     pub body_parts: Option<&'a [u8]>,
     /// The parts of the body as they were found.
     pub found_parts: Option<&'a FoundParts>,
+    /// Frames as they were scanned.
+    pub scanned: Option<&'a ScannedFrames>,
 }
 
 /// As [`encode_with_files`], with what a bundle may have besides.
@@ -208,6 +211,9 @@ pub fn encode_with_extras(
     for (textures, models) in [Textures::Aligned, Textures::Naive].into_iter().zip(looks) {
         let report = add_appearance(&mut drafts, textures, models, capture)?;
         appearance = appearance.or(Some(report));
+    }
+    if let Some(scanned) = extras.scanned {
+        drafts.extend(scanned.drafts(&capture.timeline)?);
     }
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;

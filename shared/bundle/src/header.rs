@@ -100,6 +100,19 @@ impl Header {
         FIXED_BYTES + ENTRY_BYTES * self.sections.len()
     }
 
+    /// The first byte in the file and the bytes of group `ordinal` of scanned frames.
+    #[must_use]
+    pub fn scanned_group(&self, ordinal: u32) -> Option<(u64, u64)> {
+        let entry = self.scanned_entry(ordinal)?;
+        Some((entry.offset, entry.stored))
+    }
+
+    /// The entry of group `ordinal` of scanned frames.
+    pub(super) fn scanned_entry(&self, ordinal: u32) -> Option<&SectionEntry> {
+        let is = |entry: &&SectionEntry| entry.kind == Some(SectionKind::ScannedGroup) && entry.ordinal == ordinal;
+        self.sections.iter().find(is)
+    }
+
     /// The header's bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {

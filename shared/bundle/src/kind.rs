@@ -5,7 +5,7 @@ pub const MAGIC: [u8; 8] = *b"\x89REPR\r\n\x1a";
 /// Readers refuse a file with a larger major version.
 pub const VERSION_MAJOR: u16 = 1;
 /// A larger minor version only adds sections that may be skipped. A file has the smallest that knows all its sections.
-pub const VERSION_MINOR: u16 = 14;
+pub const VERSION_MINOR: u16 = 15;
 
 /// What a section holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,6 +42,10 @@ pub enum SectionKind {
     Naive,
     /// As `AppearanceMode`, of [`SectionKind::Naive`]. Since 1.3.
     NaiveMode,
+    /// Which frames there are as they were scanned, and which group holds them. Since 1.15.
+    Scanned,
+    /// Consecutive frames as they were scanned, with a mesh of their own. Since 1.15.
+    ScannedGroup,
     /// Where the actor is and which way it faces in every frame. Since 1.1.
     Motion,
     /// As `Contacts`, of an actor whose transitions hold all that stands alike. Since 1.2.
@@ -76,7 +80,7 @@ pub enum SectionKind {
 
 impl SectionKind {
     /// All kinds of this version.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 33] = [
         Self::Meta,
         Self::Surface,
         Self::Model,
@@ -93,6 +97,8 @@ impl SectionKind {
         Self::AppearanceMode,
         Self::Naive,
         Self::NaiveMode,
+        Self::Scanned,
+        Self::ScannedGroup,
         Self::Motion,
         Self::EarlierContacts,
         Self::Contacts,
@@ -131,6 +137,8 @@ impl SectionKind {
             Self::AppearanceMode => 37,
             Self::Naive => 38,
             Self::NaiveMode => 39,
+            Self::Scanned => 40,
+            Self::ScannedGroup => 41,
             Self::Motion => 64,
             Self::EarlierContacts => 65,
             Self::Feet => 66,
@@ -175,6 +183,8 @@ impl SectionKind {
             Self::AppearanceMode => "appearance-mode",
             Self::Naive => "naive",
             Self::NaiveMode => "naive-mode",
+            Self::Scanned => "scanned",
+            Self::ScannedGroup => "scanned-group",
             Self::Motion => "motion",
             Self::EarlierContacts => "earlier-contacts",
             Self::Contacts => "contacts",
@@ -197,16 +207,17 @@ impl SectionKind {
     #[must_use]
     pub fn is_repeated(self) -> bool {
         let modes = [Self::EarlierMode, Self::EarlierNaiveMode, Self::AppearanceMode, Self::NaiveMode];
-        matches!(self, Self::Geometry | Self::Image) || modes.contains(&self)
+        matches!(self, Self::Geometry | Self::Image | Self::ScannedGroup) || modes.contains(&self)
     }
 
     /// The minor version that brought it.
     #[must_use]
     pub fn since(self) -> u16 {
         match self {
-            Self::Turns => 12,
+            Self::Scanned | Self::ScannedGroup => 15,
             Self::FoundParts | Self::Alternatives => 14,
             Self::LearnedSpace => 13,
+            Self::Turns => 12,
             Self::Families => 11,
             Self::BodyParts => 10,
             Self::Contacts => 9,

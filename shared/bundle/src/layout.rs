@@ -18,6 +18,12 @@ pub(super) fn check_order(header: &Header) -> Result<(), BundleError> {
         }
     }
     for section in &header.sections {
+        if seen.iter().any(|(seen, which)| *seen == SectionKind::ScannedGroup && which.contains(&true))
+            && section.kind != Some(SectionKind::ScannedGroup)
+        {
+            // Pages fetch these by themselves, and the rest as one.
+            return Err(BundleError::header("has something behind its groups of scanned frames"));
+        }
         let Some(kind) = section.kind else { continue };
         let has = |kind: &SectionKind| seen.iter().any(|(seen, which)| seen == kind && which.contains(&true));
         if !needs(kind).iter().all(has) {
@@ -63,6 +69,7 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         | SectionKind::Families
         | SectionKind::Turns
         | SectionKind::LearnedSpace
+        | SectionKind::Scanned
         | SectionKind::FilePlace => &[SectionKind::Meta],
         SectionKind::Model
         | SectionKind::Image
@@ -83,5 +90,6 @@ fn needs(kind: SectionKind) -> &'static [SectionKind] {
         SectionKind::EarlierNaiveMode => &[SectionKind::EarlierNaive],
         SectionKind::AppearanceMode => &[SectionKind::Appearance],
         SectionKind::NaiveMode => &[SectionKind::Naive],
+        SectionKind::ScannedGroup => &[SectionKind::Meta, SectionKind::Scanned],
     }
 }

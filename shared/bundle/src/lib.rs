@@ -28,6 +28,7 @@ mod meta;
 mod motion;
 mod reader;
 mod rig;
+mod scanned;
 mod sections;
 mod surface;
 mod ties;
@@ -52,6 +53,10 @@ pub use learned::decode as decode_learned_space;
 pub use meta::{Chunk, Meta, SequenceMeta};
 pub use reader::BundleReader;
 pub use rig::decode as decode_rig;
+pub use scanned::{
+    CodedGroup, GROUP_FRAMES, OpenGroup, ScannedCorner, ScannedFrames, ScannedGroup, ScannedHead, ScannedIndex,
+    code_group, ordered,
+};
 pub use sections::SectionInfo;
 pub use validate::{Finding, Severity, validate};
 
@@ -79,6 +84,10 @@ pub mod limits {
     pub const MAX_MODES: u32 = 255;
     /// Texels along a side of a texture that has modes.
     pub const MAX_TEXTURE_SIDE: u32 = 4096;
+    /// Frames of a group of scanned frames.
+    pub const MAX_SCANNED_FRAMES: u32 = 64;
+    /// Pixels along a side of an image that a scanned frame wears.
+    pub const MAX_SCANNED_SIDE: u32 = 8192;
     /// Frames of a chunk of geometry.
     pub const MAX_CHUNK_FRAMES: u32 = 256;
     /// Largest coordinate in steps of the quantisation.

@@ -12,6 +12,7 @@ use super::header::{ENTRY_BYTES, FIXED_BYTES, Header, SectionEntry};
 use super::kind::SectionKind;
 use super::limits::MAX_CORNERS;
 use super::meta::Meta;
+use super::scanned::{ArrivedScans, ScannedIndex};
 use super::sections::{self, SectionInfo};
 use super::{
     AlternativesDecoder, Appearance, Textures, appearance, body_parts, contacts, families, feet, files, found_parts,
@@ -77,6 +78,7 @@ pub struct BundleReader {
     ties: Ties,
     turns: Vec<f32>,
     looks: [ArrivedTextures; 2],
+    scanned: ArrivedScans,
 }
 
 /// Models of textures that have arrived.
@@ -137,6 +139,37 @@ impl BundleReader {
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.header.as_ref().is_some_and(|header| self.complete == header.sections.len())
+    }
+
+    /// Whether everything has arrived but the groups of scanned frames, which lie behind all else.
+    #[must_use]
+    pub fn is_playable(&self) -> bool {
+        self.header.as_ref().is_some_and(|header| {
+            self.complete + layout::count(header, SectionKind::ScannedGroup) >= header.sections.len()
+        })
+    }
+
+    /// Which frames there are as they were scanned; `None` also where the bundle has none.
+    #[must_use]
+    pub fn scanned(&self) -> Option<&ScannedIndex> {
+        self.scanned.index.as_ref()
+    }
+
+    /// The section of group `ordinal` of scanned frames, once it has arrived.
+    #[must_use]
+    pub fn scanned_group(&self, ordinal: u32) -> Option<&[u8]> {
+        self.scanned.group(ordinal)
+    }
+
+    /// The section of group `ordinal` from `bytes`, which were fetched by themselves.
+    ///
+    /// # Errors
+    /// They are not those that the header tells of.
+    pub fn check_scanned_group<'a>(&self, ordinal: u32, bytes: &'a [u8]) -> Result<&'a [u8], BundleError> {
+        let entry = self.header.as_ref().and_then(|header| header.scanned_entry(ordinal));
+        let entry = entry.ok_or_else(|| BundleError::header("has no such group of scanned frames"))?;
+        sections::check(entry, bytes)?;
+        Ok(bytes)
     }
 
     /// Bytes that have arrived.
@@ -561,6 +594,9 @@ impl BundleReader {
             SectionKind::BodyParts => self.body_parts = Some(raw),
             SectionKind::FoundParts => self.found_parts = Some(raw),
             SectionKind::Families => self.families = Some(raw),
+            SectionKind::Scanned | SectionKind::ScannedGroup => {
+                self.scanned.take((kind, entry.ordinal), raw, timeline, self.header.as_ref()).map_err(wrong)?;
+            }
             SectionKind::EarlierAppearance
             | SectionKind::EarlierNaive
             | SectionKind::Appearance

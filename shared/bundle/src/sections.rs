@@ -88,13 +88,18 @@ fn compress(kind: SectionKind, raw: Vec<u8>) -> (Codec, Vec<u8>) {
     if deflated.len() < raw.len() { (Codec::Deflate, deflated) } else { (Codec::Stored, raw) }
 }
 
+/// Whether `stored` are the bytes that `entry` tells of.
+pub(super) fn check(entry: &SectionEntry, stored: &[u8]) -> Result<(), BundleError> {
+    let found = checksum(&[stored]);
+    if found == entry.checksum && stored.len() as u64 == entry.stored {
+        return Ok(());
+    }
+    Err(BundleError::Damaged { kind: entry.kind, ordinal: entry.ordinal, expected: entry.checksum, found })
+}
+
 /// The raw bytes of a section whose stored bytes have all arrived.
 pub(super) fn open(entry: &SectionEntry, stored: Vec<u8>) -> Result<Vec<u8>, BundleError> {
-    let found = checksum(&[&stored]);
-    if found != entry.checksum {
-        let (kind, ordinal, expected) = (entry.kind, entry.ordinal, entry.checksum);
-        return Err(BundleError::Damaged { kind, ordinal, expected, found });
-    }
+    check(entry, &stored)?;
     let wrong =
         |reason: &str| BundleError::Inconsistent { kind: entry.kind, ordinal: entry.ordinal, reason: reason.into() };
     let raw = match entry.codec {

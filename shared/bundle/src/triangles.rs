@@ -47,6 +47,12 @@ impl History {
 
 /// Appends `triangles` to what `encoder` holds.
 pub fn encode(encoder: &mut Encoder, triangles: &[[u32; 3]]) {
+    encode_told(encoder, triangles, &mut |_| {});
+}
+
+/// As [`encode`]; `told` hears of each triangle which edge of an earlier one it shares: edge 3 t + s of triangle t runs from its
+/// corner s to the next one.
+pub fn encode_told(encoder: &mut Encoder, triangles: &[[u32; 3]], told: &mut impl FnMut(Option<usize>)) {
     let (mut models, mut history) = (Models::default(), History::new());
     let mut newest: HashMap<(u32, u32), usize> = HashMap::new();
     for &triangle in triangles {
@@ -58,6 +64,7 @@ pub fn encode(encoder: &mut Encoder, triangles: &[[u32; 3]]) {
             })
             .min();
         encoder.bit(&mut models.shares_edge[history.shared], found.is_some());
+        told(found.map(|(age, _)| history.edges.len() - 1 - age));
         if let Some((age, turn)) = found {
             models.age.encode(encoder, age as u32);
             encoder.bit(&mut models.turn[0], turn > 0);
@@ -94,6 +101,16 @@ fn encode_corner(e: &mut Encoder, models: &mut Models, history: &mut History, pl
 ///
 /// `count` must be bounded by the caller: memory for it is allocated as triangles come.
 pub fn decode(decoder: &mut Decoder, count: u32, corner_count: u32) -> Result<Vec<[u32; 3]>, &'static str> {
+    decode_told(decoder, count, corner_count, &mut |_| {})
+}
+
+/// As [`decode`]; `told` hears what that of [`encode_told`] heard.
+pub fn decode_told(
+    decoder: &mut Decoder,
+    count: u32,
+    corner_count: u32,
+    told: &mut impl FnMut(Option<usize>),
+) -> Result<Vec<[u32; 3]>, &'static str> {
     let (mut models, mut history) = (Models::default(), History::new());
     let mut triangles = Vec::new();
     for _ in 0..count {
@@ -108,13 +125,16 @@ pub fn decode(decoder: &mut Decoder, count: u32, corner_count: u32) -> Result<Ve
             } else {
                 2
             };
-            let edge = history.edges.len().checked_sub(age.saturating_add(1)).and_then(|i| history.edges.get(i));
+            let index = history.edges.len().checked_sub(age.saturating_add(1));
+            let edge = index.and_then(|i| history.edges.get(i));
             let &(from, to) = edge.ok_or("names an edge that does not exist")?;
+            told(index);
             let third = decode_corner(decoder, &mut models, &mut history, 3, from);
             triangle[turn] = from;
             triangle[(turn + 1) % 3] = to;
             triangle[(turn + 2) % 3] = third;
         } else {
+            told(None);
             let mut from = history.before;
             for (place, corner) in triangle.iter_mut().enumerate() {
                 *corner = decode_corner(decoder, &mut models, &mut history, place, from);

@@ -64,6 +64,7 @@ pub fn validate(bytes: &[u8]) -> Vec<Finding> {
     findings.extend(file_findings(&reader));
     findings.extend(rig_findings(&mut reader));
     findings.extend(learned_findings(&reader));
+    findings.extend(scanned_findings(&reader));
     let families = reader.timeline_with_families().err();
     let parts = reader.body_parts().err().or(reader.found_parts().err());
     let damaged = [parts, families, reader.read_alternatives().err()].into_iter().flatten();
@@ -122,6 +123,18 @@ fn graph_findings(reader: &BundleReader) -> Vec<Finding> {
 fn file_findings(reader: &BundleReader) -> Option<Finding> {
     let error = reader.file_faces().err()?;
     Some(Finding::new("inconsistent", Severity::Error, error.to_string()))
+}
+
+/// Groups of scanned frames that cannot be read.
+fn scanned_findings(reader: &BundleReader) -> Vec<Finding> {
+    let Some(index) = reader.scanned() else { return Vec::new() };
+    let wrong = |ordinal: u32| {
+        let reason = index.read(ordinal, reader.scanned_group(ordinal)?).err()?;
+        let kind = Some(SectionKind::ScannedGroup);
+        let error = BundleError::Inconsistent { kind, ordinal, reason: reason.into() };
+        Some(Finding::new("damaged-scan", Severity::Error, error.to_string()))
+    };
+    (0..index.groups.len() as u32).filter_map(wrong).collect()
 }
 
 fn rig_findings(reader: &mut BundleReader) -> Option<Finding> {

@@ -19,8 +19,8 @@ use actor::pose_source::PoseSource;
 use actor::surface::{Corner, Image, ImageFormat, Material, Part, Surface};
 use actor::timeline::Timeline;
 use bundle::{
-    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, Extras, FoundParts, ModeDecoder, encode_with_extras,
-    encode_with_files, encode_with_rig, validate,
+    AppearanceInput, AppearanceQuality, BundleInput, BundleReader, Extras, FoundParts, ModeDecoder, ScannedCorner,
+    ScannedFrames, ScannedGroup, code_group, encode_with_extras, encode_with_files, encode_with_rig, ordered, validate,
 };
 use captures::{contacts, feet, graph, rig, ties, timeline};
 use editing::{StoredMode, StoredSpace};
@@ -44,6 +44,7 @@ const GOLDEN_WITH_TURNS: &[u8] = include_bytes!("golden/v1.12-turns.reprise");
 const GOLDEN_WITH_FOUND_PARTS: &[u8] = include_bytes!("golden/v1.14-found-parts.reprise");
 const GOLDEN_WITH_FAMILIES: &[u8] = include_bytes!("golden/v1.11-families.reprise");
 const GOLDEN_WITH_LEARNED_SPACE: &[u8] = include_bytes!("golden/v1.13-learned.reprise");
+const GOLDEN_WITH_SCANNED: &[u8] = include_bytes!("golden/v1.15-scanned.reprise");
 const GOLDEN_WITH_STEERING_CONTACTS: &[u8] = include_bytes!("golden/v1.9-contacts.reprise");
 const GOLDEN_WITH_FEET: &[u8] = include_bytes!("golden/v1.5-feet.reprise");
 
@@ -205,6 +206,65 @@ fn version_1_5_can_be_written_and_read() {
     let plain = graph.clone().with_feet(Feet::default());
     let (bytes, _) = encode_with_files(&BundleInput { graph: &plain, ..input }, &[], &Files::default()).unwrap();
     assert_eq!(bytes, GOLDEN_WITH_CONTACTS);
+}
+
+/// Frames 3 and 4 of the pyramid as they might have been scanned, and frame 9 in colours.
+fn scanned() -> Vec<ScannedGroup> {
+    let capture = pyramid();
+    let corner = |vertex: u32| ScannedCorner { vertex, uv: [(vertex % 2) as f32, (vertex / 4) as f32] };
+    let pose = |frame: u32| capture.poses.frame(frame).iter().map(|&p| p + Vec3::Y / 64.0).collect();
+    let image = |byte: u8| Image { format: ImageFormat::Jpeg, width: 2, height: 1, bytes: vec![255, 216, byte] };
+    let both = ScannedGroup {
+        first_frame: 3,
+        corners: (0..5).map(corner).collect(),
+        triangles: capture.surface.triangles.clone(),
+        poses: vec![pose(3), pose(4)],
+        colours: Vec::new(),
+        images: vec![image(7), image(9)],
+        worn: vec![0, 1],
+    };
+    let colours = (0..5).map(|vertex| [50 * vertex, 3, 255]).collect();
+    let alone =
+        ScannedGroup { first_frame: 9, poses: vec![pose(9)], colours, images: vec![], worn: vec![], ..both.clone() };
+    vec![both, alone]
+}
+
+#[test]
+fn version_1_15_can_be_written_and_read() {
+    let capture = pyramid();
+    let graph = graph_without_transcendentals(&capture);
+    let input = BundleInput {
+        capture: &capture,
+        graph: &graph,
+        first_frame: 10,
+        max_error: 0.001,
+        poisson_order: Some(&[4, 2, 0, 1, 3]),
+        generator: "reprise 0.1.0".into(),
+    };
+    let step = 1.0 / 1024.0;
+    let mut frames = ScannedFrames::default();
+    scanned().iter().for_each(|group| frames.push(code_group(group, step).unwrap()));
+    let mut extras = Extras::default();
+    extras.scanned = Some(&frames);
+    let (bytes, _) = encode_with_extras(&input, &[], &Files::default(), &extras).unwrap();
+    if bytes != GOLDEN_WITH_SCANNED {
+        let path = format!("{}/written-scanned.reprise", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, &bytes).unwrap();
+        panic!(
+            "the writer makes other bytes than before; if that is meant, raise the version and keep {path} beside it"
+        );
+    }
+    assert_eq!(validate(&bytes), []);
+    let reader = BundleReader::from_bytes(&bytes).unwrap();
+    assert_eq!(reader.header().unwrap().minor, 15);
+    for (ordinal, group) in (0..).zip(scanned()) {
+        let read = reader.scanned().unwrap().read(ordinal, reader.scanned_group(ordinal).unwrap()).unwrap();
+        let expected = ordered(&group);
+        // All of it is whole numbers of steps; without images there are no texture coordinates.
+        assert_eq!((read.triangles, read.poses, read.colours), (expected.triangles, expected.poses, expected.colours));
+        assert_eq!(read.worn, expected.worn);
+        assert!(group.images.is_empty() || read.corners == expected.corners);
+    }
 }
 
 /// Two pyramids beside each other.

@@ -2,13 +2,14 @@
 //!
 //! `dress BUNDLE FOLDER SIZE`: writes `dressed.reprise`, and the texture of its frame 25 as RGBA, made natively in the ways
 //! `half`, `direct`, `poisson` and `exact` (Poisson reconstruction until nothing changes); alpha is 0 where nothing is active.
+//! `scanned.reprise` has made-up scanned frames instead.
 
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use bundle::BundleReader;
-use tests::dressed::{dress, texture};
+use tests::dressed::{dress, texture, with_scans};
 
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -22,5 +23,6 @@ fn main() -> Result<()> {
         fs::write(folder.join(format!("{name}.rgba")), texture(&reader, 25, half, cycles)?)?;
     }
     fs::write(folder.join("dressed.reprise"), dressed)?;
+    fs::write(folder.join("scanned.reprise"), with_scans(&bytes)?)?;
     Ok(())
 }

@@ -4,4 +4,5 @@ pub mod direct;
 pub mod edit;
 pub mod error;
 pub mod player;
+mod scans;
 pub mod stage;

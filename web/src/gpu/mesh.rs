@@ -1,6 +1,7 @@
 //! The drawn mesh: corners, parts and materials, the same for every pose; the twin of `shaders/actor.wgsl`.
 
 use actor::surface::{Material, Surface};
+use bundle::{ScannedCorner, ScannedGroup};
 use bytemuck::{Pod, Zeroable};
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -62,11 +63,70 @@ struct DrawnMaterial {
     group: wgpu::BindGroup,
 }
 
-/// Buffers, materials and pipelines of the mesh.
-pub struct Mesh {
+/// Triangles over corners.
+pub struct Shape {
     corners: wgpu::Buffer,
     indices: wgpu::Buffer,
     index_count: u32,
+}
+
+impl Shape {
+    fn new(gpu: &Gpu, corners: &[DrawnCorner], triangles: &[[u32; 3]]) -> Self {
+        Self {
+            corners: gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(corners), BufferUsages::VERTEX),
+            indices: gpu.buffer_of("reprise.actor.triangles", bytemuck::cast_slice(triangles), BufferUsages::INDEX),
+            index_count: triangles.len() as u32 * 3,
+        }
+    }
+
+    /// That of scanned frames.
+    #[must_use]
+    pub fn of_scan(gpu: &Gpu, group: &ScannedGroup) -> Self {
+        let colour = |vertex: u32| group.colours.get(vertex as usize).map_or([255; 4], |&[r, g, b]| [r, g, b, 255]);
+        let drawn = |corner: &ScannedCorner| DrawnCorner {
+            vertex: corner.vertex,
+            uv: corner.uv,
+            colour: colour(corner.vertex),
+        };
+        let corners: Vec<_> = group.corners.iter().map(drawn).collect();
+        Self::new(gpu, &corners, &group.triangles)
+    }
+
+    /// Draws it with the pipeline that is set.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.bind(pass);
+        pass.draw_indexed(0..self.index_count, 0, 0..1);
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.corners.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+}
+
+impl Drop for Shape {
+    fn drop(&mut self) {
+        // The browser's garbage collector would keep the device's memory for a while.
+        self.corners.destroy();
+        self.indices.destroy();
+    }
+}
+
+/// What a scanned frame looks like.
+pub struct Worn {
+    group: wgpu::BindGroup,
+    texture: wgpu::Texture,
+}
+
+impl Drop for Worn {
+    fn drop(&mut self) {
+        self.texture.destroy();
+    }
+}
+
+/// Buffers, materials and pipelines of the mesh.
+pub struct Mesh {
+    shape: Shape,
     parts: Vec<Part>,
     materials: Vec<DrawnMaterial>,
     layout: wgpu::BindGroupLayout,
@@ -112,13 +172,7 @@ impl Mesh {
             .collect();
         let corners: Vec<_> = surface.corners.iter().map(|corner| drawn(corner, [0; 4])).collect();
         Self {
-            corners: gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX),
-            indices: gpu.buffer_of(
-                "reprise.actor.triangles",
-                bytemuck::cast_slice(&surface.triangles),
-                BufferUsages::INDEX,
-            ),
-            index_count: surface.triangles.len() as u32 * 3,
+            shape: Shape::new(gpu, &corners, &surface.triangles),
             parts: surface.parts.iter().map(|part| drawn_part(part, surface)).collect(),
             materials,
             layout,
@@ -171,7 +225,7 @@ impl Mesh {
 
     /// Draws all parts in their materials; group 0 and 1 are set.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.bind(pass);
+        self.shape.bind(pass);
         for part in &self.parts {
             let Some(material) = self.materials.get(part.material) else { continue };
             pass.set_pipeline(&self.pipelines[usize::from(material.double_sided)]);
@@ -180,15 +234,35 @@ impl Mesh {
         }
     }
 
-    /// Draws the whole shape with the pipeline that is set.
-    pub fn draw_shape(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.bind(pass);
-        pass.draw_indexed(0..self.index_count, 0, 0..1);
+    /// The shape, for passes that want no colour.
+    #[must_use]
+    pub fn shape(&self) -> &Shape {
+        &self.shape
     }
 
-    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_vertex_buffer(0, self.corners.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    /// Draws the whole shape with the pipeline that is set.
+    pub fn draw_shape(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.shape.draw(pass);
+    }
+
+    /// A look for scanned frames: `texture`, or the colours of vertices, or clay where nothing was `captured`.
+    #[must_use]
+    pub fn worn(&self, gpu: &Gpu, texture: wgpu::Texture, captured: bool) -> Worn {
+        let uniform = MaterialUniform {
+            base_colour: if captured { [1.0; 4] } else { CLAY },
+            captured: f32::from(u8::from(captured)),
+            padding: [0.0; 3],
+        };
+        let buffer = gpu.buffer_of("reprise.actor.material", bytemuck::bytes_of(&uniform), BufferUsages::UNIFORM);
+        let view = Textures::whole(&texture);
+        Worn { group: group(gpu, &self.layout, &self.textures, &buffer, &view), texture }
+    }
+
+    /// Draws a scanned frame; groups 0 and 1 are set. Both sides are seen, for scans have holes.
+    pub fn draw_scan(&self, pass: &mut wgpu::RenderPass<'_>, shape: &Shape, worn: &Worn) {
+        pass.set_pipeline(&self.pipelines[1]);
+        pass.set_bind_group(2, &worn.group, &[]);
+        shape.draw(pass);
     }
 }
 

@@ -14,6 +14,7 @@ pub mod mesh;
 mod passes;
 pub mod pose;
 pub mod readback;
+pub mod scans;
 pub mod scene;
 pub mod shadow;
 mod slot;

@@ -109,6 +109,12 @@ impl PoseGroup {
         self.written = None;
     }
 
+    /// Vertices that a pose may have.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        self.poses[0].size() as usize / (NUMBERS * size_of::<f32>())
+    }
+
     /// Group 1 as it was last written.
     #[must_use]
     pub fn group(&self) -> &wgpu::BindGroup {

@@ -2,6 +2,7 @@
 
 use actor::surface::Surface;
 use glam::{Vec2, Vec3};
+use kernels::align::Placement;
 
 use super::appearance::TextureRebuild;
 use super::context::Gpu;
@@ -11,6 +12,7 @@ use super::grid::Grid;
 use super::marks::Marks;
 use super::mesh::Mesh;
 use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
+use super::scans::Scans;
 use super::shadow::{Shadow, Square};
 use super::target::Target;
 use super::trail::Trail;
@@ -29,6 +31,8 @@ pub struct Moment<'a> {
     pub synthetic: f32,
     /// Where the actor's centre of mass is on the ground (X, Z).
     pub ground: Vec2,
+    /// The scanned frame that is to be drawn in its place, if it is there: group and frame, the number of its pose, where it stands.
+    pub scan: Option<((u32, u32), u64, Placement)>,
 }
 
 /// The actor's measures, from its first pose.
@@ -88,6 +92,8 @@ pub struct Scene {
     pub pose_layout: wgpu::BindGroupLayout,
     /// Triangles of the topology.
     pub triangles: Vec<[u32; 3]>,
+    /// Scanned frames.
+    pub scans: Scans,
     frame: FrameGroup,
     actor: PoseGroup,
     shadow: Shadow,
@@ -125,6 +131,7 @@ impl Scene {
             measures,
             pose_layout,
             triangles,
+            scans: Scans::default(),
             frame,
             actor,
             shadow,
@@ -141,8 +148,11 @@ impl Scene {
         let [tint, parts] = [self.look.tint, self.look.parts].map(|on| f32::from(u8::from(on)));
         let (weight, synthetic) = (moment.weight, moment.synthetic);
         let uniform = ActorUniform { weight, tint, synthetic, parts, ..Default::default() };
-        if self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform) {
-            self.square = Square::around([moment.before.pose, moment.after.pose], self.measures.height);
+        let moved = self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform);
+        let (scan, changed) = self.scans.show(&self.gpu, &self.pose_layout, moment.scan, uniform);
+        if moved || changed {
+            let poses = [scan.as_deref().unwrap_or(moment.before.pose), scan.as_deref().unwrap_or(moment.after.pose)];
+            self.square = Square::around(poses, self.measures.height);
             self.shadow_due = true;
         }
         self.ground = moment.ground;
@@ -163,7 +173,9 @@ impl Scene {
         self.frame.write(&self.gpu, &uniform);
         let mut encoder = self.gpu.encoder("reprise.picture.commands");
         if std::mem::take(&mut self.shadow_due) {
-            self.shadow.draw(&self.gpu, &mut encoder, &self.frame, &self.actor, &self.mesh, self.square);
+            let own = (self.mesh.shape(), self.actor.group());
+            let (shape, pose) = self.scans.drawn().map_or(own, |(shape, pose, _)| (shape, pose));
+            self.shadow.draw(&self.gpu, &mut encoder, &self.frame, pose, shape, self.square);
         }
         {
             let mut pass = target.begin(&self.gpu, &mut encoder, "reprise.picture.pass", self.look.clear());
@@ -171,8 +183,16 @@ impl Scene {
             self.grid.draw(&mut pass, &self.shadow);
             self.marks.draw(&mut pass);
             self.trail.draw(&mut pass);
-            pass.set_bind_group(1, self.actor.group(), &[]);
-            self.mesh.draw(&mut pass);
+            match self.scans.drawn() {
+                Some((shape, pose, worn)) => {
+                    pass.set_bind_group(1, pose, &[]);
+                    self.mesh.draw_scan(&mut pass, shape, worn);
+                }
+                None => {
+                    pass.set_bind_group(1, self.actor.group(), &[]);
+                    self.mesh.draw(&mut pass);
+                }
+            }
             self.ghosts.draw(&mut pass, &self.mesh);
         }
         self.gpu.queue.submit([encoder.finish()]);

@@ -7,8 +7,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BufferUsages, ShaderStag
 
 use super::context::{Gpu, Pass, SAMPLER, TEXTURE, UNIFORM, view};
 use super::frame::FrameGroup;
-use super::mesh::{Mesh, SHAPE};
-use super::pose::PoseGroup;
+use super::mesh::{SHAPE, Shape};
 use crate::shaders;
 
 const FORMAT: TextureFormat = TextureFormat::Rg8Unorm;
@@ -123,8 +122,8 @@ impl Shadow {
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameGroup,
-        pose: &PoseGroup,
-        mesh: &Mesh,
+        pose: &wgpu::BindGroup,
+        shape: &Shape,
         square: Square,
     ) {
         let step = square.height / square.side / TAPS_PER_DEVIATION;
@@ -137,8 +136,8 @@ impl Shadow {
             let mut pass = gpu.pass_into(encoder, "reprise.occlusion.pass", &self.maps[0], wgpu::Color::TRANSPARENT);
             pass.set_pipeline(&self.occlusion);
             pass.set_bind_group(0, &frame.group, &[]);
-            pass.set_bind_group(1, pose.group(), &[]);
-            mesh.draw_shape(&mut pass);
+            pass.set_bind_group(1, pose, &[]);
+            shape.draw(&mut pass);
         }
         for (group, target) in self.groups.iter().zip([&self.maps[1], &self.maps[0]]) {
             let mut pass = gpu.pass_into(encoder, "reprise.blur.pass", target, wgpu::Color::TRANSPARENT);

@@ -41,7 +41,7 @@ impl Player {
             let placement = Placement { heading, translation: Vec2::ZERO };
             let ground = Vec2::new(centre.x, centre.z);
             let number = self.producer.count();
-            self.given.push_back(ShownFrame { number, pose, kind, placement, ground });
+            self.given.push_back(ShownFrame { number, pose, kind, placement, ground, as_recorded: false });
         }
         [self.given.len() as u32, self.expected]
     }

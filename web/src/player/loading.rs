@@ -49,6 +49,13 @@ impl Source {
     fn of(recorded: Recorded) -> Self {
         Self { recorded, edited: Vec::new(), varied: None }
     }
+
+    /// Whether what is read of `frame` now is what was recorded.
+    #[must_use]
+    pub fn as_recorded(&self, frame: u32) -> bool {
+        let varied = self.varied.as_ref().and_then(Varied::present);
+        varied.is_none() && self.edited.iter().all(|(edited, _)| *edited != frame)
+    }
 }
 
 impl PoseSource for Source {
@@ -166,6 +173,8 @@ impl Loading {
     pub fn finish(&self) -> Result<(), BundleError> {
         match &self.source.recorded {
             Recorded::Memory(_) => Ok(()),
+            // Scanned frames may come later, or never.
+            Recorded::Bundle(reader) if reader.is_playable() => Ok(()),
             Recorded::Bundle(reader) => reader.finish(),
         }
     }
@@ -175,11 +184,20 @@ impl Loading {
     pub fn phase(&self) -> Phase {
         let Recorded::Bundle(reader) = &self.source.recorded else { return Phase::Complete };
         match (&self.actor, &self.graph) {
-            _ if reader.is_complete() => Phase::Complete,
+            _ if reader.is_playable() => Phase::Complete,
             (Some(_), Some(_)) => Phase::Partial,
             (Some(_), None) => Phase::FirstPose,
             (None, _) if reader.header().is_some() => Phase::Header,
             (None, _) => Phase::Empty,
+        }
+    }
+
+    /// The bundle; `None` where all is in memory.
+    #[must_use]
+    pub fn reader(&self) -> Option<&BundleReader> {
+        match &self.source.recorded {
+            Recorded::Memory(_) => None,
+            Recorded::Bundle(reader) => Some(reader),
         }
     }
 

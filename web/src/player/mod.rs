@@ -18,6 +18,7 @@ mod plan;
 mod plans;
 pub mod produce;
 pub mod report;
+pub mod scanned;
 pub mod state;
 pub mod texture_modes;
 mod variety;
@@ -447,5 +448,7 @@ impl Player {
     }
 }
 
+#[cfg(test)]
+mod scanned_tests;
 #[cfg(test)]
 mod tests;

@@ -27,6 +27,8 @@ pub struct ShownFrame {
     pub placement: Placement,
     /// The centre of mass on the ground (X, Z), metres.
     pub ground: Vec2,
+    /// Whether the pose is that of a recorded frame, neither edited nor varied nor made elsewhere.
+    pub as_recorded: bool,
 }
 
 /// Makes numbered frames.
@@ -70,7 +72,8 @@ impl Producer {
     ) -> Result<ShownFrame, PoseError> {
         let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
         self.synthesiser(actor).place(&mut loading.source, frame, placement, &mut pose)?;
-        Ok(self.number(&actor.topology, pose, FrameKind::Recorded { frame }, placement))
+        let shown = self.number(&actor.topology, pose, FrameKind::Recorded { frame }, placement);
+        Ok(ShownFrame { as_recorded: loading.source.as_recorded(frame), ..shown })
     }
 
     /// The actor stands in `frame` from now on, without a route.
@@ -132,7 +135,8 @@ impl Producer {
         if kind.is_synthetic() {
             self.note((self.now)() - start);
         }
-        Ok(Some(self.number(&actor.topology, pose, kind, placement)))
+        let as_recorded = !kind.is_synthetic() && loading.source.as_recorded(kind.frame());
+        Ok(Some(ShownFrame { as_recorded, ..self.number(&actor.topology, pose, kind, placement) }))
     }
 
     /// The frame from which what comes next can be chosen freely, and its placement once the actor is there.
@@ -211,7 +215,8 @@ impl Producer {
 
     fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> ShownFrame {
         let centre = centre_of_mass(&pose, topology.weights());
-        ShownFrame { number: self.count(), pose, kind, placement, ground: Vec2::new(centre.x, centre.z) }
+        let ground = Vec2::new(centre.x, centre.z);
+        ShownFrame { number: self.count(), pose, kind, placement, ground, as_recorded: false }
     }
 }
 

@@ -130,6 +130,8 @@ pub struct Info<'a> {
     appearance: Option<[usize; 2]>,
     /// Modes of textures that were not aligned, to compare with.
     naive: Option<usize>,
+    /// Frames that there are as they were scanned; none where the registered mesh is all that is shown.
+    scanned: u32,
     /// Whether the actor has alternatives of what was recorded.
     varies: bool,
     main: usize,
@@ -242,6 +244,7 @@ impl Player {
             images: images.collect(),
             naive: self.appearance(Textures::Naive).map(|a| a.layers[0].mode_count()),
             appearance: self.appearance(Textures::Aligned).map(|a| [0, 1].map(|layer| a.layers[layer].mode_count())),
+            scanned: self.scans().map_or(0, bundle::ScannedIndex::frame_count),
             varies: self.loading.varies(),
             main: main.iter().filter(|&&inside| inside).count(),
         })

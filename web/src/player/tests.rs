@@ -50,7 +50,7 @@ const CORNERS: [Vec3; 4] =
     [Vec3::new(0.3, 0.0, 0.0), Vec3::new(-0.2, 0.0, 0.3), Vec3::new(-0.2, 0.0, -0.3), Vec3::new(0.0, 1.8, 0.0)];
 
 /// A tetrahedron that walks 1 cm a frame, turning a little; in every sequence from the same place, leaning more.
-fn capture(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> (Capture, EssentialGraph) {
+pub fn capture(sequences: &[(u32, bool)], edges: &[(u32, u32)]) -> (Capture, EssentialGraph) {
     let timeline = timeline(sequences);
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
     let mut poses = Poses::new(4);

@@ -170,9 +170,23 @@ pub struct PackArguments {
     /// `builder rig --toml` writes it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     pub rig: Option<PathBuf>,
+    /// What the page shows of a scan, of which every frame has its own mesh: see docs/scans.md.
+    #[cfg(feature = "complete")]
+    #[arg(long, value_enum, default_value_t = Mode::Global)]
+    pub mode: Mode,
     /// Print an object with times, sizes and errors on stdout at the end.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What the page shows of a scan.
+#[cfg(feature = "complete")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// All frames are brought onto one mesh, which is shown.
+    Global,
+    /// Recorded frames are shown as they were scanned, with their own mesh and image; transitions on the one mesh.
+    Windows,
 }
 
 /// Arguments of `builder register`.

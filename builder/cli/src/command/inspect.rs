@@ -151,6 +151,13 @@ fn inspect_bundle(path: &Path) -> Result<Value, Failure> {
             "warp_modes": appearance.layers[1].mode_count(),
             "bytes_per_frame": sections_of("appearance") as f64 / f64::from(timeline.frame_count().max(1)),
         })),
+        // Frames that are shown as they were scanned.
+        "scanned": reader.scanned().map(|scanned| json!({
+            "frames": scanned.frame_count(),
+            "groups": scanned.groups.len(),
+            "bytes": sections_of("scanned"),
+            "bytes_per_frame": sections_of("scanned") as f64 / f64::from(scanned.frame_count().max(1)),
+        })),
         "sections": sections,
     }))
 }

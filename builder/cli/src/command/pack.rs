@@ -8,8 +8,12 @@ use capture_io::import::{Cyclic, ImportOptions};
 use job::Job;
 use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
+#[cfg(feature = "complete")]
+use reprise::pack::ScanMode;
 use reprise::pack::{AppearanceChoice, PackOptions, PackReport, PartsSummary, pack};
 
+#[cfg(feature = "complete")]
+use super::args::Mode;
 use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis, WorkFolderArgument};
 use super::failure::Failure;
 use super::output::{print_json, write_whole};
@@ -112,6 +116,13 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
         AppearanceKind::Static => AppearanceChoice::Static,
         AppearanceKind::Eigen => AppearanceChoice::Eigen(appearance_options(arguments)),
     };
+    #[cfg(feature = "complete")]
+    {
+        options.mode = match arguments.mode {
+            Mode::Global => ScanMode::Global,
+            Mode::Windows => ScanMode::Windows,
+        };
+    }
     if let Some(file) = &arguments.rig {
         options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);
     }
@@ -180,6 +191,17 @@ fn summary(report: &PackReport) -> String {
             appearance.stored.least_ssim,
             appearance.stored.psnr,
             seconds.appearance
+        ));
+    }
+    #[cfg(feature = "complete")]
+    if let Some(scanned) = &report.scanned {
+        lines.push(format!(
+            "scanned frames: {} in {} groups, {:.1} KB a frame, of which images {:.1} KB; in {:.1} s",
+            scanned.frames,
+            scanned.groups,
+            scanned.bytes_per_frame / 1e3,
+            scanned.images_per_frame / 1e3,
+            seconds.scanned
         ));
     }
     for family in &report.families {

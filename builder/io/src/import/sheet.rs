@@ -2,18 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use actor::surface::{Image, ImageFormat};
 use glam::Vec2;
+use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{FilterType, replace, resize};
 use image::{DynamicImage, Rgb, RgbImage};
 
 use super::error::ImportError;
-use super::images::read_file;
+use super::images::{from_bytes, read_file};
 use super::layers::TextureLayer;
 
 /// Width and height of a cell of one colour where no picture is larger.
 const PLAIN: u32 = 8;
 /// Widest sheet: cells become narrower beyond it.
 const WIDEST: u32 = 16_384;
+
+/// Widest still that a page shows.
+const WIDEST_STILL: u32 = 4096;
+/// Quality of the JPEG files of stills, of 100.
+const STILL_QUALITY: u8 = 92;
 
 /// A texture that is not decoded yet.
 #[derive(Clone, Debug)]
@@ -65,11 +72,30 @@ impl From<Picture> for ScannedTexture {
 }
 
 impl ScannedTexture {
+    /// The texture as a still that a page can show: a JPEG or WebP file as it is, where it is one and not too large, else a JPEG.
+    ///
+    /// # Errors
+    /// A file that is no image that is read.
+    pub fn still(&self) -> Result<Image, ImportError> {
+        if let [Cell { picture: Some(Picture { path, bytes, layer: None }), tint: [1.0, 1.0, 1.0] }] =
+            self.cells.as_slice()
+            && matches!(image::guess_format(bytes), Ok(image::ImageFormat::Jpeg | image::ImageFormat::WebP))
+        {
+            let image = from_bytes(bytes.clone(), path)?;
+            if image.width.max(image.height) <= WIDEST_STILL {
+                return Ok(image);
+            }
+        }
+        let path =
+            || self.cells.iter().find_map(|cell| cell.picture.as_ref()).map_or_else(PathBuf::new, |p| p.path.clone());
+        jpeg(self.decoded()?).map_err(|reason| ImportError::Image { path: path(), reason })
+    }
+
     /// Width, height and texels in sRGB, row by row from the top.
     ///
     /// # Errors
     /// A file that is no image that is read.
-    pub fn decoded(&self) -> Result<(usize, usize, Vec<[u8; 3]>), ImportError> {
+    pub fn decoded(&self) -> Result<Texels, ImportError> {
         let mut pictures = Vec::with_capacity(self.cells.len());
         for cell in &self.cells {
             let picture = cell.picture.as_ref().map(Picture::decoded).transpose()?;
@@ -85,6 +111,23 @@ impl ScannedTexture {
         let texels = sheet.pixels().map(|pixel| pixel.0).collect();
         Ok((sheet.width() as usize, sheet.height() as usize, texels))
     }
+}
+
+/// Texels of an image, row by row from the top.
+type Texels = (usize, usize, Vec<[u8; 3]>);
+
+/// A JPEG of `texels`; the reason where there is none.
+fn jpeg((width, height, texels): Texels) -> Result<Image, String> {
+    let mut sheet = RgbImage::from_fn(width as u32, height as u32, |x, y| Rgb(texels[y as usize * width + x as usize]));
+    let most = width.max(height) as u32;
+    if most > WIDEST_STILL {
+        let side = |side: usize| ((side as u64 * u64::from(WIDEST_STILL) / u64::from(most)) as u32).max(1);
+        sheet = resize(&sheet, side(width), side(height), FilterType::Triangle);
+    }
+    let mut bytes = Vec::new();
+    let encoded = JpegEncoder::new_with_quality(&mut bytes, STILL_QUALITY).encode_image(&sheet);
+    encoded.map_err(|cause| cause.to_string())?;
+    Ok(Image { format: ImageFormat::Jpeg, width: sheet.width(), height: sheet.height(), bytes })
 }
 
 /// All pictures in cells of one size, that of the largest.
@@ -211,6 +254,28 @@ mod tests {
         assert_eq!(sheet.place(1, corners), corners);
         assert_eq!(sheet.texture.decoded().unwrap().2, vec![[1, 2, 3]; 16]);
         assert!(Sheet::of(vec![Cell { picture: None, tint: [0.5; 3] }]).is_none());
+    }
+
+    #[test]
+    fn stills_are_kept_as_they_are_or_become_jpeg() {
+        let png = ScannedTexture { cells: vec![picture(4, [200, 30, 60])] };
+        let still = png.still().unwrap();
+        assert_eq!((still.format, still.width, still.height), (ImageFormat::Jpeg, 4, 4));
+        let read = image::load_from_memory(&still.bytes).unwrap().into_rgb8();
+        assert!(
+            read.pixels().all(|pixel| pixel
+                .0
+                .iter()
+                .zip([200, 30, 60])
+                .all(|(&a, b): (&u8, i32)| (i32::from(a) - b).abs() < 6))
+        );
+        let bytes = still.bytes.clone();
+        let of = |tint| {
+            let picture = Picture { path: PathBuf::new(), bytes: bytes.clone(), layer: None };
+            ScannedTexture { cells: vec![Cell { picture: Some(picture), tint }] }.still().unwrap()
+        };
+        assert_eq!(of([1.0; 3]).bytes, bytes, "a JPEG stays as it is");
+        assert_ne!(of([0.5, 1.0, 1.0]).bytes, bytes);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 mod open;
 mod readback;
+mod scans;
 mod texture;
 mod view;
 
@@ -45,6 +46,10 @@ pub struct Stage {
     textures: [Textures; 2],
     /// Whether the actor wears a texture as captured instead, for comparison.
     original: bool,
+    /// Whether the registered mesh is shown where scanned frames are there, too, for comparison.
+    template: bool,
+    /// Images of a group of scanned frames that is to be taken.
+    scan_images: Vec<wgpu::Texture>,
 }
 
 /// The adapter as the page reads it.
@@ -122,6 +127,7 @@ impl Stage {
             self.due = true;
         }
         if self.due {
+            let scan = player.inner.scan().filter(|_| !self.template);
             self.camera.follow(picture.ground());
             self.scene.show(&Moment {
                 before: Numbered { number: numbers[0], pose: &picture.before.pose },
@@ -129,6 +135,7 @@ impl Stage {
                 weight,
                 synthetic: picture.synthetic(),
                 ground: picture.ground(),
+                scan: scan.map(|scan| (scan.place, scan.number, scan.placement)),
             });
             self.scene.show_trail(player.inner.trail(), player.inner.played());
         }
@@ -169,6 +176,7 @@ impl Stage {
         }
         if let Some(compare) = given("compare") {
             let compare = compare.as_string();
+            self.template = compare.as_deref() == Some("template");
             self.cross_fade = compare.as_deref() == Some("cross-fade");
             self.textures[0] = if compare.as_deref() == Some("naive") { Textures::Naive } else { Textures::Aligned };
         }

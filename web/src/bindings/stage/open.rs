@@ -46,6 +46,8 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             time: now(),
             cross_fade: false,
             original: false,
+            template: false,
+            scan_images: Vec::new(),
             textures: Default::default(),
         };
         Ok(stage.into())

@@ -70,12 +70,20 @@ impl Stage {
 
     /// Makes a texture of `bitmap` for the mesh; whether that could be done.
     fn take_image(&mut self, bitmap: &ImageBitmap, put: impl FnOnce(&mut Mesh, &Gpu, &wgpu::Texture)) -> bool {
+        let Some(texture) = self.texture_of(bitmap) else { return false };
+        put(&mut self.scene.mesh, &self.scene.gpu, &texture);
+        self.due = true;
+        true
+    }
+
+    /// A texture of `bitmap` with all its levels; `None` where that cannot be done.
+    pub(super) fn texture_of(&self, bitmap: &ImageBitmap) -> Option<wgpu::Texture> {
         let size = [bitmap.width(), bitmap.height()];
         if self.lost() || size.contains(&0) || size.iter().any(|&side| side > 8192) {
-            return false;
+            return None;
         }
-        let gpu = self.scene.gpu.clone();
-        let texture = self.scene.mesh.textures().create(&gpu, size);
+        let gpu = &self.scene.gpu;
+        let texture = self.scene.mesh.textures().create(gpu, size);
         let source = wgpu::CopyExternalImageSourceInfo {
             source: wgpu::ExternalImageSource::ImageBitmap(bitmap.clone()),
             origin: wgpu::Origin2d::ZERO,
@@ -90,9 +98,7 @@ impl Stage {
             premultiplied_alpha: false,
         };
         gpu.queue.copy_external_image_to_texture(&source, destination, extent(size));
-        self.scene.mesh.textures().fill_levels(&gpu, &texture);
-        put(&mut self.scene.mesh, &gpu, &texture);
-        self.due = true;
-        true
+        self.scene.mesh.textures().fill_levels(gpu, &texture);
+        Some(texture)
     }
 }

@@ -1,0 +1,26 @@
+//! Frames as they were scanned, for the page that fetches them.
+
+use wasm_bindgen::prelude::*;
+
+use super::error::bundle_error;
+use super::player::Player;
+
+#[wasm_bindgen]
+impl Player {
+    /// The first byte in the bundle and the bytes of group `ordinal` of scanned frames; empty where there is none. Those of the first
+    /// one lie where all else ends.
+    #[must_use]
+    pub fn scan_section(&self, ordinal: u32) -> Vec<u32> {
+        // A bundle has less than 4 GiB.
+        self.inner.scan_section(ordinal).map_or(Vec::new(), |(start, length)| vec![start as u32, length as u32])
+    }
+
+    /// Where the images of group `ordinal` lie in the `bytes` of its section: beginning and end of each.
+    ///
+    /// # Errors
+    /// The bytes are not that section, or are damaged.
+    pub fn scan_images(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, JsValue> {
+        let images = self.inner.scan_images(ordinal, bytes).map_err(bundle_error)?;
+        Ok(images.into_iter().flat_map(|range| [range.start as u32, range.end as u32]).collect())
+    }
+}

@@ -1,0 +1,47 @@
+//! Frames as they were scanned: the page brings groups of them, decoded by the browser.
+
+use wasm_bindgen::prelude::*;
+use web_sys::ImageBitmap;
+
+use super::Stage;
+use crate::bindings::player::Player;
+
+#[wasm_bindgen]
+impl Stage {
+    /// The groups that are wanted and not here, the most urgent first.
+    #[must_use]
+    pub fn scans_wanted(&self, player: &Player) -> Vec<u32> {
+        if self.lost() || self.template {
+            return Vec::new();
+        }
+        let scans = &self.scene.scans;
+        player.inner.scans_ahead().into_iter().filter(|&group| !scans.holds(group)).collect()
+    }
+
+    /// Takes the next image of the group that [`Self::take_scan`] will take, decoded.
+    pub fn add_scan_image(&mut self, bitmap: &ImageBitmap) {
+        let texture = self.texture_of(bitmap);
+        self.scan_images.extend(texture);
+    }
+
+    /// Takes group `ordinal` from the `bytes` of its section, with the images that were added; whether that could be done. Those that are
+    /// not wanted any more go.
+    pub fn take_scan(&mut self, player: &Player, ordinal: u32, bytes: &[u8]) -> bool {
+        let textures = std::mem::take(&mut self.scan_images);
+        let group = player.inner.scans().and_then(|index| index.read(ordinal, bytes).ok());
+        let Some(group) = group.filter(|group| group.worn.iter().all(|&image| (image as usize) < textures.len()))
+        else {
+            return false;
+        };
+        let (scene, wanted) = (&mut self.scene, player.inner.scans_ahead());
+        scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, group), textures, &wanted);
+        self.due = true;
+        true
+    }
+
+    /// Whether the last picture showed a frame as it was scanned.
+    #[must_use]
+    pub fn shows_scan(&self) -> bool {
+        self.scene.scans.drawn().is_some()
+    }
+}
