@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use actor::capture::{Capture, Poses};
-use actor::contacts::Contacts;
 use actor::graph::{DEFAULT_ALPHA, EssentialGraph};
 use actor::timeline::{Sequence, Timeline};
 use actor::walk::{Leg, Walk};
@@ -106,7 +105,7 @@ fn accelerations(
     for frame in 0..small.timeline.frame_count() {
         only.push_row((frame == from).then_some((to, cost)));
     }
-    let graph = graph_of(small, measured, &only, &GraphOptions::default(), Contacts::default());
+    let graph = graph_of(small, measured, &only, &GraphOptions::default(), Default::default());
     let graph = graph.map_err(|error| wrong(&error))?.graph;
     let (source, destination) = (ends(small, from), ends(small, to));
     let (first, last) = (from.saturating_sub(BESIDE).max(source.start), (to + BESIDE).min(destination.end - 1));
