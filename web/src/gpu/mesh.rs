@@ -87,6 +87,7 @@ impl Shape {
             vertex: corner.vertex,
             uv: corner.uv,
             colour: colour(corner.vertex),
+            part: [0; 4],
         };
         let corners: Vec<_> = group.corners.iter().map(drawn).collect();
         Self::new(gpu, &corners, &group.triangles)
@@ -206,7 +207,7 @@ impl Mesh {
             [r, g, b, 255]
         };
         let corners: Vec<_> = surface.corners.iter().map(|corner| drawn(corner, part(corner.vertex))).collect();
-        self.corners = gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(&corners), BufferUsages::VERTEX);
+        self.shape = Shape::new(gpu, &corners, &surface.triangles);
     }
 
     /// Makes textures, and the smaller levels of those made by others.

@@ -149,7 +149,8 @@ impl Scene {
         let (weight, synthetic) = (moment.weight, moment.synthetic);
         let uniform = ActorUniform { weight, tint, synthetic, parts, ..Default::default() };
         let moved = self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform);
-        let (scan, changed) = self.scans.show(&self.gpu, &self.pose_layout, moment.scan, uniform);
+        let (scan, changed) =
+            self.scans.show(&self.gpu, &self.pose_layout, moment.scan.filter(|_| !self.look.parts), uniform);
         if moved || changed {
             let poses = [scan.as_deref().unwrap_or(moment.before.pose), scan.as_deref().unwrap_or(moment.after.pose)];
             self.square = Square::around(poses, self.measures.height);
