@@ -34,6 +34,7 @@ pub fn bench() -> Result<()> {
     let mark = Mark::AtMost(size::MARK as f64 / 1e3, Some(200.0));
     figures.add("page: wasm + JavaScript, gzip", at_once as f64 / 1e3, "KB", mark);
     figures.add("page: the same with the tools", (at_once + later) as f64 / 1e3, "KB", Mark::None);
+    let dist = web::build_to_measure()?;
     run("the builder", cargo().args(["build", "-p", "reprise-builder", "--release"]))?;
     demo(&dist, &mut figures)?;
     page(&dist, &mut figures)?;

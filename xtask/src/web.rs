@@ -49,10 +49,19 @@ pub fn is_keys(name: &Path) -> bool {
 
 /// Builds the page and returns the folder that holds it.
 pub fn build() -> Result<PathBuf> {
+    build_player(&MODULE)
+}
+
+/// Builds the page with the player's own benchmark in it.
+pub fn build_to_measure() -> Result<PathBuf> {
+    build_player(&Module { features: "bench", ..MODULE })
+}
+
+fn build_player(player: &Module) -> Result<PathBuf> {
     add_wasm_target()?;
     let package = dist().join("pkg");
     fs::create_dir_all(&package).with_context(|| format!("cannot create {}", package.display()))?;
-    for module in std::iter::once(&MODULE).chain(&LATER_MODULES) {
+    for module in std::iter::once(player).chain(&LATER_MODULES) {
         compile(module)?;
         let wasm = target().join(TARGET).join(format!("wasm/{}.wasm", module.name));
         bind(&wasm, &package, module.name)

@@ -238,6 +238,7 @@ impl Player {
     ///
     /// # Errors
     /// None in practice.
+    #[cfg(feature = "bench")]
     pub fn bench(&mut self) -> Result<String, JsValue> {
         json(&self.inner.bench(now)?)
     }

@@ -3,6 +3,7 @@
 //! It stands at the bundle's first pose until told otherwise. A route (a walk under way) says which frame comes next;
 //! without a target the actor plays on, as far as the recording goes. Everything follows from the ticks: no wall clock.
 
+#[cfg(any(feature = "bench", test))]
 pub mod bench;
 pub mod body_parts;
 pub mod clock;
