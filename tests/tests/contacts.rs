@@ -36,7 +36,7 @@ fn the_performer_stands_on_its_feet() {
     write_performer(&small, folder.path(), &|_| ()).unwrap();
     let inputs = [folder.path().to_str().unwrap().to_owned()];
     let capture = import(&inputs, &ImportOptions::default(), &Job::silent()).unwrap().capture;
-    let contacts = contacts(&capture.topology, &capture.timeline, &capture.poses);
+    let (contacts, _) = contacts(&capture.topology, &capture.timeline, &capture.poses);
     let (slide, count) = slide(&capture.timeline, &contacts);
     println!("{} parts, {count} steps that stand, {:.2} mm", contacts.parts(), slide * 1e3);
     assert!((2..=4).contains(&contacts.parts()), "two feet, of one or two parts each: {}", contacts.parts());
@@ -55,7 +55,7 @@ fn the_performer_stands_on_its_feet() {
 #[ignore = "reads ../shared/data"]
 fn captured_feet_are_found() {
     let Captured { topology, poses, timeline } = crane_and_jumping(1);
-    let contacts = contacts(&topology, &timeline, &poses);
+    let (contacts, _) = contacts(&topology, &timeline, &poses);
     let (slide, count) = slide(&timeline, &contacts);
     println!("{} parts, {count} steps that stand, {:.2} mm", contacts.parts(), slide * 1e3);
     assert!(contacts.parts() >= 1 && count > 30);
