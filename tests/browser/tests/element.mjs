@@ -5,6 +5,7 @@ import { readFile } from 'node:fs/promises';
 import { tests as errors } from './errors.mjs';
 import { tests as loading } from './loading.mjs';
 import { tests as page } from './page.mjs';
+import { tests as parts } from './parts.mjs';
 import { tests as toolTests } from './tools/all.mjs';
 import { tests as walking } from './walking.mjs';
 
@@ -71,7 +72,7 @@ export const tests = {
     };
     // This test and the next one read lists; they use nothing.
     const [, , ...own] = Object.values(tests);
-    const all = [...[errors, loading, page, toolTests, walking].flatMap(Object.values), ...own].map(String);
+    const all = [...[errors, loading, page, parts, toolTests, walking].flatMap(Object.values), ...own].map(String);
     const untested = Object.entries(documented).flatMap(([what, list]) =>
       list
         .map(({ name }) => name)

@@ -119,7 +119,7 @@ export const tests = {
       element.direction = { version: 1, target: { path: { points, shape: 'spline' } } };
     }, [[0, 0], [0.5, 1], [1, 2]]);
     const followers = async () => (await asked(player)).target.path.vertices ?? [];
-    const part = player.part('.chip').filter({ hasText: 'Part' });
+    const part = player.part('.chip').filter({ hasText: /^Part$/ });
     await part.click();
     const spot = await player.run((element) => {
       const pose = element.testing.pose();
