@@ -104,7 +104,7 @@ fn uniforms_have_the_layout_of_their_twins() {
         synthetic
     );
     check_layout(shaders::GROUND, "Frame", frame, size_of::<FrameUniform>());
-    let actor = layout!(ActorUniform, weight, tint, synthetic, opacity);
+    let actor = layout!(ActorUniform, weight, tint, synthetic, opacity, parts);
     check_layout(shaders::ACTOR, "Actor", actor, size_of::<ActorUniform>());
     let material = layout!(MaterialUniform, base_colour, captured);
     check_layout(shaders::ACTOR, "Material", material, size_of::<MaterialUniform>());
