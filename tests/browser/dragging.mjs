@@ -10,7 +10,7 @@ export async function dragging(element) {
     const start = performance.now();
     return [work(), performance.now() - start];
   };
-  const [editor, opened] = timed(() => new Editor(player.editable(), player.rig()));
+  const [editor, opened] = timed(() => new Editor(player.editable(), player.rig(), player.learned()));
   const give = () => editor.needs().forEach((frame) => editor.give(frame, player.recorded_pose(frame)));
   const [, given] = timed(give);
   const times = { grab: [], drag: [], frame: [] };
