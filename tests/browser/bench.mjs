@@ -150,6 +150,7 @@ const figures = {
   ...(await player.run(clicks)),
   ...(await player.run(searching)),
   ...(await player.run(dragging)),
+  ...(await player.run(dragging, 'learned')),
   bytes_to_first_picture: await player.page.evaluate(bytesToFirstPicture, { address: 'demo.reprise', chunk: CHUNK }),
   device_loss: await player.run(deviceLoss),
 };

@@ -1,9 +1,10 @@
 /**
  * What editing takes in the page's WebAssembly, in milliseconds: getting ready, grabbing a hand and the head in frames all over the
  * capture, dragging each in 40 steps with the whole body following, and making a frame around an edit. And how far off, in
- * millimetres, handles and pins are at most, and the part of the drags in which the body does not reach.
+ * millimetres, handles and pins are at most, and the part of the drags in which the body does not reach. By `method`, "rig" or
+ * "learned", which is in the figures' names where it is not the rig.
  */
-export async function dragging(element) {
+export async function dragging(element, method = 'rig') {
   const { player } = element.testing;
   const { Editor } = await element.testing.editing();
   const timed = (work) => {
@@ -24,7 +25,7 @@ export async function dragging(element) {
     const most = (axis) => vertices.reduce((best, vertex) => (recorded[3 * vertex + axis] > recorded[3 * best + axis] ? vertex : best));
     for (const [vertex, by] of [[most(0), [0.15, 0.35, 0.1]], [most(1), [0.1, -0.2, 0.1]]]) {
       const from = at(recorded, vertex);
-      const text = (to) => JSON.stringify({ version: 1, edits: [{ sequence: name, frame, handles: [{ vertex, to }] }] });
+      const text = (to) => JSON.stringify({ version: 1, edits: [{ sequence: name, frame, handles: [{ vertex, to }], method }] });
       editor.replace(text(from));
       give();
       times.grab.push(timed(() => editor.grab(0))[1]);
@@ -46,7 +47,7 @@ export async function dragging(element) {
   }
   editor.free();
   const share = (list, part) => [...list].sort((a, b) => a - b)[Math.floor((list.length - 1) * part)];
-  return {
+  const figures = {
     edit_ready: opened + given,
     edit_grab: share(times.grab, 0.95),
     edit_drag: share(times.drag, 0.5),
@@ -58,4 +59,6 @@ export async function dragging(element) {
     edit_pin_off: pin,
     edit_short: short / times.drag.length,
   };
+  const named = (name) => (method === 'rig' ? name : name.replace('edit', `edit_${method}`));
+  return Object.fromEntries(Object.entries(figures).map(([name, value]) => [named(name), value]));
 }
