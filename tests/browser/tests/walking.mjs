@@ -30,6 +30,15 @@ async function standing(browser, options) {
   return player;
 }
 
+/** Waits until the page searches for nothing by itself any more: what it suggests is planned when there is time. */
+async function searched(player) {
+  for (let before = -1, now = 0; before !== now; ) {
+    before = now;
+    await new Promise((resolve) => setTimeout(resolve, 300));
+    ({ now } = await player.run((element) => element.testing.plans()));
+  }
+}
+
 export const tests = {
   'a click on a strip takes the actor to that pose': async (browser) => {
     const player = await standing(browser);
@@ -160,7 +169,7 @@ export const tests = {
     const player = await standing(browser);
     const frame = await player.target();
     const { x, y } = await player.run((element, wanted) => element.testing.placeOf(wanted), frame);
-    await player.run((element) => element.testing.plans());
+    await searched(player);
     await player.mouse.move(x, y);
     await player.until('the ghost', (element) => element.testing.ghosts().length === 1);
     const [ghost] = await player.run((element) => element.testing.ghosts());
