@@ -1,6 +1,6 @@
 /**
  * The page's own figures: `node bench.mjs`. Same variables as `run.mjs`; REPRISE_FIGURES names a file for them as JSON.
- * `cargo xtask bench` puts each beside its mark.
+ * `cargo xtask bench` builds a page with the player's own benchmark in it, which others do without, and puts each beside its mark.
  *
  * The processor's times are what counts here. Chromium draws in software on a machine without a GPU, so nothing below
  * but the return of a lost device times the drawing itself.
