@@ -1,6 +1,6 @@
 /**
  * What editing takes in the page's WebAssembly, in milliseconds: getting ready, grabbing a hand and the head in frames all over the
- * capture, dragging each in 40 steps with the whole body following, and making a frame around an edit. And how far off, in
+ * capture, dragging each in 40 steps with the whole body following, coming to rest after it (a step, and all of them), and making a frame around an edit. And how far off, in
  * millimetres, handles and pins are at most, and the part of the drags in which the body does not reach. By `method`, "rig" or
  * "learned", which is in the figures' names where it is not the rig.
  */
@@ -14,7 +14,7 @@ export async function dragging(element, method = 'rig') {
   const [editor, opened] = timed(() => new Editor(player.editable(), player.rig(), player.learned()));
   const give = () => editor.needs().forEach((frame) => editor.give(frame, player.recorded_pose(frame)));
   const [, given] = timed(give);
-  const times = { grab: [], drag: [], frame: [] };
+  const times = { grab: [], drag: [], step: [], rest: [], frame: [] };
   let [handle, pin, short] = [0, 0, 0];
   const at = (pose, vertex) => Array.from(pose.slice(3 * vertex, 3 * vertex + 3));
   const apart = (a, b) => 1000 * Math.hypot(...a.map((place, axis) => place - b[axis]));
@@ -42,6 +42,9 @@ export async function dragging(element, method = 'rig') {
         for (const sole of soles) pin = Math.max(pin, apart(at(pose, sole), at(recorded, sole)));
       }
       editor.replace(text(from.map((place, axis) => place + by[axis])));
+      const before = times.step.length;
+      for (let [done, taken] = [false, 0]; !done; times.step.push(taken)) [done, taken] = timed(() => editor.settle(0));
+      times.rest.push(times.step.slice(before).reduce((sum, taken) => sum + taken, 0));
       for (const other of Array.from(editor.reached(0)).slice(0, 8)) times.frame.push(timed(() => editor.make(other, player.recorded_pose(other)))[1]);
     }
   }
@@ -53,6 +56,8 @@ export async function dragging(element, method = 'rig') {
     edit_drag: share(times.drag, 0.5),
     edit_drag_95: share(times.drag, 0.95),
     edit_drag_worst: share(times.drag, 1),
+    edit_step_worst: share(times.step, 1),
+    edit_rest_worst: share(times.rest, 1),
     edit_frame: share(times.frame, 0.5),
     edit_frame_worst: share(times.frame, 1),
     edit_handle_off: handle,

@@ -1,19 +1,20 @@
 //! Recorded poses with edits: what stands between a recording and whoever reads it.
 
 use actor::feet::Feet;
-use actor::pose_source::{PoseError, PoseSource};
+use actor::pose_source::PoseSource;
 use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
 use crate::carry::{handle_target, pin_targets, skin};
 use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
-use crate::error::EditError;
+use crate::error::{EditError, PreparedError};
 use crate::grab::{Editor, FOLLOW, Grab, Grip, REST, Released};
 use crate::propagate::{firmness, share, window};
 use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::Rig;
 use crate::rotation::turn_by;
+use crate::settle::Settling;
 use crate::space::Space;
 
 /// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
@@ -41,6 +42,8 @@ pub struct Edits {
     document: EditDocument,
     /// By edit: its frame over the whole capture, how far it reaches, and what it does once that was asked for.
     edits: Vec<(u32, [i64; 2], Option<Keyed>)>,
+    /// The edit that is being made, and its frame as it was recorded.
+    settling: Option<(usize, Settling, Vec<Vec3>)>,
     weights: Vec<f32>,
 }
 
@@ -75,7 +78,7 @@ impl Edits {
         editor: Editor,
         document: EditDocument,
     ) -> Result<Self, EditError> {
-        let mut edits = Self { editor, document, edits: Vec::new(), weights: weights.to_vec() };
+        let mut edits = Self { editor, document, edits: Vec::new(), settling: None, weights: weights.to_vec() };
         edits.replace(timeline, edits.document.clone())?;
         Ok(edits)
     }
@@ -98,6 +101,7 @@ impl Edits {
     /// As there.
     pub fn learn(&mut self, space: Space) -> Result<(), EditError> {
         self.editor.learn(space)?;
+        self.settling = None;
         for (edit, (_, _, keyed)) in self.document.edits.iter().zip(&mut self.edits) {
             keyed.take_if(|_| edit.method == Method::Learned);
         }
@@ -121,7 +125,7 @@ impl Edits {
             let keyed = same.and_then(|(_, _, keyed)| keyed.take());
             edits.push((frame, window(edit, timeline), keyed));
         }
-        (self.edits, self.document) = (edits, document);
+        (self.edits, self.document, self.settling) = (edits, document, None);
         Ok(())
     }
 
@@ -170,6 +174,13 @@ impl Edits {
     /// # Errors
     /// A frame that cannot be read; an edit that cannot be made, or is none.
     pub fn grab(&mut self, recording: &mut Recording, edit: usize) -> Result<(Grab, Vec<Vec3>), PreparedError> {
+        let (grip, recorded) = self.grip(recording, edit)?;
+        let grab = self.editor.grab(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+        Ok((grab, recorded))
+    }
+
+    /// What edit `edit` grabs in its frame, and the frame as it was recorded.
+    fn grip(&self, recording: &mut Recording, edit: usize) -> Result<(Grip, Vec<Vec3>), PreparedError> {
         let nothing = EditError::Edit { edit, reason: "there is no such edit" };
         let (Some(&(frame, _, _)), Some(asked)) = (self.edits.get(edit), self.document.edits.get(edit)) else {
             return Err(nothing.into());
@@ -187,8 +198,7 @@ impl Edits {
         };
         let handles = asked.handles.iter().map(|handle| handle.vertex).collect();
         let grip = Grip { handles, pins, scope: asked.scope, method: asked.method };
-        let grab = self.editor.grab(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
-        Ok((grab, recorded))
+        Ok((grip, recorded))
     }
 
     /// Drags what [`Self::grab`] has taken hold of to `to`, one place for each handle, in metres as the frame was recorded:
@@ -210,25 +220,52 @@ impl Edits {
         Ok(&keyed.notes)
     }
 
-    /// Makes edit `edit` of its own frame, once.
-    fn key(&mut self, recording: &mut Recording, edit: usize) -> Result<(), PreparedError> {
-        if !matches!(self.edits[edit], (_, _, None)) {
-            return Ok(());
+    /// One step of making edit `edit` of its own frame, for whoever has other work between; whether it is made. So is one that is off, or none.
+    ///
+    /// # Errors
+    /// A frame that cannot be read; an edit that cannot be made.
+    pub fn settle(&mut self, recording: &mut Recording, edit: usize) -> Result<bool, PreparedError> {
+        let (Some(asked), Some((_, _, None))) = (self.document.edits.get(edit), self.edits.get(edit)) else {
+            return Ok(true);
+        };
+        if !asked.on {
+            return Ok(true);
         }
-        let (mut grab, recorded) = self.grab(recording, edit)?;
-        let asked = &self.document.edits[edit];
         let to: Vec<Vec3> = asked.handles.iter().map(|handle| handle.to).collect();
-        let mut notes = Vec::new();
-        if asked.method == Method::Rig && self.editor.rig.is_none() {
-            notes.push("this actor has no rig: the surface alone is moved, as rigid as possible".to_owned());
+        let (_, mut settling, recorded) = match self.settling.take().filter(|(of, _, _)| *of == edit) {
+            Some(begun) => begun,
+            None => {
+                let (grip, recorded) = self.grip(recording, edit)?;
+                let grab = self.editor.hold(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+                self.settling = Some((edit, Settling::new(grab, &to), recorded));
+                return Ok(false);
+            }
+        };
+        if !settling.step(&mut self.editor).map_err(|error| error.of_edit(edit))? {
+            self.settling = Some((edit, settling, recorded));
+            return Ok(false);
         }
-        if asked.method == Method::Learned && !self.editor.has_space() {
-            notes.push("this actor has no learned space: the surface alone is moved, as rigid as possible".to_owned());
-        }
-        let dragged = self.editor.settle(&mut grab, &to).map_err(|error| error.of_edit(edit))?;
-        notes.extend(dragged.notes);
+        let mut notes = self.lacks(edit);
+        let (grab, settled) = settling.into_parts();
+        notes.extend(settled);
         let released = self.editor.release(grab);
         self.edits[edit].2 = Some(Keyed { released, recorded, notes, is_settled: true });
+        Ok(true)
+    }
+
+    /// What the actor does not have for edit `edit`, in sentences.
+    fn lacks(&self, edit: usize) -> Vec<String> {
+        let lacks = match self.document.edits[edit].method {
+            Method::Rig if self.editor.rig.is_none() => "rig",
+            Method::Learned if !self.editor.has_space() => "learned space",
+            _ => return Vec::new(),
+        };
+        vec![format!("this actor has no {lacks}: the surface alone is moved, as rigid as possible")]
+    }
+
+    /// Makes edit `edit` of its own frame, once.
+    fn key(&mut self, recording: &mut Recording, edit: usize) -> Result<(), PreparedError> {
+        while !self.settle(recording, edit)? {}
         Ok(())
     }
 
@@ -479,15 +516,4 @@ fn lowest(pose: &[Vec3]) -> Vec<u32> {
     let high = pose.iter().map(|point| point.y).fold(f32::NEG_INFINITY, f32::max);
     let most = low + LOW * (high - low);
     (0..pose.len() as u32).filter(|&vertex| pose[vertex as usize].y <= most).collect()
-}
-
-/// Why an edited frame cannot be made.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PreparedError {
-    /// The recorded frame cannot be read.
-    #[error(transparent)]
-    Pose(#[from] PoseError),
-    /// The edit cannot be made.
-    #[error(transparent)]
-    Edit(#[from] EditError),
 }

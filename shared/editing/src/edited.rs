@@ -7,9 +7,10 @@ use actor::pose_source::{PoseError, PoseSource};
 use actor::timeline::Timeline;
 use glam::Vec3;
 
-use crate::apply::{Edits, PreparedError, Recording};
+use crate::apply::{Edits, Recording};
 use crate::document::EditDocument;
 use crate::error::EditError;
+use crate::error::PreparedError;
 use crate::grab::Editor;
 
 /// Frames that are kept: whoever reads one reads it again soon.

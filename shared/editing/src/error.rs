@@ -1,6 +1,7 @@
 //! Why an edit cannot be made.
 
 use actor::json::Unread;
+use actor::pose_source::PoseError;
 use kernels::cholesky::CholeskyError;
 use thiserror::Error;
 
@@ -96,4 +97,15 @@ impl EditError {
             other => other,
         }
     }
+}
+
+/// Why an edited frame cannot be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PreparedError {
+    /// The recorded frame cannot be read.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// The edit cannot be made.
+    #[error(transparent)]
+    Edit(#[from] EditError),
 }

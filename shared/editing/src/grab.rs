@@ -25,7 +25,7 @@ pub(crate) const REST: f32 = 1e-4;
 const BALANCE: f32 = 0.1;
 /// Steps of a drag, and of a grab's first one.
 const STEPS: usize = 6;
-const FIRST_STEPS: usize = 40;
+pub(crate) const FIRST_STEPS: usize = 40;
 /// How far a handle takes hold of its bone over the surface, as a share of the body's size.
 const HOLD: f32 = 0.14;
 /// Further than this share of its size the surface is not stretched beyond what the bones reach.
@@ -35,9 +35,8 @@ const PULL: f32 = 1.2;
 /// Further than this share no handle goes without a rig; of a region, than so many radii.
 const FARTHEST: f32 = 0.5;
 const FARTHEST_RADII: f32 = 1.5;
-/// Local and global steps of as-rigid-as-possible surfaces: a drag, and until it comes to rest.
+/// Local and global steps of as-rigid-as-possible surfaces in a drag.
 const ITERATIONS: usize = 4;
-const MOST_ITERATIONS: usize = 80;
 const STILL: f32 = 1e-4;
 
 /// What is grabbed, and how.
@@ -56,19 +55,19 @@ pub struct Grip {
 
 /// A pose that is being dragged.
 pub struct Grab {
-    pose: Vec<Vec3>,
+    pub(crate) pose: Vec<Vec3>,
     grip: Grip,
     size: f32,
-    held: Held,
-    by: By,
+    pub(crate) held: Held,
+    pub(crate) by: By,
     /// Displacement of each handle: what was wanted, or the nearest sensible one.
     wanted: Vec<Vec3>,
-    displacements: Vec<Vec3>,
-    is_first: bool,
+    pub(crate) displacements: Vec<Vec3>,
+    pub(crate) is_first: bool,
 }
 
 /// What moves the surface.
-enum By {
+pub(crate) enum By {
     Bones { reach: Box<Reach>, bend: Bend, carried: Vec<Carried>, targets: Vec<Target>, skinned: Vec<Vec3> },
     Surface { turns: Vec<Quat>, outside: Vec<u32> },
     Modes { learned: Box<Learned>, outside: Vec<u32> },
@@ -171,6 +170,15 @@ impl Editor {
     /// # Errors
     /// No handle, one twice, or a vertex that does not exist; edits are numbered from 0, and this is the first.
     pub fn grab(&mut self, pose: &[Vec3], grip: &Grip) -> Result<Grab, EditError> {
+        let mut grab = self.hold(pose, grip)?;
+        if let By::Modes { learned, .. } = &mut grab.by {
+            learned.prepare(&mut self.deformer, &grab.held, pose)?;
+        }
+        Ok(grab)
+    }
+
+    /// As [`Self::grab`], for what comes to rest without a drag: what only drags need is left out.
+    pub(crate) fn hold(&mut self, pose: &[Vec3], grip: &Grip) -> Result<Grab, EditError> {
         let mut grip = grip.clone();
         let count = self.weights.len();
         if let Some(&vertex) = grip.handles.iter().chain(&grip.pins).find(|&&vertex| vertex as usize >= count) {
@@ -231,7 +239,7 @@ impl Editor {
         let by = match self.space.as_ref().filter(|_| grip.method == Method::Learned) {
             Some(space) => {
                 let modes = (space.facing(pose, &self.weights), space.variances());
-                let learned = Learned::new(&mut self.deformer, &held, pose, modes, self.prior)?;
+                let learned = Learned::new(&held, pose.len(), modes, self.prior);
                 By::Modes { learned: Box::new(learned), outside }
             }
             None => By::Surface { turns: vec![Quat::IDENTITY; pose.len()], outside },
@@ -260,18 +268,25 @@ impl Editor {
     /// # Errors
     /// Places that are not finite, or of another number.
     pub fn drag(&mut self, grab: &mut Grab, to: &[Vec3]) -> Result<Dragged, EditError> {
-        self.pull(grab, to, false)
+        let mut notes = Vec::new();
+        if self.aim(grab, to, &mut notes)? {
+            match &grab.by {
+                By::Bones { .. } => self.pull_bones(grab, to, STEPS, &mut notes)?,
+                By::Surface { .. } => {
+                    let mut left = ITERATIONS;
+                    while left > 0 && !self.relax(grab, left == 1)? {
+                        left -= 1;
+                    }
+                }
+                By::Modes { .. } => self.pull_modes(grab)?,
+            }
+            grab.is_first = false;
+        }
+        Ok(Dragged { pose: grab.moved(), notes })
     }
 
-    /// As [`Self::drag`], until nothing moves any more: for documents, and for idle moments of a page.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn settle(&mut self, grab: &mut Grab, to: &[Vec3]) -> Result<Dragged, EditError> {
-        self.pull(grab, to, true)
-    }
-
-    fn pull(&mut self, grab: &mut Grab, to: &[Vec3], until_still: bool) -> Result<Dragged, EditError> {
+    /// Where the handles are wanted, or the nearest sensible place; whether anything moves.
+    pub(crate) fn aim(&mut self, grab: &mut Grab, to: &[Vec3], notes: &mut Vec<String>) -> Result<bool, EditError> {
         if to.len() != grab.grip.handles.len() || !to.iter().all(|to| to.is_finite()) {
             return Err(EditError::Edit { edit: 0, reason: "each handle needs one place, of three finite numbers" });
         }
@@ -279,22 +294,30 @@ impl Editor {
         grab.wanted = grab.grip.handles.iter().zip(to).map(|(&handle, &to)| to - at(handle)).collect();
         if grab.grip.handles.iter().zip(to).all(|(&handle, &to)| to == at(handle)) {
             self.still(grab)?;
-            return Ok(Dragged { pose: grab.pose.clone(), notes: Vec::new() });
+            return Ok(false);
         }
-        let mut notes = Vec::new();
-        match grab.by {
-            By::Bones { .. } => self.pull_bones(grab, to, until_still, &mut notes)?,
-            By::Surface { .. } | By::Modes { .. } => self.pull_surface(grab, until_still, &mut notes)?,
+        if !matches!(grab.by, By::Bones { .. }) {
+            let most = match grab.grip.scope {
+                Scope::Region { radius } => FARTHEST_RADII * radius,
+                _ => FARTHEST * grab.size,
+            };
+            for (wanted, &handle) in grab.wanted.iter_mut().zip(&grab.grip.handles) {
+                let length = wanted.length();
+                if length > most {
+                    *wanted *= most / length;
+                    notes.push(far(handle, length - most));
+                }
+            }
         }
-        grab.is_first = false;
-        Ok(Dragged { pose: grab.moved(), notes })
+        Ok(true)
     }
 
-    fn pull_bones(
+    /// Inverse kinematics of at least `steps` steps, the skin, and the surface.
+    pub(crate) fn pull_bones(
         &mut self,
         grab: &mut Grab,
         to: &[Vec3],
-        until_still: bool,
+        steps: usize,
         notes: &mut Vec<String>,
     ) -> Result<(), EditError> {
         let (By::Bones { reach, bend, carried, targets, skinned }, Some(rig)) = (&mut grab.by, &self.rig) else {
@@ -305,8 +328,7 @@ impl Editor {
             // What is far away must not pull the feet from where they stand.
             target.to = from + (to - from).clamp_length_max(PULL * grab.size);
         }
-        let (steps, none) =
-            (if grab.is_first || until_still { FIRST_STEPS } else { STEPS }, Bend::none(rig.bones().len()));
+        let (steps, none) = (if grab.is_first { FIRST_STEPS } else { steps }, Bend::none(rig.bones().len()));
         reach.solve(targets, &none, bend, steps);
         let mut motions = reach.motions(bend);
         let most = STRETCH * grab.size;
@@ -338,45 +360,27 @@ impl Editor {
         Ok(())
     }
 
-    fn pull_surface(&mut self, grab: &mut Grab, until_still: bool, notes: &mut Vec<String>) -> Result<(), EditError> {
-        let most = match grab.grip.scope {
-            Scope::Region { radius } => FARTHEST_RADII * radius,
-            _ => FARTHEST * grab.size,
-        };
-        for (wanted, &handle) in grab.wanted.iter_mut().zip(&grab.grip.handles) {
-            let length = wanted.length();
-            if length > most {
-                *wanted *= most / length;
-                notes.push(far(handle, length - most));
-            }
-        }
+    /// A step of a surface without bones and modes: all vertices for the turns as they are, then, unless it is the last, the turns. Whether
+    /// nothing moves any more.
+    pub(crate) fn relax(&mut self, grab: &mut Grab, is_last: bool) -> Result<bool, EditError> {
+        let wanted = grab.held_wanted();
+        let By::Surface { turns, .. } = &mut grab.by else { return Ok(true) };
         let told = vec![Vec3::ZERO; grab.pose.len()];
-        let fixed = grab.held.vertices().len();
-        let mut wanted = grab.wanted.clone();
-        wanted.resize(fixed, Vec3::ZERO);
-        let turns = match &mut grab.by {
-            By::Bones { .. } => return Ok(()),
-            By::Modes { learned, .. } => {
-                let moved = learned.pull(&mut self.deformer, &grab.held, &grab.pose, &wanted, until_still)?;
-                grab.displacements = moved;
-                return Ok(());
-            }
-            By::Surface { turns, .. } => turns,
-        };
-        let iterations = match grab.grip.method {
-            Method::Laplace => 1,
-            _ if until_still => MOST_ITERATIONS,
-            _ => ITERATIONS,
-        };
-        for iteration in 0..iterations {
-            let next = self.deformer.solve(&grab.held, &grab.pose, turns, &told, &wanted)?;
-            let moved = next.iter().zip(&grab.displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-            grab.displacements = next;
-            if grab.grip.method == Method::Laplace || iteration + 1 == iterations || moved < STILL {
-                break;
-            }
+        let next = self.deformer.solve(&grab.held, &grab.pose, turns, &told, &wanted)?;
+        let moved = next.iter().zip(&grab.displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        grab.displacements = next;
+        let is_still = grab.grip.method == Method::Laplace || moved < STILL;
+        if !is_still && !is_last {
             *turns = self.deformer.turns(&grab.held, &grab.pose, &grab.displacements);
         }
+        Ok(is_still || is_last)
+    }
+
+    /// One iteration with modes.
+    fn pull_modes(&mut self, grab: &mut Grab) -> Result<(), EditError> {
+        let wanted = grab.held_wanted();
+        let By::Modes { learned, .. } = &mut grab.by else { return Ok(()) };
+        grab.displacements = learned.pull(&mut self.deformer, &grab.held, &grab.pose, &wanted)?;
         Ok(())
     }
 
@@ -447,7 +451,14 @@ impl Grab {
         &self.grip
     }
 
-    fn moved(&self) -> Vec<Vec3> {
+    /// Displacements of all that is held: what is no handle stays.
+    pub(crate) fn held_wanted(&self) -> Vec<Vec3> {
+        let mut wanted = self.wanted.clone();
+        wanted.resize(self.held.vertices().len(), Vec3::ZERO);
+        wanted
+    }
+
+    pub(crate) fn moved(&self) -> Vec<Vec3> {
         self.pose.iter().zip(&self.displacements).map(|(&point, &displacement)| point + displacement).collect()
     }
 }

@@ -19,14 +19,8 @@ use crate::dense::solve_dense;
 pub const PRIOR: f64 = 1e-4;
 /// Modes that are solved for at once: three numbers each, four at a time.
 const ABREAST: usize = 4;
-/// Until a drag has come to rest: iterations without modes, how often the system is made anew then, and iterations with each.
-const RIGID_ITERATIONS: usize = 15;
-const ROUNDS: usize = 4;
-const ITERATIONS: usize = 6;
 /// Steps by which a rotation is followed.
 const TURN_STEPS: usize = 2;
-/// It rests where no vertex moves further than this, in metres.
-const STILL: f32 = 1e-4;
 
 /// A pose that moves by modes.
 pub(crate) struct Learned {
@@ -47,26 +41,19 @@ pub(crate) struct Learned {
     rest: Vec<Vec3>,
 }
 
-/// Where a descent has come to rest.
-struct Valley {
-    energy: f64,
-    displacements: Vec<Vec3>,
-    turns: Vec<Quat>,
-    rest: Vec<Vec3>,
+/// A system that is being made.
+pub(crate) struct System {
+    /// As [`changes`] has them.
+    changes: Option<Vec<Mat3>>,
+    /// The first mode that is not in it yet.
+    first: usize,
 }
 
 impl Learned {
-    /// `pose`, of which `held` is held, by `modes` as it faces.
-    pub(crate) fn new(
-        deformer: &mut Deformer,
-        held: &Held,
-        pose: &[Vec3],
-        (modes, variances): (Vec<Vec<Vec3>>, &[f64]),
-        prior: f64,
-    ) -> Result<Self, CholeskyError> {
-        let n = pose.len();
+    /// A pose of `count` vertices of which `held` is held, by `modes` as it faces. Its system is made by [`Self::prepare`], or by a descent.
+    pub(crate) fn new(held: &Held, count: usize, (modes, variances): (Vec<Vec<Vec3>>, &[f64]), prior: f64) -> Self {
         let of_held = |mode: &Vec<Vec3>| held.vertices().iter().map(|&v| mode[v as usize]).collect();
-        let mut learned = Self {
+        Self {
             held_modes: modes.iter().map(of_held).collect(),
             modes,
             variances: variances.to_vec(),
@@ -74,12 +61,10 @@ impl Learned {
             levers: Vec::new(),
             turned: Vec::new(),
             normal: Vec::new(),
-            turns: vec![Quat::IDENTITY; n],
+            turns: vec![Quat::IDENTITY; count],
             shares: Vec::new(),
-            rest: vec![Vec3::ZERO; n],
-        };
-        learned.prepare(deformer, held, pose)?;
-        Ok(learned)
+            rest: vec![Vec3::ZERO; count],
+        }
     }
 
     /// How each vertex is turned.
@@ -90,6 +75,16 @@ impl Learned {
     /// What the modes move each vertex by.
     pub(crate) fn rest(&self) -> &[Vec3] {
         &self.rest
+    }
+
+    /// Nothing is turned.
+    pub(crate) fn begin(&mut self) {
+        self.turns.fill(Quat::IDENTITY);
+    }
+
+    /// Turns and what modes move, as they were found.
+    pub(crate) fn take(&mut self, turns: Vec<Quat>, rest: Vec<Vec3>) {
+        (self.turns, self.rest) = (turns, rest);
     }
 
     /// Back to the pose that was grabbed.
@@ -104,19 +99,39 @@ impl Learned {
     }
 
     /// Makes the system for the rotations as they are now.
-    fn prepare(&mut self, deformer: &mut Deformer, held: &Held, pose: &[Vec3]) -> Result<(), CholeskyError> {
-        let changes = changes(deformer, &self.turns);
+    pub(crate) fn prepare(&mut self, deformer: &mut Deformer, held: &Held, pose: &[Vec3]) -> Result<(), CholeskyError> {
+        let mut system = self.begin_system(deformer);
+        while !self.add_some(&mut system, deformer, held, pose)? {}
+        Ok(())
+    }
+
+    /// A system that no mode is in yet, for the rotations as they are now.
+    pub(crate) fn begin_system(&mut self, deformer: &Deformer) -> System {
         self.levers.clear();
         self.turned.clear();
         self.normal = vec![0.0; self.modes.len() * self.modes.len()];
-        for first in (0..self.modes.len()).step_by(ABREAST) {
-            let some = &self.modes[first..(first + ABREAST).min(self.modes.len())];
-            let moved = deformer.fields(held, some, changes.as_deref())?;
-            for (k, moved) in (first..).zip(moved) {
-                self.add(deformer, held, pose, (k, &moved), changes.as_deref());
-            }
+        System { changes: changes(deformer, &self.turns), first: 0 }
+    }
+
+    /// Adds the next few modes; whether all are there.
+    pub(crate) fn add_some(
+        &mut self,
+        system: &mut System,
+        deformer: &mut Deformer,
+        held: &Held,
+        pose: &[Vec3],
+    ) -> Result<bool, CholeskyError> {
+        let end = (system.first + ABREAST).min(self.modes.len());
+        if system.first == end {
+            return Ok(true);
         }
-        Ok(())
+        let changes = system.changes.as_deref();
+        let moved = deformer.fields(held, &self.modes[system.first..end], changes)?;
+        for (k, moved) in (system.first..).zip(moved) {
+            self.add(deformer, held, pose, (k, &moved), changes);
+        }
+        system.first = end;
+        Ok(end == self.modes.len())
     }
 
     /// What mode `k` adds to the system: `moved` is what solves for it, beside the mode itself.
@@ -164,68 +179,19 @@ impl Learned {
         self.turned.push(turned);
     }
 
-    /// Drags what is held by `wanted`; displacements of all vertices. Until nothing moves any more, or one iteration of it.
+    /// Drags what is held by `wanted`; displacements of all vertices after one iteration.
     pub(crate) fn pull(
         &mut self,
         deformer: &mut Deformer,
         held: &Held,
         pose: &[Vec3],
         wanted: &[Vec3],
-        until_still: bool,
     ) -> Result<Vec<Vec3>, CholeskyError> {
-        if !until_still {
-            return self.iterate(deformer, held, pose, wanted, true);
-        }
-        // There are several valleys. From modes one gets into those where modes explain what a turn would; from turns alone, into those
-        // where modes come too late. The lower one counts.
-        let mut found: Option<Valley> = None;
-        for rigid in [0, RIGID_ITERATIONS] {
-            self.turns.fill(Quat::IDENTITY);
-            let displacements = self.descend(deformer, held, pose, wanted, rigid)?;
-            let energy = self.energy(deformer, held, pose, &displacements);
-            if found.as_ref().is_none_or(|other| energy < other.energy) {
-                let (turns, rest) = (self.turns.clone(), self.rest.clone());
-                found = Some(Valley { energy, displacements, turns, rest });
-            }
-        }
-        let Some(lowest) = found else { return Ok(vec![Vec3::ZERO; pose.len()]) };
-        (self.turns, self.rest) = (lowest.turns, lowest.rest);
-        Ok(lowest.displacements)
-    }
-
-    /// Iterations until nothing moves any more: so many as rigid as possible, then with modes.
-    fn descend(
-        &mut self,
-        deformer: &mut Deformer,
-        held: &Held,
-        pose: &[Vec3],
-        wanted: &[Vec3],
-        rigid: usize,
-    ) -> Result<Vec<Vec3>, CholeskyError> {
-        let mut displacements = vec![Vec3::ZERO; pose.len()];
-        for _ in 0..rigid {
-            displacements = self.iterate(deformer, held, pose, wanted, false)?;
-        }
-        for _ in 0..ROUNDS {
-            self.prepare(deformer, held, pose)?;
-            for iteration in 0..ITERATIONS {
-                let next = self.iterate(deformer, held, pose, wanted, true)?;
-                let moved = next.iter().zip(&displacements).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-                displacements = next;
-                if moved < STILL {
-                    // For this system nothing moves any more; nor did it for the one before, where it is the first iteration.
-                    if iteration == 0 {
-                        return Ok(displacements);
-                    }
-                    break;
-                }
-            }
-        }
-        Ok(displacements)
+        self.iterate(deformer, held, pose, wanted, true)
     }
 
     /// What is least, for the rotations and modes as they are.
-    fn energy(&self, deformer: &Deformer, held: &Held, pose: &[Vec3], displacements: &[Vec3]) -> f64 {
+    pub(crate) fn energy(&self, deformer: &Deformer, held: &Held, pose: &[Vec3], displacements: &[Vec3]) -> f64 {
         let mut sum = 0.0;
         for (&[i, j], &weight) in deformer.edges().iter().zip(held.weights()) {
             let (i, j) = (i as usize, j as usize);
@@ -239,7 +205,7 @@ impl Learned {
     }
 
     /// Modes, then the surface, then its rotations.
-    fn iterate(
+    pub(crate) fn iterate(
         &mut self,
         deformer: &mut Deformer,
         held: &Held,

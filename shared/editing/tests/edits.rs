@@ -307,9 +307,10 @@ fn a_learned_drag_meets_its_handle_at_once_and_goes_back_to_nothing() {
         (0..AROUND as usize).for_each(|pin| assert_eq!(dragged.pose[pin], poses.frame(KEY)[pin]));
     }
     assert_eq!(editor.drag(&mut grab, &[from]).unwrap().pose, poses.frame(KEY));
-    let again = editor.settle(&mut grab, &[from + BY]).unwrap().pose;
-    let mut fresh = editor.grab(poses.frame(KEY), &grip).unwrap();
-    assert_eq!(editor.settle(&mut fresh, &[from + BY]).unwrap().pose, again);
+    let (again, _) = editor.settle(grab, &[from + BY]).unwrap();
+    let fresh = editor.grab(poses.frame(KEY), &grip).unwrap();
+    let (fresh, _) = editor.settle(fresh, &[from + BY]).unwrap();
+    assert_eq!(editor.release(fresh).pose, editor.release(again).pose);
 }
 
 #[test]

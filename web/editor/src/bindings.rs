@@ -106,6 +106,14 @@ impl Editor {
         self.inner.reached(edit)
     }
 
+    /// One step of making edit `edit` of its own frame, so that the page can do other work between; whether it is made.
+    ///
+    /// # Errors
+    /// Its frame was not given.
+    pub fn settle(&mut self, edit: usize) -> Result<bool, JsValue> {
+        Ok(self.inner.settle(edit)?)
+    }
+
     /// Frame `frame` with its edits; `pose` is what was recorded.
     ///
     /// # Errors

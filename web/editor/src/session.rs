@@ -2,8 +2,7 @@
 
 use actor::pose_source::{PoseError, PoseSource};
 use bundle::{decode_learned_space, decode_rig};
-use editing::apply::PreparedError;
-use editing::{EditDocument, EditError, Editor, Edits, Grab, Recording, StoredRig, StoredSpace};
+use editing::{EditDocument, EditError, Editor, Edits, Grab, PreparedError, Recording, StoredRig, StoredSpace};
 use glam::Vec3;
 use thiserror::Error;
 
@@ -197,6 +196,17 @@ impl Session {
         let frames = edits.frame(edit).and_then(|frame| timeline.sequence_of(frame));
         let frames = frames.map_or(0..0, |sequence| sequence.first_frame..sequence.end_frame());
         frames.filter(|&frame| edits.reaches_by(timeline, edit, frame)).collect()
+    }
+
+    /// One step of making edit `edit` of its own frame, which [`Self::make`] would do at once; whether it is made.
+    ///
+    /// # Errors
+    /// Its frame was not given; an edit that cannot be made.
+    pub fn settle(&mut self, edit: usize) -> Result<bool, SessionError> {
+        let Self { known, edits, given, .. } = self;
+        let edits = edits.as_mut().ok_or(SessionError::Misfit)?;
+        let mut recording = Recording { source: given, timeline: &known.timeline, feet: &known.feet };
+        Ok(edits.settle(&mut recording, edit)?)
     }
 
     /// Edits `pose`, which is `frame` as it was recorded.

@@ -193,6 +193,15 @@ fn frames_are_those_of_a_film_to_the_bit() {
         }
         let document = EditDocument::from_json(&text).unwrap();
         let mut edited = EditedPoses::new(&mut film, (&timeline, &feet), topology.weights(), editor, document).unwrap();
+        // On a page edits come to rest a step at a time; one that is off, or none, is at rest.
+        let mut steps = [0; 5];
+        for (edit, steps) in steps.iter_mut().enumerate() {
+            while !session.settle(edit).unwrap() {
+                *steps += 1;
+            }
+        }
+        assert_eq!([steps[2], steps[4]], [0, 0]);
+        assert!(steps[3] > 10 && (steps[0] == 1) == with_rig, "{steps:?}");
         // Those nearest to the actor come first on a page.
         for &frame in reached.iter().rev() {
             let mut ours = pose(&mut reader, frame);

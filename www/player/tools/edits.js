@@ -26,6 +26,8 @@ export class EditDriver {
     this.made = new Map();
     /** Frames still to be made, the nearest first, and by which edits. @type {[number, string][]} */
     this.due = [];
+    /** Edits that are to come to rest before frames are made of them. @type {number[]} */
+    this.restless = [];
     this.waiting = [];
     this.held = false;
     /** For tests: frames made, and the milliseconds of the longest slice. */
@@ -131,6 +133,7 @@ export class EditDriver {
     const here = this.box.director.state.frame;
     this.due = [...wanted].filter(([frame, by]) => this.made.get(frame) !== by).sort(([a], [b]) => Math.abs(a - here) - Math.abs(b - here));
     this.box.core.redraw();
+    this.restless = this.due.length > 0 ? [...edits.keys()] : [];
     if (this.due.length > 0) this.pump();
     else this.settle();
   }
@@ -149,6 +152,10 @@ export class EditDriver {
     const begin = performance.now();
     try {
       do {
+        if (this.restless.length > 0) {
+          if (editor.settle(this.restless[0])) this.restless.shift();
+          continue;
+        }
         const [frame, by] = this.due.shift() ?? [];
         if (frame === undefined) break;
         player.set_edited(frame, editor.make(frame, player.recorded_pose(frame)));

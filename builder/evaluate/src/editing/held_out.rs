@@ -279,8 +279,9 @@ impl<'a> Scene<'a> {
         handles.dedup();
         let to: Vec<Vec3> = handles.iter().map(|&v| self.wanted[v as usize]).collect();
         let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method: Method::Learned };
-        let mut grab = editor.grab(&self.reference, &grip).ok()?;
-        editor.settle(&mut grab, &to).ok().map(|dragged| dragged.pose)
+        let grab = editor.grab(&self.reference, &grip).ok()?;
+        let (grab, _) = editor.settle(grab, &to).ok()?;
+        Some(editor.release(grab).pose)
     }
 
     /// The patches' centres alone are dragged: the rig turns what is around them.
@@ -289,8 +290,9 @@ impl<'a> Scene<'a> {
         let handles: Vec<u32> = self.patches.iter().map(|patch| patch[0]).collect();
         let to: Vec<Vec3> = handles.iter().map(|&v| self.wanted[v as usize]).collect();
         let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method: Method::Rig };
-        let mut grab = editor.grab(&self.reference, &grip).ok()?;
-        editor.settle(&mut grab, &to).ok().map(|dragged| dragged.pose)
+        let grab = editor.grab(&self.reference, &grip).ok()?;
+        let (grab, _) = editor.settle(grab, &to).ok()?;
+        Some(editor.release(grab).pose)
     }
 }
 

@@ -5,7 +5,8 @@ use std::ops::Range;
 use actor::capture::Capture;
 use actor::feet::Feet;
 use actor::pose_source::PoseSource;
-use editing::apply::{PreparedError, sole};
+use editing::PreparedError;
+use editing::apply::sole;
 use editing::{Edit, EditDocument, EditedPoses, Editor, Handle, Method, Pins, Propagation, Rig, Scope};
 use glam::Vec3;
 

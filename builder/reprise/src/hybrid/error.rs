@@ -11,7 +11,7 @@ pub enum HybridError {
     Misfit(String),
     /// The edit cannot be made.
     #[error("the driven sequence cannot be edited: {0}")]
-    Edit(#[from] editing::apply::PreparedError),
+    Edit(#[from] editing::PreparedError),
     /// Transitions cannot be measured.
     #[error("transitions between the recording and the driven sequence cannot be measured: {0}")]
     Measure(String),

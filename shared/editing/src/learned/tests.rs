@@ -3,6 +3,7 @@ use kernels::random::signed;
 use kernels::topology::Topology;
 
 use super::*;
+use crate::descent::Descent;
 
 const COUNT: usize = 24;
 
@@ -22,6 +23,34 @@ fn scene(seed: u64, modes: usize) -> (Topology, Vec<Vec3>, Vec<Vec<Vec3>>) {
         (0..COUNT).map(|v| Vec3::new((v / 2) as f32 * 0.1, (v % 2) as f32 * 0.1, 0.0) + 0.02 * noise(1, v)).collect();
     let mode = |k: usize| (0..COUNT).map(|v| 0.2 * noise(100 + k as u64, v)).collect();
     (topology, pose, (0..modes).map(mode).collect())
+}
+
+/// Ready for drags.
+fn prepared(
+    deformer: &mut Deformer,
+    held: &Held,
+    pose: &[Vec3],
+    modes: (Vec<Vec<Vec3>>, &[f64]),
+    prior: f64,
+) -> Learned {
+    let mut learned = Learned::new(held, pose.len(), modes, prior);
+    learned.prepare(deformer, held, pose).unwrap();
+    learned
+}
+
+/// Dragged until it is at rest.
+fn settled(
+    learned: &mut Learned,
+    deformer: &mut Deformer,
+    held: &Held,
+    asked: (&[Vec3], &[Vec3]),
+) -> Result<Vec<Vec3>, CholeskyError> {
+    let mut descent = Descent::new(learned, COUNT);
+    loop {
+        if let Some(rest) = descent.step(learned, deformer, held, asked)? {
+            return Ok(rest);
+        }
+    }
 }
 
 /// The x and r that the energy is least for, with these rotations: the normal equations of all of them.
@@ -86,7 +115,7 @@ fn it_is_what_one_large_system_gives_with_and_without_rotations() {
         let mut deformer = Deformer::new(&topology, None).unwrap();
         let held = deformer.hold(&pose, &[0, 1, 22, 13], 1e-2).unwrap();
         let wanted = [Vec3::ZERO, Vec3::ZERO, Vec3::new(0.1, 0.2, -0.15), Vec3::new(-0.05, 0.0, 0.1)];
-        let mut learned = Learned::new(&mut deformer, &held, &pose, (modes.clone(), &variances), PRIOR).unwrap();
+        let mut learned = prepared(&mut deformer, &held, &pose, (modes.clone(), &variances), PRIOR);
         for _ in 0..3 {
             let turns = learned.turns().to_vec();
             let wanted_pose = plain(&deformer, &held, &pose, (&modes, &variances), &turns, &wanted);
@@ -107,15 +136,15 @@ fn what_is_held_is_met_and_nothing_wanted_is_nothing_moved() {
     let variances = [0.3; 7];
     let mut deformer = Deformer::new(&topology, None).unwrap();
     let held = deformer.hold(&pose, &[2, 3, 23], 1e-4).unwrap();
-    let mut learned = Learned::new(&mut deformer, &held, &pose, (modes, &variances), PRIOR).unwrap();
-    let still = learned.pull(&mut deformer, &held, &pose, &[Vec3::ZERO; 3], false).unwrap();
+    let mut learned = prepared(&mut deformer, &held, &pose, (modes, &variances), PRIOR);
+    let still = learned.pull(&mut deformer, &held, &pose, &[Vec3::ZERO; 3]).unwrap();
     assert!(still.iter().all(|moved| *moved == Vec3::ZERO), "{still:?}");
     let wanted = [Vec3::ZERO, Vec3::ZERO, Vec3::new(0.0, 0.3, 0.2)];
-    let moved = learned.pull(&mut deformer, &held, &pose, &wanted, true).unwrap();
+    let moved = settled(&mut learned, &mut deformer, &held, (&pose, &wanted)).unwrap();
     assert_eq!([moved[2], moved[3], moved[23]], wanted);
     // Back from there it is the pose again.
     learned.still(&mut deformer, &held, &pose).unwrap();
-    let again = learned.pull(&mut deformer, &held, &pose, &wanted, true).unwrap();
+    let again = settled(&mut learned, &mut deformer, &held, (&pose, &wanted)).unwrap();
     assert_eq!(moved, again);
 }
 
@@ -130,9 +159,9 @@ fn a_pose_of_the_space_is_found_from_its_ends() {
     let held = deformer.hold(&pose, &[0, 1, 3, 4], 1e-4).unwrap();
     let wanted: Vec<Vec3> = held.vertices().iter().map(|&v| 0.5 * bent[v as usize]).collect();
     let off = |moved: &[Vec3]| moved.iter().zip(&bent).map(|(a, b)| a.distance(0.5 * *b)).fold(0.0, f32::max);
-    let one = Learned::new(&mut deformer, &held, &pose, (vec![bent.clone()], &[1.0]), 1e-6);
-    let by_mode = one.unwrap().pull(&mut deformer, &held, &pose, &wanted, false).unwrap();
-    let none = Learned::new(&mut deformer, &held, &pose, (Vec::new(), &[]), 1e-6);
-    let without = none.unwrap().pull(&mut deformer, &held, &pose, &wanted, true).unwrap();
+    let mut one = prepared(&mut deformer, &held, &pose, (vec![bent.clone()], &[1.0]), 1e-6);
+    let by_mode = one.pull(&mut deformer, &held, &pose, &wanted).unwrap();
+    let mut none = Learned::new(&held, COUNT, (Vec::new(), &[]), 1e-6);
+    let without = settled(&mut none, &mut deformer, &held, (&pose, &wanted)).unwrap();
     assert!(off(&by_mode) < 2e-3 && off(&without) > 0.02, "{} {}", off(&by_mode), off(&without));
 }
