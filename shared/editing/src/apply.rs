@@ -15,14 +15,11 @@ use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::Rig;
 use crate::rotation::turn_by;
 use crate::settle::Settling;
+use crate::soles::{lowest, sole};
 use crate::space::Space;
 
 /// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
 const STEPS: usize = 12;
-/// A vertex is part of a sole from this share on, in [`actor::feet::SHARE_STEP`].
-const SOLE: u8 = 128;
-/// What is this close to the lowest point stands, relative to the body's height, where no feet are known.
-const LOW: f32 = 0.011;
 
 /// What recorded frames are read from, and what is known of them.
 pub struct Recording<'a> {
@@ -503,17 +500,4 @@ fn is_same(one: &Edit, other: &Edit) -> bool {
 fn once(held: &mut Vec<(u32, Vec3)>, count: usize) {
     let mut seen = vec![false; count];
     held.retain(|(vertex, _)| !std::mem::replace(&mut seen[*vertex as usize], true));
-}
-
-/// The vertices of a foot's sole.
-pub fn sole(feet: &Feet, foot: usize) -> impl Iterator<Item = u32> {
-    feet.vertices(foot).iter().filter(|vertex| vertex.sole >= SOLE).map(|vertex| vertex.vertex)
-}
-
-/// The vertices on which a pose stands where no feet are known: those that are about as low as the lowest.
-fn lowest(pose: &[Vec3]) -> Vec<u32> {
-    let low = pose.iter().map(|point| point.y).fold(f32::INFINITY, f32::min);
-    let high = pose.iter().map(|point| point.y).fold(f32::NEG_INFINITY, f32::max);
-    let most = low + LOW * (high - low);
-    (0..pose.len() as u32).filter(|&vertex| pose[vertex as usize].y <= most).collect()
 }

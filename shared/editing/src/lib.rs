@@ -32,6 +32,7 @@ pub mod rigid;
 pub mod rotation;
 pub mod settle;
 pub mod skin;
+pub mod soles;
 pub mod space;
 pub mod stored;
 

@@ -266,7 +266,7 @@ impl Session {
     /// The vertices of a foot's sole.
     #[must_use]
     pub fn sole(&self, foot: usize) -> Vec<u32> {
-        editing::apply::sole(&self.known.feet, foot).collect()
+        editing::soles::sole(&self.known.feet, foot).collect()
     }
 
     /// Where the bones of the rig are in `pose`, wherever that stands: of each where it begins and ends. Empty without a rig.

@@ -2,7 +2,7 @@
 
 use actor::capture::Capture;
 use actor::pose_source::PoseSource;
-use editing::apply::sole;
+use editing::soles::sole;
 use editing::{EditDocument, EditedPoses, Editor, Rig};
 use glam::Vec3;
 use job::Job;

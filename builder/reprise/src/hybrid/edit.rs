@@ -6,7 +6,7 @@ use actor::capture::Capture;
 use actor::feet::Feet;
 use actor::pose_source::PoseSource;
 use editing::PreparedError;
-use editing::apply::sole;
+use editing::soles::sole;
 use editing::{Edit, EditDocument, EditedPoses, Editor, Handle, Method, Pins, Propagation, Rig, Scope};
 use glam::Vec3;
 
