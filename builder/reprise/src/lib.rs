@@ -71,7 +71,7 @@ pub mod preflight;
 mod reach;
 #[cfg(feature = "scans")]
 mod registered;
-mod rigged;
+pub mod rigged;
 #[cfg(feature = "scans")]
 mod scan_report;
 #[cfg(feature = "scans")]

@@ -14,7 +14,7 @@ use bundle::{
     self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, ScannedFrames,
     default_max_error,
 };
-use capture_io::import::{self, Warning};
+use capture_io::import::{self, FileSkeleton, Warning};
 use editing::{StoredRig, StoredSpace};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
@@ -256,6 +256,7 @@ fn pack_of(
         alternatives: stored.as_ref(),
         body_parts: imported.parts.as_deref(),
         scanned: scanned.as_ref(),
+        skeleton: imported.skeleton.as_ref(),
     };
     let (bytes, mut pack_report) = pack_with_files(&imported.capture, besides, looks, options, job)?;
     pack_report.seconds.import = seconds.import;
@@ -341,7 +342,7 @@ pub fn pack_with_looks(
     let files = Files::default();
     pack_with_files(
         capture,
-        Besides { files: &files, alternatives: None, body_parts: None, scanned: None },
+        Besides { files: &files, alternatives: None, body_parts: None, scanned: None, skeleton: None },
         (models, quality),
         options,
         job,
@@ -358,6 +359,8 @@ struct Besides<'a> {
     body_parts: Option<&'a [u8]>,
     /// Frames as they were scanned.
     scanned: Option<&'a ScannedFrames>,
+    /// The bones that the capture's file brings.
+    skeleton: Option<&'a FileSkeleton>,
 }
 
 /// What goes into a bundle besides a capture, what was made on the way among it.
@@ -384,8 +387,11 @@ fn pack_with_files(
     let (mut seconds, mut warnings) = (StageSeconds::default(), Vec::new());
     let mut rig = None;
     if let Some(file) = &options.rig {
-        match timed(&mut seconds.rig, || stored_rig(capture, file, job))? {
-            Ok(found) => rig = Some(found),
+        match timed(&mut seconds.rig, || stored_rig(capture, besides.skeleton, file, job))? {
+            Ok((stored, summary, warning)) => {
+                rig = Some((stored, summary));
+                warnings.extend(warning);
+            }
             Err(warning) => warnings.push(warning),
         }
     }

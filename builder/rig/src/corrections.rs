@@ -11,12 +11,26 @@ use crate::estimate::{Estimate, RigError};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigFile {
+    /// Whether it is the skeleton of the capture's file, or estimated from the motion of the surface; the file's where it has one, unless
+    /// `parts` are given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<RigOrigin>,
     /// Rigid parts that the surface is split into at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parts: Option<usize>,
     /// The bones, by the names under which they were found.
     #[serde(default)]
     pub bone: Vec<Correction>,
+}
+
+/// Where a rig comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RigOrigin {
+    /// The skeleton that the capture's file brings.
+    File,
+    /// The motion of the surface.
+    Motion,
 }
 
 /// What is said of one bone. What is left out stays as it was found.
@@ -51,7 +65,11 @@ impl RigFile {
             joint: Some(bone.joint.to_array()),
             merge: false,
         };
-        Self { parts: Some(estimate.parts), bone: bones.iter().enumerate().map(entry).collect() }
+        let (from, parts) = match estimate.is_given {
+            true => (Some(RigOrigin::File), None),
+            false => (None, Some(estimate.parts)),
+        };
+        Self { from, parts, bone: bones.iter().enumerate().map(entry).collect() }
     }
 
     /// The rig with what the file says of its bones.

@@ -6,14 +6,18 @@
 
 pub mod corrections;
 pub mod estimate;
+pub mod given;
+mod hung;
 pub mod ik;
 pub mod space;
 pub mod weights;
 
 pub use editing::{INFLUENCES, Influences, Rigid, Skin};
 
-pub use self::corrections::{Correction, RigFile};
+pub use self::corrections::{Correction, RigFile, RigOrigin};
 pub use self::estimate::{Estimate, RigError, RigOptions, estimate};
+pub use self::given::given;
+pub use self::hung::GivenBone;
 pub use self::ik::{TwoBones, two_bones};
 pub use self::space::{Learned, SpaceOptions, learn_space};
 pub use self::weights::{diffuse, spread};

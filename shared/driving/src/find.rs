@@ -16,6 +16,8 @@ const UPPER_ARM: f32 = 0.172;
 const FOREARM: f32 = 0.15;
 /// What a fitting name is worth beside shares of the height.
 const HINT: f32 = 0.05;
+/// How bad it is to pass by a joint that is called an elbow.
+const CALLED: f32 = 1.0;
 /// Ends that are higher than the feet by more than this share of the size, or as much lower, are no feet.
 const LOW: f32 = 0.12;
 /// Ends that are looked at for feet, and for heads and hands.
@@ -98,7 +100,7 @@ fn upper_body(joints: &mut Joints, tree: &Tree, pelvis: usize, feet: [usize; 2],
     let mut top = pelvis;
     if let Some((chest, hands)) = arms {
         let height = height(tree, joints);
-        let arms = hands.map(|hand| arm(tree, chest, hand, height));
+        let arms = divided_alike(tree, chest, hands, height);
         if let [Some(first), Some(second)] = arms {
             joints.insert(Role::Chest, chest);
             top = chest;
@@ -248,27 +250,46 @@ fn height(tree: &Tree, joints: &BTreeMap<Role, usize>) -> f32 {
     0.5 * (leg(Role::LEGS[0]) + leg(Role::LEGS[1]))
 }
 
-/// Shoulder, elbow and wrist on the way to a hand's end.
-fn arm(tree: &Tree, chest: usize, hand: usize, height: f32) -> Option<Vec<usize>> {
-    let way = tree.way(chest, hand);
+/// Shoulder, elbow and wrist on the ways to both hands' ends; both arms are divided alike where they have as many joints.
+fn divided_alike(tree: &Tree, chest: usize, hands: [usize; 2], height: f32) -> [Option<Vec<usize>>; 2] {
+    let ways = hands.map(|hand| tree.way(chest, hand));
+    let [first, second] = ways.each_ref().map(|way| divided(tree, way, height));
+    let best = |all: &mut dyn Iterator<Item = Division>| {
+        let least = all.reduce(|best, other| if other.0 < best.0 { other } else { best });
+        least.map(|(_, cuts)| cuts)
+    };
+    let cuts = if first.len() == second.len() {
+        let both = best(&mut first.iter().zip(&second).map(|(a, b)| (a.0 + b.0, a.1)));
+        [both, both]
+    } else {
+        [best(&mut first.into_iter()), best(&mut second.into_iter())]
+    };
+    [0, 1].map(|k| cuts[k].map(|cuts| cuts.map(|at| ways[k][at]).to_vec()))
+}
+
+/// How bad it is to divide a way at a shoulder, an elbow and a wrist.
+type Division = (f32, [usize; 3]);
+
+/// All divisions of the way to a hand's end. An elbow that is called one is one.
+fn divided(tree: &Tree, way: &[usize], height: f32) -> Vec<Division> {
+    let mut all = Vec::new();
     if way.len() > LONGEST_WAY {
-        return None;
+        return all;
     }
-    let mut best: Option<(f32, [usize; 3])> = None;
+    let hint = |at: usize, role| hints::fit(tree.name(way[at]), role);
+    let called = (2..way.len().saturating_sub(1)).find(|&at| hint(at, Role::ElbowL) > 0.0);
     for shoulder in 1..way.len() {
         for elbow in shoulder + 1..way.len() {
             for wrist in elbow + 1..way.len() {
                 let share = |from: usize, to: usize| tree.length(&way[from..=to]) / height.max(1e-6);
-                let hint = |at: usize, role| HINT * hints::fit(tree.name(way[at]), role);
                 let off = (share(shoulder, elbow) - UPPER_ARM).abs() + (share(elbow, wrist) - FOREARM).abs();
                 let hints = hint(shoulder, Role::ShoulderL) + hint(elbow, Role::ElbowL) + hint(wrist, Role::WristL);
-                if best.is_none_or(|(least, _)| off - hints < least) {
-                    best = Some((off - hints, [way[shoulder], way[elbow], way[wrist]]));
-                }
+                let other = if called.is_some_and(|called| called != elbow) { CALLED } else { 0.0 };
+                all.push((off - HINT * hints + other, [shoulder, elbow, wrist]));
             }
         }
     }
-    best.map(|(_, arm)| arm.to_vec())
+    all
 }
 
 /// Whether the first leg is the left one: of where the feet point. Names decide where feet say little.

@@ -13,6 +13,7 @@ use glam::Vec3;
 use job::Job;
 use kernels::topology::Topology;
 use reprise::drive::bundle_of;
+use reprise::rigged::found_rig;
 
 use super::args::ImportArguments;
 use super::failure::Failure;
@@ -82,8 +83,12 @@ pub fn rig(actor: &mut ReadActor, file: Option<&Path>) -> Result<Rig, Failure> {
         return Ok(rig);
     }
     let file = rigged::read_file(file)?;
-    let corrected = rigged::corrected(&actor.topology, &actor.poses, &file, None);
-    corrected.map(|(_, rig)| rig).map_err(|error| Failure::Input(error.into()))
+    let skeleton = match &actor.origin {
+        Origin::Bundle(_) => None,
+        Origin::Capture(imported) => imported.skeleton.as_ref(),
+    };
+    let found = found_rig((&actor.topology, &actor.poses), skeleton, &file, None);
+    found.map(|found| found.rig).map_err(|error| Failure::Input(error.into()))
 }
 
 impl ReadActor {

@@ -6,11 +6,12 @@ use actor::capture::Poses;
 use anyhow::{Context, anyhow};
 use bundle::BundleReader;
 use capture_io::export::rig_picture;
-use capture_io::import::{ImportError, import};
+use capture_io::import::{FileSkeleton, ImportError, import};
 use editing::Rig;
 use glam::{Vec2, Vec3Swizzles};
 use job::Job;
 use kernels::topology::Topology;
+use reprise::rigged::{FoundRig, found_rig};
 use rig::{Estimate, RigFile};
 use serde::Serialize;
 
@@ -38,6 +39,8 @@ struct RigReport {
 struct FoundReport {
     /// Whether it was taken for a human's.
     human: bool,
+    /// Whether it is the skeleton that the capture's file brings.
+    given: bool,
     /// Rigid parts that were found.
     parts: usize,
     /// Key frames, the rest pose first.
@@ -73,10 +76,11 @@ pub fn run(arguments: &RigArguments, terminal: &Terminal) -> Result<(), Failure>
         return print(arguments, &report(rest_frame, None, &rig));
     }
     let file = rigged::read_file(arguments.rig.as_deref())?;
-    let (topology, poses) = read(arguments, terminal)?;
+    let (topology, poses, skeleton) = read(arguments, terminal)?;
     let parts = arguments.parts.map(usize::from);
-    let (found, rig) =
-        rigged::corrected(&topology, &poses, &file, parts).map_err(|error| Failure::Input(error.into()))?;
+    let found = found_rig((&topology, &poses), skeleton.as_ref(), &file, parts);
+    let FoundRig { estimate: found, rig, warning } = found.map_err(|error| Failure::Input(error.into()))?;
+    warning.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
     draw(arguments, &rig, &topology)?;
     if let Some(path) = &arguments.toml {
         let text = toml::to_string(&RigFile::of(&found)).map_err(|error| Failure::Internal(error.into()))?;
@@ -108,14 +112,14 @@ fn bundle(arguments: &RigArguments) -> Result<Option<BundleReader>, Failure> {
     BundleReader::from_bytes(&bytes).with_context(|| path.clone()).map(Some).map_err(Failure::Input)
 }
 
-/// The mesh and all poses of a bundle or of an input.
-fn read(arguments: &RigArguments, terminal: &Terminal) -> Result<(Topology, Poses), Failure> {
+/// The mesh and all poses of a bundle or of an input, and the skeleton that an input brings.
+fn read(arguments: &RigArguments, terminal: &Terminal) -> Result<(Topology, Poses, Option<FileSkeleton>), Failure> {
     if let Some(mut reader) = bundle(arguments)? {
         let (Some(timeline), Some(topology)) = (reader.timeline().cloned(), reader.topology().cloned()) else {
             return Err(Failure::Input(anyhow!("the bundle ends before its mesh is described")));
         };
         let poses = rigged::poses(&mut reader, &timeline, topology.vertex_count())?;
-        return Ok((topology, poses));
+        return Ok((topology, poses, None));
     }
     let progress = |step| terminal.progress(step);
     let imported = import(&arguments.inputs, &import_options(&arguments.import), &Job::new(&progress));
@@ -124,7 +128,7 @@ fn read(arguments: &RigArguments, terminal: &Terminal) -> Result<(Topology, Pose
         error => Failure::Input(error.into()),
     })?;
     imported.warnings.iter().for_each(|warning| terminal.log(&format!("warning: {warning}")));
-    Ok((imported.capture.topology, imported.capture.poses))
+    Ok((imported.capture.topology, imported.capture.poses, imported.skeleton))
 }
 
 /// The way the body faces in the rest pose: forwards of what is left and right where that is known, +Z where it is not.
@@ -149,6 +153,7 @@ fn report(rest_frame: u32, found: Option<&Estimate>, rig: &Rig) -> RigReport {
     });
     let found = found.map(|found| FoundReport {
         human: found.is_human,
+        given: found.is_given,
         parts: found.parts,
         keys: found.keys.clone(),
         parts_misfit_mm: found.parts_misfit.map(|off| 1000.0 * off),
@@ -164,13 +169,24 @@ fn text(report: &RigReport) -> String {
         Some(found) => {
             let kind = if found.human { "a human" } else { "no human that is known: all parts are bones" };
             let (parts, keys) = (found.parts, found.keys.len());
-            vec![
-                format!("{parts} rigid parts from {keys} key frames; rest pose: frame {frame}; {kind}"),
-                format!(
-                    "skinning misses {:.1} mm with all parts, {:.1} mm with the bones (root of the mean square)",
-                    found.parts_misfit_mm[0], found.misfit_mm[0]
-                ),
-            ]
+            if found.given {
+                let kind = if found.human { "a human" } else { "no human that is known" };
+                let off = found.misfit_mm[0];
+                vec![
+                    format!(
+                        "{parts} bones of the file's skeleton, looked at in {keys} key frames; rest pose: frame {frame}; {kind}"
+                    ),
+                    format!("skinning misses {off:.1} mm (root of the mean square)"),
+                ]
+            } else {
+                vec![
+                    format!("{parts} rigid parts from {keys} key frames; rest pose: frame {frame}; {kind}"),
+                    format!(
+                        "skinning misses {:.1} mm with all parts, {:.1} mm with the bones (root of the mean square)",
+                        found.parts_misfit_mm[0], found.misfit_mm[0]
+                    ),
+                ]
+            }
         }
     };
     lines.push(format!("{:14} {:14} {:>24} {:>8} {:>9}", "bone", "hangs on", "joint (m)", "gap (mm)", "vertices"));

@@ -10,7 +10,8 @@ use bundle::BundleReader;
 use editing::{EditDocument, Editor, Rig, Space};
 use glam::Vec3;
 use kernels::topology::Topology;
-use rig::{Estimate, RigError, RigFile, RigOptions, estimate};
+use reprise::rigged::found_rig;
+use rig::{RigError, RigFile};
 
 use super::failure::Failure;
 use super::terminal::Terminal;
@@ -36,20 +37,6 @@ pub fn read_file(file: Option<&Path>) -> Result<RigFile, Failure> {
     };
     let read = text.and_then(|text| parse(text).with_context(|| file.display().to_string()));
     read.map_err(Failure::Input)
-}
-
-/// The rig that is estimated, and as `file` corrects it.
-pub fn corrected(
-    topology: &Topology,
-    poses: &Poses,
-    file: &RigFile,
-    parts: Option<usize>,
-) -> Result<(Estimate, Rig), RigError> {
-    let mut options = RigOptions::default();
-    options.parts = parts.or(file.parts).unwrap_or(options.parts);
-    let found = estimate(topology, poses, &options)?;
-    let rig = file.correct(&found.rig)?;
-    Ok((found, rig))
 }
 
 /// The rig that a bundle has, and the frame of its rest pose.
@@ -109,8 +96,8 @@ fn bare_editor(
     }
     let rig_file = read_file(file)?;
     let poses = poses(reader, timeline, topology.vertex_count())?;
-    let rig = match corrected(topology, &poses, &rig_file, None) {
-        Ok((_, rig)) => Some(rig),
+    let rig = match found_rig((topology, &poses), None, &rig_file, None) {
+        Ok(found) => Some(found.rig),
         Err(error @ RigError::Rigid { .. }) if file.is_none() => {
             terminal.log(&format!("note: {error}"));
             None

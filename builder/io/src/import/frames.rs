@@ -1,8 +1,9 @@
 //! Mesh files, one a frame: all must hold the same faces as the first.
 
+use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
 #[cfg(feature = "gltf")]
@@ -34,6 +35,14 @@ impl Axes {
         match self.up {
             UpAxis::Y => p * self.unit,
             UpAxis::Z => DVec3::new(p.x, p.z, -p.y) * self.unit,
+        }
+    }
+
+    /// How the input's axes are turned against ours.
+    pub fn rotation(self) -> Quat {
+        match self.up {
+            UpAxis::Y => Quat::IDENTITY,
+            UpAxis::Z => Quat::from_rotation_x(-FRAC_PI_2),
         }
     }
 }

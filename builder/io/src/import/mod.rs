@@ -35,6 +35,7 @@
 
 mod assemble;
 mod beside;
+mod bones;
 mod colour;
 #[cfg(feature = "gltf")]
 mod draco;
@@ -99,6 +100,7 @@ use actor::capture::Capture;
 use actor::files::Files;
 use glam::DVec3;
 
+pub use self::bones::{FileBone, FileSkeleton};
 pub use self::error::ImportError;
 pub use self::families::{DEFAULT_SAMPLES, FamilyParameter, FamilySamples, ManifestFamily};
 #[cfg(all(feature = "gltf", feature = "mocap"))]
@@ -167,6 +169,8 @@ pub struct Imported {
     pub families: Vec<ManifestFamily>,
     /// The number of each vertex's part of the body, where parts were painted.
     pub parts: Option<Vec<u8>>,
+    /// The bones that move the surface, where the input has them.
+    pub skeleton: Option<FileSkeleton>,
     /// Keeps those of `frame_textures` alive that were written out of glTF files.
     pub scratch: Option<Scratch>,
 }
@@ -198,8 +202,9 @@ pub fn import(inputs: &[String], options: &ImportOptions, job: &Job) -> Result<I
     let frame_textures = frame_textures.map(|textures| without_dropped(textures, &before, &dropped));
     let frame_masks = without_dropped(frame_masks, &before, &dropped);
     let files = Files { faces, place: plan.place(offset) };
+    let skeleton = bones::skeleton(&plan, offset, &capture);
     let families = plan.families;
-    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, families, parts, scratch })
+    Ok(Imported { capture, warnings, frame_textures, frame_masks, offset, files, families, parts, skeleton, scratch })
 }
 
 /// Takes out what belongs to the last frames of those sequences that lost theirs.

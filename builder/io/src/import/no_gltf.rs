@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 
+use super::bones::Moved;
 use super::error::ImportError;
 use super::mesh::FileMesh;
 use super::warning::Warning;
@@ -40,6 +41,14 @@ impl GltfFile {
     }
 
     pub fn rate_warning(&self, _clip: usize, _fps: f32) -> Option<Warning> {
+        match *self {}
+    }
+
+    pub fn moved(&self) -> Moved {
+        match *self {}
+    }
+
+    pub fn world(&self, _clip: usize, _fps: f64, _frame: usize) -> Vec<Mat4> {
         match *self {}
     }
 

@@ -8,14 +8,14 @@
 //! meet where their motions agree, and the tree of joints that gape least leaves cloth at its ends. On the ways between the
 //! ends of a human body the joints of a human are found and named; any other body keeps all its parts.
 
-mod clusters;
+pub(crate) mod clusters;
 mod human;
 mod joints;
-mod keys;
+pub(crate) mod keys;
 mod linked;
-mod skeleton;
+pub(crate) mod skeleton;
 mod tips;
-mod weights;
+pub(crate) mod weights;
 
 use actor::capture::Poses;
 use editing::rig::NO_BONE;
@@ -59,6 +59,11 @@ pub enum RigError {
     /// An option is out of range.
     #[error("a rig has from 2 to 120 parts, not {0}")]
     Parts(usize),
+    /// A skeleton is asked for, but none came.
+    #[error(
+        "a rig from the file is asked for, but the file has no skeleton whose bones move the surface: leave `from` out of the rig file"
+    )]
+    NoSkeleton,
     /// A correction that does not fit.
     #[error("bone {name:?}: {reason}")]
     Correction {
@@ -82,7 +87,9 @@ pub struct Estimate {
     pub rig: Rig,
     /// Whether it was taken for that of a human.
     pub is_human: bool,
-    /// Rigid parts that were found.
+    /// Whether bones and weights are those of a skeleton that came with the surface.
+    pub is_given: bool,
+    /// Rigid parts that were found; bones, where they are given.
     pub parts: usize,
     /// Key frames.
     pub keys: Vec<u32>,
@@ -138,7 +145,16 @@ pub fn estimate(topology: &Topology, poses: &Poses, options: &RigOptions) -> Res
     }
     let core = clusters.of_vertex.iter().map(|&part| of_part[part]).collect();
     let rig = Rig::new(bones, influences, core, rest.clone())?;
-    Ok(Estimate { rig, is_human: skeleton.is_human, parts, keys: keys.frames, parts_misfit, misfit, bone_misfit })
+    Ok(Estimate {
+        rig,
+        is_human: skeleton.is_human,
+        is_given: false,
+        parts,
+        keys: keys.frames,
+        parts_misfit,
+        misfit,
+        bone_misfit,
+    })
 }
 
 /// What skinning with all parts misses after each part's transforms were found once more (Le and Deng 2012, section 4.3).
@@ -165,7 +181,7 @@ fn segment_motions(keys: &Keys, clusters: &Clusters, skeleton: &Skeleton) -> Vec
     skeleton.segments.iter().map(of).collect()
 }
 
-fn bone(segment: &Segment, own: &[Rigid], parent: &[Rigid], is_root: bool) -> Bone {
+pub(crate) fn bone(segment: &Segment, own: &[Rigid], parent: &[Rigid], is_root: bool) -> Bone {
     let Segment { name, parent: index, joint, gap, limb, .. } = segment.clone();
     let turns: Vec<Vec3> = own
         .iter()
@@ -185,7 +201,7 @@ fn bone(segment: &Segment, own: &[Rigid], parent: &[Rigid], is_root: bool) -> Bo
     Bone { name, parent: index, joint, limb, range: [low, high], spread, gap }
 }
 
-fn size(pose: &[Vec3]) -> f32 {
+pub(crate) fn size(pose: &[Vec3]) -> f32 {
     let low = pose.iter().copied().reduce(Vec3::min).unwrap_or_default();
     let high = pose.iter().copied().reduce(Vec3::max).unwrap_or_default();
     (high - low).max_element()

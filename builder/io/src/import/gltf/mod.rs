@@ -28,6 +28,7 @@ mod flipbook;
 mod inflate;
 mod instance;
 mod material;
+mod moved;
 mod nodes;
 mod orientation;
 mod primitive;

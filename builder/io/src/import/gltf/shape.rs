@@ -69,6 +69,12 @@ impl Shape {
         self.targets.len()
     }
 
+    /// The joints that hold a vertex, and by how much; `None` where the shape is not skinned.
+    pub fn held(&self, vertex: usize) -> Option<impl Iterator<Item = (usize, f32)>> {
+        let influences = self.influences.as_ref()?;
+        Some(influences.of_vertex(vertex).map(|&(joint, weight)| (joint as usize, weight)))
+    }
+
     /// For each vertex whether the joints that hold it mirror, by the sign of `signs` (one per joint) that outweighs the
     /// other; `None` where the shape is not skinned.
     pub fn mirrored_vertices(&self, signs: &[f32]) -> Option<Vec<bool>> {
