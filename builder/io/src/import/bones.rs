@@ -14,9 +14,10 @@ const LOOKS: usize = 60;
 /// A node that moves by less than this share against its parent does not move.
 const STILL: f32 = 1e-4;
 /// A bone whose beginning goes about by more than this share of the size in its parent's frame is not held by that; one that stays within
-/// the other share in that of another bone is held there.
+/// the other share in that of another bone, in most frames, is held there.
 const LOOSE: f32 = 0.08;
-const HELD: f32 = 0.01;
+const HELD: f32 = 0.015;
+const MOSTLY: f32 = 0.8;
 
 /// A bone of a file's skeleton.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -139,10 +140,14 @@ fn hung(mut parents: Vec<Option<usize>>, looks: &[Look]) -> (Vec<Option<usize>>,
     let places = looks.iter().flat_map(|look| &look.positions);
     let (low, high) = places.fold((Vec3::MAX, Vec3::MIN), |(low, high), &place| (low.min(place), high.max(place)));
     let size = (high - low).max_element();
-    let drift = |bone: usize, on: usize| {
+    // How far it goes about at most, in so many of the frames: a limb may be stretched or lost in some.
+    let drift = |bone: usize, on: usize, share: f32| {
         let own = |look: &Look| look.rotations[on].conjugate() * (look.positions[bone] - look.positions[on]);
         let mean = looks.iter().map(own).sum::<Vec3>() / looks.len().max(1) as f32;
-        looks.iter().map(|look| own(look).distance(mean)).fold(0.0, f32::max)
+        let mut off: Vec<f32> = looks.iter().map(|look| own(look).distance(mean)).collect();
+        off.sort_by(f32::total_cmp);
+        let last = off.len().saturating_sub(1);
+        off.get((last as f32 * share).round() as usize).copied().unwrap_or_default()
     };
     let is_below = |parents: &[Option<usize>], mut bone: usize, above: usize| {
         for _ in 0..=count {
@@ -155,9 +160,9 @@ fn hung(mut parents: Vec<Option<usize>>, looks: &[Look]) -> (Vec<Option<usize>>,
         true
     };
     for bone in 0..count {
-        let Some(parent) = parents[bone].filter(|&parent| drift(bone, parent) > LOOSE * size) else { continue };
+        let Some(parent) = parents[bone].filter(|&parent| drift(bone, parent, 1.0) > LOOSE * size) else { continue };
         let others = (0..count).filter(|&other| other != parent && !is_below(&parents, other, bone));
-        let best = others.map(|other| (drift(bone, other), other)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let best = others.map(|other| (drift(bone, other, MOSTLY), other)).min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, other)) = best.filter(|(drift, _)| *drift < HELD * size) {
             parents[bone] = Some(other);
         }
