@@ -84,8 +84,9 @@ impl Regression {
         let square = own.iter().map(|x| x * x).sum();
         let own = Matrix::from_fn(1, own.len(), |_, column| own[column]);
         let products = own.times_transposed(&self.inputs);
+        let likeness = self.kernel.with(&self.parameters);
         let alike = Matrix::from_fn(1, self.squares.len(), |_, row| {
-            self.kernel.value(&self.parameters, products[(0, row)], square, self.squares[row]).0
+            likeness.value(products[(0, row)], square, self.squares[row]).0
         });
         let output = alike.times_transposed(&self.answers);
         output.row(0).iter().zip(&self.means[1]).map(|(y, mean)| y + mean).collect()
@@ -157,9 +158,10 @@ impl Products {
     fn kernels(&self, kernel: Kernel, parameters: &Parameters, floor: f64) -> [Matrix; 2] {
         let n = self.0.rows();
         let (mut values, mut slopes) = (Matrix::zeros(n, n), Matrix::zeros(n, n));
+        let likeness = kernel.with(parameters);
         for i in 0..n {
             for j in 0..=i {
-                let (value, slope) = kernel.value(parameters, self.0[(i, j)], self.0[(i, i)], self.0[(j, j)]);
+                let (value, slope) = likeness.value(self.0[(i, j)], self.0[(i, i)], self.0[(j, j)]);
                 (values[(i, j)], slopes[(i, j)]) = (value, slope);
             }
             values[(i, i)] += noise(kernel, parameters, floor);
@@ -205,14 +207,14 @@ impl<'a> Likelihood<'a> {
         let RegressionOptions { kernel, floor, .. } = *self.options;
         let [values, slopes] = self.products.kernels(kernel, parameters, floor);
         let factor = Cholesky::of(&values)?;
-        let inverse = factor.inverse_lower();
-        let answers = factor.solve(&self.outputs);
+        let inverse = factor.inverse();
+        let answers = inverse.times(&self.outputs);
         let (n, m) = (values.rows(), self.outputs.columns() as f64);
         let value = 0.5 * self.outputs.dot(&answers)
             + 0.5 * m * factor.log_determinant()
             + 0.5 * n as f64 * m * std::f64::consts::TAU.ln();
         // dL/dK = 1/2 (m K^-1 - K^-1 Y Y^T K^-1)
-        let spread = answers.times_transposed(&answers);
+        let spread = answers.gram();
         let mut slope = [0.0; 3];
         let noise = noise(kernel, parameters, floor);
         let own = (2.0 * parameters.noise).exp();
