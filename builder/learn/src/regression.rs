@@ -5,13 +5,15 @@
 //! floor: without one it falls to nothing on clean data, and what was not seen is extrapolated wildly.
 
 use crate::dense::{Cholesky, Matrix};
-use crate::descent::descend;
+use crate::descent::descend_until;
 use crate::kernel::{Kernel, Parameters};
 
 /// Pairs from which starts are compared.
 const FEW: usize = 120;
 /// Logarithms of parameters stay within this of where they start: else they run away where they mean nothing.
 const BOUNDS: f64 = 9.0;
+/// Parameters that make all pairs likelier by no more than this factor's logarithm are as good as those before.
+const LIKELIER: f64 = 0.01;
 /// How firmly the gain of a linear kernel is held back, by the square of its logarithm.
 const STIFF: f64 = 100.0;
 /// The affine map's noise over its signal: nothing but what keeps its matrix regular.
@@ -121,7 +123,7 @@ fn best_parameters(x: &Matrix, y: &Matrix, options: &RegressionOptions) -> Optio
     let all = Likelihood::new(x, y, options);
     let middle = start(1.0);
     let down = |from: [f64; 3], of: &Likelihood, steps: usize| {
-        descend(from.to_vec(), steps, |place, gradient| {
+        descend_until(from.to_vec(), steps, LIKELIER, |place, gradient| {
             let near = place.iter().zip(middle).all(|(place, middle)| (place - middle).abs() < BOUNDS);
             let there = if near { of.at(&parameters(place)) } else { None };
             let Some((value, slope)) = there else { return f64::INFINITY };
