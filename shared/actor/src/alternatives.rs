@@ -106,21 +106,25 @@ impl Alternatives {
     /// Adds to the recorded `pose` of `frame` what it is more in an alternative of a stretch, times `amount`. Outside of the stretch, and
     /// for numbers that do not exist, nothing is added.
     pub fn add(&self, (stretch, alternative): (usize, usize), frame: u32, amount: f32, pose: &mut [Vec3]) {
-        self.add_mixed(stretch, &[(alternative, amount)], frame, pose);
+        let mut shares = vec![0.0; self.stretches.get(stretch).map_or(0, |stretch| stretch.coefficients.len())];
+        if let Some(share) = shares.get_mut(alternative) {
+            *share = amount;
+        }
+        self.add_mixed(stretch, &shares, frame, pose);
     }
 
-    /// Adds to the recorded `pose` of `frame` what it is more in several alternatives of a stretch, of each its share. What each
+    /// Adds to the recorded `pose` of `frame` what it is more in the alternatives of a stretch, of each its share. What each
     /// differs by are samples of one process: mixed by shares whose squares add up to 1, they are another sample of it, as far as
     /// differences are small.
-    pub fn add_mixed(&self, stretch: usize, shares: &[(usize, f32)], frame: u32, pose: &mut [Vec3]) {
+    pub fn add_mixed(&self, stretch: usize, shares: &[f32], frame: u32, pose: &mut [Vec3]) {
         let Some(stretch) = self.stretches.get(stretch) else { return };
         let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { return };
         let Some(&heading) = stretch.headings.get(between) else { return };
         let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
         let mut row = vec![0.0; self.modes.len()];
-        for &(alternative, share) in shares {
-            let rows = stretch.coefficients.get(alternative).and_then(|rows| rows.get(between * row.len()..));
-            for (sum, coefficient) in row.iter_mut().zip(rows.unwrap_or_default()) {
+        for (rows, share) in stretch.coefficients.iter().zip(shares) {
+            let rows = rows.get(between * row.len()..).unwrap_or_default();
+            for (sum, coefficient) in row.iter_mut().zip(rows) {
                 *sum += share * f32::from(*coefficient);
             }
         }
@@ -170,10 +174,11 @@ mod tests {
         assert!(added(3, 1.0)[0].distance(Vec3::X * 1e-3) < 1e-8);
         // Turned by a quarter, what leads along Z leads along X.
         assert!(added(4, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(4, 0.5));
-        // Half of one alternative and a third of it once more.
+        // Of what does not exist nothing is added.
         let mut mixed = [Vec3::ZERO; 2];
-        alternatives.add_mixed(0, &[(0, 0.5), (0, 1.0 / 3.0), (7, 1.0)], 3, &mut mixed);
-        assert!(mixed[0].distance(Vec3::X * 1e-3 * (5.0 / 6.0)) < 1e-8, "{mixed:?}");
+        alternatives.add_mixed(0, &[0.5, 1.0], 3, &mut mixed);
+        alternatives.add((0, 7), 3, 1.0, &mut mixed);
+        assert!(mixed[0].distance(Vec3::X * 5e-4) < 1e-8, "{mixed:?}");
         assert_eq!((alternatives.beginning(2), alternatives.beginning(3)), (0..1, 1..1));
     }
 
