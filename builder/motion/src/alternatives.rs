@@ -168,7 +168,11 @@ impl Making<'_> {
                     let variations =
                         of_cut.iter().copied().filter(|&number| differs[number][from..k].contains(&true)).collect();
                     let ends = frames.start + from as u32 - 1..frames.start + k as u32;
-                    found.push(FoundStretch { ends, variations });
+                    match found.iter_mut().find(|one: &&mut FoundStretch| one.ends == ends) {
+                        // Cuts of a short sequence are alike.
+                        Some(same) => same.variations.extend::<Vec<usize>>(variations),
+                        None => found.push(FoundStretch { ends, variations }),
+                    }
                 }
                 k += 1;
             }
