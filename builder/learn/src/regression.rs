@@ -94,6 +94,19 @@ impl Regression {
         output.row(0).iter().zip(&self.means[1]).map(|(y, mean)| y + mean).collect()
     }
 
+    /// How far an input is from the nearest one that was learned from, in deviations of all of these: what is far is guessed.
+    ///
+    /// # Panics
+    /// Where `input` has another length than those of the pairs.
+    #[must_use]
+    pub fn far(&self, input: &[f64]) -> f64 {
+        assert_eq!(input.len(), self.inputs.columns(), "an input of another length");
+        let own: Vec<f64> = input.iter().zip(&self.means[0]).map(|(x, mean)| (x - mean) / self.scale).collect();
+        let square =
+            |row: usize| -> f64 { self.inputs.row(row).iter().zip(&own).map(|(a, b)| (a - b) * (a - b)).sum() };
+        (0..self.inputs.rows()).map(square).fold(f64::INFINITY, f64::min).sqrt()
+    }
+
     /// The parameters that were found.
     #[must_use]
     pub fn parameters(&self) -> Parameters {
@@ -310,6 +323,10 @@ mod tests {
             };
             assert!((0..40).map(error).fold(0.0, f64::max) < 0.02, "{kernel:?}");
             assert!((40..60).map(error).sum::<f64>() / 20.0 < 0.03, "{kernel:?}");
+            // Inputs lie within 1 of nothing.
+            let deviation = (x.of_rows(&learned).dot(&x.of_rows(&learned)) / 40.0).sqrt();
+            assert!(map.far(x.row(7)) < 1e-9);
+            assert!((map.far(&[1e3, 0.0]) - 1e3 / deviation).abs() < 3.0 / deviation);
         }
     }
 
