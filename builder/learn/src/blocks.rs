@@ -5,8 +5,6 @@
 
 use kernels::simd::Kernel;
 
-use crate::dense::Matrix;
-
 /// Rows and columns of a tile.
 const ROWS: usize = 4;
 const COLUMNS: usize = 8;
@@ -27,20 +25,21 @@ impl Padded {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
-    /// A matrix.
-    pub fn of(matrix: &Matrix) -> Self {
-        let mut padded = Self::zeros(matrix.rows(), matrix.columns());
-        for (row, own) in padded.values.chunks_exact_mut(padded.columns.max(1)).take(matrix.rows()).enumerate() {
-            own[..matrix.columns()].copy_from_slice(matrix.row(row));
+    /// A matrix, row-major.
+    pub fn of(values: &[f64], [rows, columns]: [usize; 2]) -> Self {
+        let mut padded = Self::zeros(rows, columns);
+        let stride = padded.columns.max(1);
+        for (own, values) in padded.values.chunks_exact_mut(stride).zip(values.chunks_exact(columns.max(1))) {
+            own[..columns].copy_from_slice(values);
         }
         padded
     }
 
-    /// A matrix, transposed.
-    pub fn transposed(matrix: &Matrix) -> Self {
-        let mut padded = Self::zeros(matrix.columns(), matrix.rows());
-        for row in 0..matrix.rows() {
-            for (column, value) in matrix.row(row).iter().enumerate() {
+    /// A matrix, row-major, transposed.
+    pub fn transposed(values: &[f64], [rows, columns]: [usize; 2]) -> Self {
+        let mut padded = Self::zeros(columns, rows);
+        for (row, values) in values.chunks_exact(columns.max(1)).enumerate() {
+            for (column, value) in values.iter().enumerate() {
                 padded.values[column * padded.columns + row] = *value;
             }
         }
@@ -57,11 +56,9 @@ impl Padded {
         &self.values[row * self.columns..(row + 1) * self.columns]
     }
 
-    /// Its first rows and columns.
-    pub fn trimmed(&self, [rows, columns]: [usize; 2]) -> Matrix {
-        let mut matrix = Matrix::zeros(rows, columns);
-        (0..rows).for_each(|row| matrix.row_mut(row).copy_from_slice(&self.row(row)[..columns]));
-        matrix
+    /// Its first rows and columns, row-major.
+    pub fn trimmed(&self, [rows, columns]: [usize; 2]) -> Vec<f64> {
+        (0..rows).flat_map(|row| self.row(row)[..columns].iter().copied()).collect()
     }
 }
 

@@ -102,7 +102,7 @@ impl Matrix {
         if self.rows < FEW {
             return Level::best().run(FewTimes { left: self, right: other });
         }
-        product(&Padded::transposed(self), &Padded::of(other), [self.rows, other.columns])
+        product(&self.padded_transposed(), &other.padded(), [self.rows, other.columns])
     }
 
     /// `self * other^T`: the products of all pairs of rows.
@@ -112,16 +112,29 @@ impl Matrix {
         if self.rows < FEW {
             return Level::best().run(Products { left: self, right: other });
         }
-        product(&Padded::transposed(self), &Padded::transposed(other), [self.rows, other.rows])
+        product(&self.padded_transposed(), &other.padded_transposed(), [self.rows, other.rows])
     }
 
     /// `self * self^T`, with half of the work.
     #[must_use]
     pub fn gram(&self) -> Self {
-        let own = Padded::transposed(self);
-        let mut gram = Level::best().run(UpperProduct { values: &own }).trimmed([self.rows, self.rows]);
+        let own = self.padded_transposed();
+        let mut gram = Self::trimmed(&Level::best().run(UpperProduct { values: &own }), [self.rows, self.rows]);
         gram.mirror();
         gram
+    }
+
+    fn padded(&self) -> Padded {
+        Padded::of(&self.values, [self.rows, self.columns])
+    }
+
+    fn padded_transposed(&self) -> Padded {
+        Padded::transposed(&self.values, [self.rows, self.columns])
+    }
+
+    /// The first rows and columns of what was filled up.
+    fn trimmed(padded: &Padded, size: [usize; 2]) -> Self {
+        Self { rows: size[0], columns: size[1], values: padded.trimmed(size) }
     }
 
     /// Copies what is above the diagonal of a square matrix below it.
@@ -175,7 +188,7 @@ impl Cholesky {
     #[must_use]
     pub fn of(matrix: &Matrix) -> Option<Self> {
         assert_eq!(matrix.rows, matrix.columns, "only square matrices have a factor");
-        let mut padded = Padded::transposed(matrix);
+        let mut padded = matrix.padded_transposed();
         // What fills it up is a matrix of its own, whose factor is itself.
         padded.fill_diagonal(matrix.rows);
         let factor = Level::best().run(Factorise { values: padded })?;
@@ -192,7 +205,7 @@ impl Cholesky {
     #[must_use]
     pub fn inverse(&self) -> Matrix {
         let halves = Level::best().run(Invert { factor: &self.factor });
-        let mut inverse = Level::best().run(LowerProduct { values: &halves }).trimmed([self.size, self.size]);
+        let mut inverse = Matrix::trimmed(&Level::best().run(LowerProduct { values: &halves }), [self.size, self.size]);
         inverse.mirror();
         inverse
     }
@@ -200,21 +213,21 @@ impl Cholesky {
     /// The inverse of L. Products with it and with its transpose lose less than those with the inverse of A.
     #[must_use]
     pub fn lower_inverse(&self) -> Matrix {
-        Level::best().run(Invert { factor: &self.factor }).trimmed([self.size, self.size])
+        Matrix::trimmed(&Level::best().run(Invert { factor: &self.factor }), [self.size, self.size])
     }
 
     /// X of A X = `right`.
     #[must_use]
     pub fn solve(&self, right: &Matrix) -> Matrix {
         assert_eq!(right.rows, self.size, "matrices that do not fit");
-        let solved = Level::best().run(Solve { factor: &self.factor, right: Padded::of(right) });
-        solved.trimmed([self.size, right.columns])
+        let solved = Level::best().run(Solve { factor: &self.factor, right: right.padded() });
+        Matrix::trimmed(&solved, [self.size, right.columns])
     }
 }
 
 /// `left^T * right` without what fills it up.
 fn product(left: &Padded, right: &Padded, size: [usize; 2]) -> Matrix {
-    Level::best().run(Product { left, right }).trimmed(size)
+    Matrix::trimmed(&Level::best().run(Product { left, right }), size)
 }
 
 /// The sum of the products of two rows of one length.
@@ -341,10 +354,10 @@ mod tests {
         let matrix = half.times_transposed(&half);
         let all = Level::available();
         let of = |level: Level| {
-            let factor = level.run(Factorise { values: Padded::of(&matrix) }).unwrap();
+            let factor = level.run(Factorise { values: matrix.padded() }).unwrap();
             let inverse = level.run(Invert { factor: &factor });
             let product = level.run(LowerProduct { values: &inverse });
-            let solved = level.run(Solve { factor: &factor, right: Padded::of(&half) });
+            let solved = level.run(Solve { factor: &factor, right: half.padded() });
             let all = level.run(Product { left: &product, right: &solved });
             (all, level.run(UpperProduct { values: &inverse }), level.run(FewTimes { left: &half, right: &matrix }))
         };
