@@ -8,8 +8,12 @@ use std::ops::{Index, IndexMut};
 
 use kernels::simd::{Kernel, Level};
 
+use crate::blocks::{Factorise, Invert, LowerProduct, Padded, Product, Solve, UpperProduct, add_multiple};
+
 /// Partial sums of a product of two rows.
 const LANES: usize = 16;
+/// Fewer rows than this are multiplied one by one: filling up the other matrix would take as long as the product.
+const FEW: usize = 4;
 
 /// A matrix, row-major.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,14 +98,52 @@ impl Matrix {
     /// Where the sizes do not fit, as all that follow do.
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
-        self.times_transposed(&other.transposed())
+        assert_eq!(self.columns, other.rows, "matrices that do not fit");
+        if self.rows < FEW {
+            return Level::best().run(FewTimes { left: self, right: other });
+        }
+        product(&self.padded_transposed(), &other.padded(), [self.rows, other.columns])
     }
 
     /// `self * other^T`: the products of all pairs of rows.
     #[must_use]
     pub fn times_transposed(&self, other: &Self) -> Self {
         assert_eq!(self.columns, other.columns, "matrices that do not fit");
-        Level::best().run(Products { left: self, right: other })
+        if self.rows < FEW {
+            return Level::best().run(Products { left: self, right: other });
+        }
+        product(&self.padded_transposed(), &other.padded_transposed(), [self.rows, other.rows])
+    }
+
+    /// `self * self^T`, with half of the work.
+    #[must_use]
+    pub fn gram(&self) -> Self {
+        let own = self.padded_transposed();
+        let mut gram = Self::trimmed(&Level::best().run(UpperProduct { values: &own }), [self.rows, self.rows]);
+        gram.mirror();
+        gram
+    }
+
+    fn padded(&self) -> Padded {
+        Padded::of(&self.values, [self.rows, self.columns])
+    }
+
+    fn padded_transposed(&self) -> Padded {
+        Padded::transposed(&self.values, [self.rows, self.columns])
+    }
+
+    /// The first rows and columns of what was filled up.
+    fn trimmed(padded: &Padded, size: [usize; 2]) -> Self {
+        Self { rows: size[0], columns: size[1], values: padded.trimmed(size) }
+    }
+
+    /// Copies what is above the diagonal of a square matrix below it.
+    fn mirror(&mut self) {
+        for row in 1..self.rows {
+            for column in 0..row {
+                self[(row, column)] = self[(column, row)];
+            }
+        }
     }
 
     /// `self + factor * other`.
@@ -136,8 +178,9 @@ impl IndexMut<(usize, usize)> for Matrix {
 /// Cholesky's factor L of a symmetric positive definite matrix, A = L L^T.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
-    /// Lower triangle; zero above.
-    factor: Matrix,
+    size: usize,
+    /// L^T: its upper triangle; what is below means nothing.
+    factor: Padded,
 }
 
 impl Cholesky {
@@ -145,40 +188,46 @@ impl Cholesky {
     #[must_use]
     pub fn of(matrix: &Matrix) -> Option<Self> {
         assert_eq!(matrix.rows, matrix.columns, "only square matrices have a factor");
-        Level::best().run(Factorise { matrix }).map(|factor| Self { factor })
+        let mut padded = matrix.padded_transposed();
+        // What fills it up is a matrix of its own, whose factor is itself.
+        padded.fill_diagonal(matrix.rows);
+        let factor = Level::best().run(Factorise { values: padded })?;
+        Some(Self { size: matrix.rows, factor })
     }
 
     /// The logarithm of the determinant of A.
     #[must_use]
     pub fn log_determinant(&self) -> f64 {
-        (0..self.factor.rows).map(|k| 2.0 * self.factor[(k, k)].ln()).sum()
+        (0..self.size).map(|k| 2.0 * self.factor.row(k)[k].ln()).sum()
     }
 
     /// The inverse of A.
     #[must_use]
     pub fn inverse(&self) -> Matrix {
-        // Rows are the columns of the inverse of L: zero before the diagonal.
         let halves = Level::best().run(Invert { factor: &self.factor });
-        halves.times_transposed(&halves)
-    }
-
-    /// The lower triangle of the inverse of A; zero above. A sixth of the work of [`Self::inverse`], which sums in another order.
-    #[must_use]
-    pub fn inverse_lower(&self) -> Matrix {
-        Level::best().run(LowerInverse { columns: Level::best().run(Invert { factor: &self.factor }) })
+        let mut inverse = Matrix::trimmed(&Level::best().run(LowerProduct { values: &halves }), [self.size, self.size]);
+        inverse.mirror();
+        inverse
     }
 
     /// The inverse of L. Products with it and with its transpose lose less than those with the inverse of A.
     #[must_use]
     pub fn lower_inverse(&self) -> Matrix {
-        Level::best().run(Invert { factor: &self.factor }).transposed()
+        Matrix::trimmed(&Level::best().run(Invert { factor: &self.factor }), [self.size, self.size])
     }
 
     /// X of A X = `right`.
     #[must_use]
     pub fn solve(&self, right: &Matrix) -> Matrix {
-        Level::best().run(Solve { factor: &self.factor, right: right.transposed() }).transposed()
+        assert_eq!(right.rows, self.size, "matrices that do not fit");
+        let solved = Level::best().run(Solve { factor: &self.factor, right: right.padded() });
+        Matrix::trimmed(&solved, [self.size, right.columns])
     }
+}
+
+/// `left^T * right` without what fills it up.
+fn product(left: &Padded, right: &Padded, size: [usize; 2]) -> Matrix {
+    Matrix::trimmed(&Level::best().run(Product { left, right }), size)
 }
 
 /// The sum of the products of two rows of one length.
@@ -188,11 +237,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     for (a, b) in a.0.iter().zip(b.0) {
         for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+            sums[lane] = a[lane].mul_add(b[lane], sums[lane]);
         }
     }
     for (lane, (a, b)) in a.1.iter().zip(b.1).enumerate() {
-        sums[lane] += a * b;
+        sums[lane] = a.mul_add(*b, sums[lane]);
     }
     let mut width = LANES / 2;
     while width > 0 {
@@ -224,112 +273,23 @@ impl Kernel for Products<'_> {
     }
 }
 
-struct Factorise<'a> {
-    matrix: &'a Matrix,
+struct FewTimes<'a> {
+    left: &'a Matrix,
+    right: &'a Matrix,
 }
 
-impl Kernel for Factorise<'_> {
-    type Output = Option<Matrix>;
-
-    #[inline(always)]
-    fn run(self) -> Option<Matrix> {
-        let n = self.matrix.rows;
-        let mut factor = Matrix::zeros(n, n);
-        for i in 0..n {
-            for j in 0..=i {
-                let (before, row) = factor.values.split_at_mut(i * n);
-                let own = &row[..j];
-                let rest = if i == j {
-                    self.matrix.values[i * n + i] - dot(own, own)
-                } else {
-                    self.matrix.values[i * n + j] - dot(own, &before[j * n..j * n + j])
-                };
-                if i == j {
-                    if !(rest > 0.0 && rest.is_finite()) {
-                        return None;
-                    }
-                    row[i] = rest.sqrt();
-                } else {
-                    row[j] = rest / before[j * n + j];
-                }
-            }
-        }
-        Some(factor)
-    }
-}
-
-struct Invert<'a> {
-    factor: &'a Matrix,
-}
-
-impl Kernel for Invert<'_> {
+impl Kernel for FewTimes<'_> {
     type Output = Matrix;
 
     #[inline(always)]
     fn run(self) -> Matrix {
-        let n = self.factor.rows;
-        let mut columns = Matrix::zeros(n, n);
-        for c in 0..n {
-            let column = &mut columns.values[c * n..(c + 1) * n];
-            column[c] = 1.0 / self.factor.values[c * n + c];
-            for i in c + 1..n {
-                let row = &self.factor.values[i * n..(i + 1) * n];
-                column[i] = -dot(&row[c..i], &column[c..i]) / row[i];
+        let mut products = Matrix::zeros(self.left.rows, self.right.columns);
+        for i in 0..self.left.rows {
+            for (k, share) in self.left.row(i).iter().enumerate() {
+                add_multiple(products.row_mut(i), *share, self.right.row(k));
             }
         }
-        columns
-    }
-}
-
-struct LowerInverse {
-    /// Columns of the inverse of L, a row each: zero before the diagonal.
-    columns: Matrix,
-}
-
-impl Kernel for LowerInverse {
-    type Output = Matrix;
-
-    #[inline(always)]
-    fn run(self) -> Matrix {
-        let n = self.columns.rows;
-        let mut inverse = Matrix::zeros(n, n);
-        for i in 0..n {
-            for j in 0..=i {
-                inverse.values[i * n + j] = dot(&self.columns.row(i)[i..], &self.columns.row(j)[i..]);
-            }
-        }
-        inverse
-    }
-}
-
-struct Solve<'a> {
-    factor: &'a Matrix,
-    /// A right side a row.
-    right: Matrix,
-}
-
-impl Kernel for Solve<'_> {
-    type Output = Matrix;
-
-    #[inline(always)]
-    fn run(mut self) -> Matrix {
-        let n = self.factor.rows;
-        assert_eq!(self.right.columns, n, "matrices that do not fit");
-        for x in self.right.values.chunks_exact_mut(n.max(1)) {
-            for i in 0..n {
-                let row = &self.factor.values[i * n..(i + 1) * n];
-                x[i] = (x[i] - dot(&row[..i], &x[..i])) / row[i];
-            }
-            for i in (0..n).rev() {
-                let row = &self.factor.values[i * n..(i + 1) * n];
-                x[i] /= row[i];
-                let own = x[i];
-                for j in 0..i {
-                    x[j] -= row[j] * own;
-                }
-            }
-        }
-        self.right
+        products
     }
 }
 
@@ -344,12 +304,18 @@ mod tests {
 
     #[test]
     fn products_are_those_of_plain_sums() {
-        let (a, b) = (random(7, 37, 1), random(37, 5, 2));
-        let product = a.times(&b);
-        for i in 0..7 {
-            for j in 0..5 {
-                let plain: f64 = (0..37).map(|k| a[(i, k)] * b[(k, j)]).sum();
-                assert!((product[(i, j)] - plain).abs() < 1e-13);
+        for (rows, inner, columns) in [(7, 37, 5), (1, 37, 5), (8, 16, 24), (30, 1, 9)] {
+            let (a, b) = (random(rows, inner, 1), random(inner, columns, 2));
+            let (product, other, own) = (a.times(&b), a.times_transposed(&b.transposed()), a.gram());
+            for i in 0..rows {
+                for j in 0..columns {
+                    let plain: f64 = (0..inner).map(|k| a[(i, k)] * b[(k, j)]).sum();
+                    assert!((product[(i, j)] - plain).abs() < 1e-13 && (other[(i, j)] - plain).abs() < 1e-13);
+                }
+                for j in 0..rows {
+                    let plain: f64 = (0..inner).map(|k| a[(i, k)] * a[(j, k)]).sum();
+                    assert!((own[(i, j)] - plain).abs() < 1e-13);
+                }
             }
         }
     }
@@ -362,6 +328,9 @@ mod tests {
                 half.times_transposed(&half).plus(1.0, &Matrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j))));
             let cholesky = Cholesky::of(&matrix).unwrap();
             let unit = matrix.times(&cholesky.inverse());
+            let lower = cholesky.lower_inverse();
+            let same = lower.transposed().gram();
+            assert!(same.values().iter().zip(cholesky.inverse().values()).all(|(a, b)| (a - b).abs() < 1e-9));
             let right = random(n, 3, 4);
             let back = matrix.times(&cholesky.solve(&right));
             for i in 0..n {
@@ -384,7 +353,14 @@ mod tests {
         let half = random(40, 40, 5);
         let matrix = half.times_transposed(&half);
         let all = Level::available();
-        let of = |level: Level| level.run(Factorise { matrix: &matrix });
+        let of = |level: Level| {
+            let factor = level.run(Factorise { values: matrix.padded() }).unwrap();
+            let inverse = level.run(Invert { factor: &factor });
+            let product = level.run(LowerProduct { values: &inverse });
+            let solved = level.run(Solve { factor: &factor, right: half.padded() });
+            let all = level.run(Product { left: &product, right: &solved });
+            (all, level.run(UpperProduct { values: &inverse }), level.run(FewTimes { left: &half, right: &matrix }))
+        };
         assert!(all.iter().all(|&level| of(level) == of(all[0])));
     }
 }

@@ -25,7 +25,17 @@ pub struct Descent {
 
 /// Goes down from `start` for at most `steps` steps. `function` writes the gradient at a place and returns the value; one that is
 /// not finite is as good as very high. `None` where there is no value at the start.
-pub fn descend(start: Vec<f64>, steps: usize, mut function: impl FnMut(&[f64], &mut [f64]) -> f64) -> Option<Descent> {
+pub fn descend(start: Vec<f64>, steps: usize, function: impl FnMut(&[f64], &mut [f64]) -> f64) -> Option<Descent> {
+    descend_until(start, steps, 0.0, function)
+}
+
+/// The same, which ends where two steps after each other gain no more than `least` each.
+pub fn descend_until(
+    start: Vec<f64>,
+    steps: usize,
+    least: f64,
+    mut function: impl FnMut(&[f64], &mut [f64]) -> f64,
+) -> Option<Descent> {
     let mut place = start;
     let mut gradient = vec![0.0; place.len()];
     let mut value = function(&place, &mut gradient);
@@ -33,6 +43,7 @@ pub fn descend(start: Vec<f64>, steps: usize, mut function: impl FnMut(&[f64], &
         return None;
     }
     let mut past: VecDeque<Past> = VecDeque::new();
+    let mut before = f64::INFINITY;
     for step in 0..steps {
         let mut direction = downwards(&gradient, &past);
         let mut slope = dot(&direction, &gradient);
@@ -56,9 +67,10 @@ pub fn descend(start: Vec<f64>, steps: usize, mut function: impl FnMut(&[f64], &
         }
         let gained = value - found.value;
         (place, gradient, value) = (found.place, found.gradient, found.value);
-        if gained <= 1e-10 * value.abs().max(1.0) {
+        if gained <= 1e-10 * value.abs().max(1.0) || f64::max(gained, before) <= least {
             return Some(Descent { place, value, steps: step + 1 });
         }
+        before = gained;
     }
     Some(Descent { place, value, steps })
 }
@@ -157,8 +169,11 @@ mod tests {
             }
             value
         };
-        let found = descend(vec![-1.2, 1.0, -0.5, 0.3, 2.0, 0.1], 500, function).unwrap();
+        let start = vec![-1.2, 1.0, -0.5, 0.3, 2.0, 0.1];
+        let found = descend(start.clone(), 500, function).unwrap();
         assert!(found.value < 1e-8 && found.place.iter().all(|x| (x - 1.0).abs() < 1e-3), "{found:?}");
+        let early = descend_until(start, 500, 1e-5, function).unwrap();
+        assert!(early.steps < found.steps && early.value > found.value && early.value < 1e-4, "{early:?}");
     }
 
     #[test]

@@ -14,10 +14,8 @@ use std::ops::Range;
 
 use crate::dense::{Cholesky, Matrix};
 use crate::descent::descend;
+use crate::gpdm_objective::{EFFECTIVE, Kernels, Training, squared_distance};
 
-/// The number of dimensions that frames are taken to have, in front of the determinant; that of the numbers of a frame would let the
-/// first components drown all others.
-const EFFECTIVE: f64 = 20.0;
 /// The least variance of a frame's noise, in parts of what one of [`EFFECTIVE`] dimensions varies.
 const FLOOR: f64 = 1e-3;
 /// The least deviation of a step's noise, in mean steps of the first guess.
@@ -60,47 +58,6 @@ pub struct Gpdm {
     step_weights: Matrix,
 }
 
-/// The numbers of both kernels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Kernels {
-    scale: f64,
-    narrowness: f64,
-    noise: f64,
-    step_scale: f64,
-    step_narrowness: f64,
-    step_linear: f64,
-    step_noise: f64,
-}
-
-impl Kernels {
-    fn new(logs: &[f64], floors: [f64; 2]) -> Self {
-        let [scale, narrowness, noise, step_scale, step_narrowness, step_linear, step_noise] =
-            std::array::from_fn(|k| logs[k].exp());
-        let (noise, step_noise) = (floors[0] + noise, floors[1] + step_noise);
-        Self { scale, narrowness, noise, step_scale, step_narrowness, step_linear, step_noise }
-    }
-
-    /// k_Y without its noise.
-    fn frame(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.scale * (-0.5 * self.narrowness * squared_distance(a, b)).exp()
-    }
-
-    /// The part of k_X that depends on the distance.
-    fn step_near(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.step_scale * (-0.5 * self.step_narrowness * squared_distance(a, b)).exp()
-    }
-
-    /// k_X without its noise.
-    fn step(&self, a: &[f64], b: &[f64]) -> f64 {
-        let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-        self.step_near(a, b) + self.step_linear * product
-    }
-}
-
-fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
-}
-
 impl Gpdm {
     /// The model of `frames`, one a row: sequences of as many rows as `lengths` says, one after the other. Columns have mean zero and
     /// vary by one in all. `None` where nothing can be learned: fewer than three frames a sequence, or all alike.
@@ -127,10 +84,10 @@ impl Gpdm {
         let (places, logs) = found.place.split_at(frames.rows() * dimensions);
         let places = Matrix::from_fn(frames.rows(), dimensions, |row, column| places[row * dimensions + column]);
         let kernels = Kernels::new(logs, floors);
-        let frame_kernel = kernel_of(&places, kernels.noise, |a, b| kernels.frame(a, b));
+        let frame_kernel = kernels.of_frames(&places);
         let inputs = places.of_rows(&training.inputs);
         let outputs = places.of_rows(&training.outputs);
-        let step_kernel = kernel_of(&inputs, kernels.step_noise, |a, b| kernels.step(a, b));
+        let step_kernel = kernels.of_steps(&inputs);
         let (frame_factor, step_factor) = (Cholesky::of(&frame_kernel)?, Cholesky::of(&step_kernel)?);
         let mean_step = self::mean_step(&places, sequences);
         Some(Self {
@@ -250,156 +207,6 @@ fn mean_step(places: &Matrix, sequences: &[Range<usize>]) -> f64 {
     lengths.iter().sum::<f64>() / lengths.len().max(1) as f64
 }
 
-fn kernel_of(places: &Matrix, noise: f64, kernel: impl Fn(&[f64], &[f64]) -> f64) -> Matrix {
-    let mut matrix = Matrix::zeros(places.rows(), places.rows());
-    for i in 0..places.rows() {
-        for j in 0..=i {
-            let value = kernel(places.row(i), places.row(j));
-            (matrix[(i, j)], matrix[(j, i)]) = (value, value);
-        }
-        matrix[(i, i)] += noise;
-    }
-    matrix
-}
-
-/// What is minimised.
-struct Training<'a> {
-    frames: &'a Matrix,
-    dimensions: usize,
-    floors: [f64; 2],
-    /// First frames of the sequences.
-    firsts: Vec<usize>,
-    /// Frames that have a next one.
-    inputs: Vec<usize>,
-    /// Those next ones.
-    outputs: Vec<usize>,
-}
-
-impl<'a> Training<'a> {
-    fn new(frames: &'a Matrix, sequences: &[Range<usize>], dimensions: usize, floors: [f64; 2]) -> Self {
-        let firsts = sequences.iter().map(|sequence| sequence.start).collect();
-        let inputs: Vec<usize> = sequences.iter().flat_map(|sequence| sequence.start..sequence.end - 1).collect();
-        let outputs = inputs.iter().map(|frame| frame + 1).collect();
-        Self { frames, dimensions, floors, firsts, inputs, outputs }
-    }
-
-    /// L at places and logarithms of the kernels' numbers; its gradient.
-    fn objective(&self, variables: &[f64], gradient: &mut [f64]) -> f64 {
-        let (n, d) = (self.frames.rows(), self.dimensions);
-        let (places, logs) = variables.split_at(n * d);
-        let places = Matrix::from_fn(n, d, |row, column| places[row * d + column]);
-        let kernels = Kernels::new(logs, self.floors);
-        gradient.fill(0.0);
-        let (by_place, by_log) = gradient.split_at_mut(n * d);
-        let parts = [
-            self.frames_part(&places, &kernels, logs, by_place, by_log),
-            self.steps_part(&places, &kernels, logs, by_place, by_log),
-        ];
-        let [Some(frames), Some(steps)] = parts else { return f64::INFINITY };
-        let mut value = frames + steps;
-        for &first in &self.firsts {
-            let row = places.row(first);
-            value += 0.5 * row.iter().map(|x| x * x).sum::<f64>();
-            by_place[first * d..(first + 1) * d].iter_mut().zip(row).for_each(|(g, x)| *g += x);
-        }
-        // Small numbers and great noise are likelier.
-        let numbers = [
-            (kernels.scale, 1.0),
-            (kernels.narrowness, 1.0),
-            (kernels.noise, -1.0),
-            (kernels.step_scale, 1.0),
-            (kernels.step_narrowness, 1.0),
-            (kernels.step_linear, 1.0),
-            (kernels.step_noise, -1.0),
-        ];
-        for (k, (number, sign)) in numbers.into_iter().enumerate() {
-            value += sign * number.ln();
-            by_log[k] += sign * logs[k].exp() / number;
-        }
-        value
-    }
-
-    fn frames_part(
-        &self,
-        places: &Matrix,
-        kernels: &Kernels,
-        logs: &[f64],
-        by_place: &mut [f64],
-        by_log: &mut [f64],
-    ) -> Option<f64> {
-        let n = places.rows();
-        let kernel = kernel_of(places, kernels.noise, |a, b| kernels.frame(a, b));
-        let cholesky = Cholesky::of(&kernel)?;
-        let inverse = cholesky.inverse();
-        let weights = inverse.times(self.frames);
-        let value = 0.5 * EFFECTIVE * cholesky.log_determinant() + 0.5 * weights.dot(self.frames);
-        // dL/dK
-        let outer = weights.times_transposed(&weights);
-        for i in 0..n {
-            for j in 0..n {
-                let slope = 0.5 * (EFFECTIVE * inverse[(i, j)] - outer[(i, j)]);
-                if i == j {
-                    by_log[0] += slope * kernels.scale;
-                    by_log[2] += slope * logs[2].exp();
-                    continue;
-                }
-                let near = slope * kernel[(i, j)];
-                by_log[0] += near;
-                by_log[1] -= near * 0.5 * kernels.narrowness * squared_distance(places.row(i), places.row(j));
-                push(by_place, places, [i, j], -2.0 * near * kernels.narrowness);
-            }
-        }
-        Some(value)
-    }
-
-    fn steps_part(
-        &self,
-        places: &Matrix,
-        kernels: &Kernels,
-        logs: &[f64],
-        by_place: &mut [f64],
-        by_log: &mut [f64],
-    ) -> Option<f64> {
-        let d = self.dimensions;
-        let (inputs, outputs) = (places.of_rows(&self.inputs), places.of_rows(&self.outputs));
-        let kernel = kernel_of(&inputs, kernels.step_noise, |a, b| kernels.step(a, b));
-        let cholesky = Cholesky::of(&kernel)?;
-        let inverse = cholesky.inverse();
-        let weights = inverse.times(&outputs);
-        let value = 0.5 * d as f64 * cholesky.log_determinant() + 0.5 * weights.dot(&outputs);
-        for (row, &frame) in self.outputs.iter().enumerate() {
-            by_place[frame * d..(frame + 1) * d].iter_mut().zip(weights.row(row)).for_each(|(g, w)| *g += w);
-        }
-        let outer = weights.times_transposed(&weights);
-        for i in 0..inputs.rows() {
-            for j in 0..inputs.rows() {
-                let slope = 0.5 * (d as f64 * inverse[(i, j)] - outer[(i, j)]);
-                let (a, b) = (inputs.row(i), inputs.row(j));
-                let near = slope * kernels.step_near(a, b);
-                let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                by_log[3] += near;
-                by_log[4] -= near * 0.5 * kernels.step_narrowness * squared_distance(a, b);
-                by_log[5] += slope * kernels.step_linear * product;
-                if i == j {
-                    by_log[6] += slope * logs[6].exp();
-                }
-                push(by_place, places, [self.inputs[i], self.inputs[j]], -2.0 * near * kernels.step_narrowness);
-                let own = self.inputs[i] * d;
-                let linear = 2.0 * slope * kernels.step_linear;
-                by_place[own..own + d].iter_mut().zip(b).for_each(|(g, x)| *g += linear * x);
-            }
-        }
-        Some(value)
-    }
-}
-
-/// Adds `factor` times the way from place `j` to place `i` to what is said of `i`.
-fn push(by_place: &mut [f64], places: &Matrix, [i, j]: [usize; 2], factor: f64) {
-    let d = places.columns();
-    let (a, b) = (places.row(i), places.row(j));
-    by_place[i * d..(i + 1) * d].iter_mut().zip(a).zip(b).for_each(|((g, a), b)| *g += factor * (a - b));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -423,28 +230,6 @@ mod tests {
         }
         let scale = (n as f64 / motion.dot(motion)).sqrt();
         motion.values_mut().iter_mut().for_each(|value| *value *= scale);
-    }
-
-    #[test]
-    fn the_gradient_is_that_of_differences() {
-        let frames = motion(14);
-        let sequences = ranges(&[8, 6]);
-        let training = Training::new(&frames, &sequences, 3, [1e-4, 1e-4]);
-        let mut at = first_guess(&frames, 3).unwrap().values().to_vec();
-        at.extend([-2.0, 0.3, -4.0, -0.5, 0.2, -0.3, -3.0]);
-        let mut gradient = vec![0.0; at.len()];
-        let mut none = gradient.clone();
-        training.objective(&at, &mut gradient);
-        for k in 0..at.len() {
-            let mut moved = |by: f64| {
-                let mut place = at.clone();
-                place[k] += by;
-                training.objective(&place, &mut none)
-            };
-            let difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-            let error = (difference - gradient[k]).abs();
-            assert!(error < 1e-5 * gradient[k].abs().max(1.0), "{k}: {difference} {}", gradient[k]);
-        }
     }
 
     #[test]

@@ -28,15 +28,33 @@ pub struct Parameters {
     pub noise: f64,
 }
 
+/// A kernel with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Likeness {
+    kernel: Kernel,
+    /// The variance of the signal.
+    signal: f64,
+    /// One over the square of the length.
+    narrow: f64,
+}
+
 impl Kernel {
+    /// It with parameters.
+    #[must_use]
+    pub fn with(self, parameters: &Parameters) -> Likeness {
+        let (signal, narrow) = ((2.0 * parameters.signal).exp(), (-2.0 * parameters.length).exp());
+        Likeness { kernel: self, signal, narrow }
+    }
+}
+
+impl Likeness {
     /// The kernel of inputs with the product `product` and the squared lengths `own` and `other`, and its derivative by the
     /// logarithm of the length; noise is left out.
     #[must_use]
-    pub fn value(self, parameters: &Parameters, product: f64, own: f64, other: f64) -> (f64, f64) {
-        let signal = (2.0 * parameters.signal).exp();
-        let narrow = (-2.0 * parameters.length).exp();
-        match self {
-            Self::NeuralNetwork => {
+    pub fn value(&self, product: f64, own: f64, other: f64) -> (f64, f64) {
+        let Self { kernel, signal, narrow } = *self;
+        match kernel {
+            Kernel::NeuralNetwork => {
                 let u = 0.5 * narrow;
                 let (a, b, c) = (product + 1.0, own + 1.0, other + 1.0);
                 let r = 1.0 / ((1.0 + u * b) * (1.0 + u * c)).sqrt();
@@ -44,12 +62,12 @@ impl Kernel {
                 let change = a * r - 0.5 * q * (b / (1.0 + u * b) + c / (1.0 + u * c));
                 (signal * q.asin(), -2.0 * u * signal * change / (1.0 - q * q).sqrt())
             }
-            Self::SquaredExponential => {
+            Kernel::SquaredExponential => {
                 let apart = (own + other - 2.0 * product).max(0.0) * narrow;
                 let value = signal * (-0.5 * apart).exp();
                 (value, value * apart)
             }
-            Self::Linear | Self::Affine => {
+            Kernel::Linear | Kernel::Affine => {
                 let slope = signal * narrow * product;
                 (signal + slope, -2.0 * slope)
             }
@@ -71,7 +89,7 @@ mod tests {
                 let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
                 let at = |length: f64| {
                     let parameters = Parameters { signal: 0.3, length, noise: 0.0 };
-                    kernel.value(&parameters, dot(x, y), dot(x, x), dot(y, y))
+                    kernel.with(&parameters).value(dot(x, y), dot(x, x), dot(y, y))
                 };
                 let (length, step) = (number(4), 1e-5);
                 let plain = (at(length + step).0 - at(length - step).0) / (2.0 * step);
@@ -83,7 +101,7 @@ mod tests {
     #[test]
     fn the_neural_network_is_not_odd_about_the_mean() {
         let parameters = Parameters { signal: 0.0, length: 0.0, noise: 0.0 };
-        let with_mean = Kernel::NeuralNetwork.value(&parameters, 0.0, 0.0, 0.5).0;
+        let with_mean = Kernel::NeuralNetwork.with(&parameters).value(0.0, 0.0, 0.5).0;
         assert!(with_mean > 0.1, "the mean input is like others: {with_mean}");
     }
 }

@@ -5,13 +5,15 @@
 //! floor: without one it falls to nothing on clean data, and what was not seen is extrapolated wildly.
 
 use crate::dense::{Cholesky, Matrix};
-use crate::descent::descend;
+use crate::descent::descend_until;
 use crate::kernel::{Kernel, Parameters};
 
 /// Pairs from which starts are compared.
 const FEW: usize = 120;
 /// Logarithms of parameters stay within this of where they start: else they run away where they mean nothing.
 const BOUNDS: f64 = 9.0;
+/// Parameters that make all pairs likelier by no more than this factor's logarithm are as good as those before.
+const LIKELIER: f64 = 0.01;
 /// How firmly the gain of a linear kernel is held back, by the square of its logarithm.
 const STIFF: f64 = 100.0;
 /// The affine map's noise over its signal: nothing but what keeps its matrix regular.
@@ -84,11 +86,25 @@ impl Regression {
         let square = own.iter().map(|x| x * x).sum();
         let own = Matrix::from_fn(1, own.len(), |_, column| own[column]);
         let products = own.times_transposed(&self.inputs);
+        let likeness = self.kernel.with(&self.parameters);
         let alike = Matrix::from_fn(1, self.squares.len(), |_, row| {
-            self.kernel.value(&self.parameters, products[(0, row)], square, self.squares[row]).0
+            likeness.value(products[(0, row)], square, self.squares[row]).0
         });
         let output = alike.times_transposed(&self.answers);
         output.row(0).iter().zip(&self.means[1]).map(|(y, mean)| y + mean).collect()
+    }
+
+    /// How far an input is from the nearest one that was learned from, in deviations of all of these: what is far is guessed.
+    ///
+    /// # Panics
+    /// Where `input` has another length than those of the pairs.
+    #[must_use]
+    pub fn far(&self, input: &[f64]) -> f64 {
+        assert_eq!(input.len(), self.inputs.columns(), "an input of another length");
+        let own: Vec<f64> = input.iter().zip(&self.means[0]).map(|(x, mean)| (x - mean) / self.scale).collect();
+        let square =
+            |row: usize| -> f64 { self.inputs.row(row).iter().zip(&own).map(|(a, b)| (a - b) * (a - b)).sum() };
+        (0..self.inputs.rows()).map(square).fold(f64::INFINITY, f64::min).sqrt()
     }
 
     /// The parameters that were found.
@@ -120,7 +136,7 @@ fn best_parameters(x: &Matrix, y: &Matrix, options: &RegressionOptions) -> Optio
     let all = Likelihood::new(x, y, options);
     let middle = start(1.0);
     let down = |from: [f64; 3], of: &Likelihood, steps: usize| {
-        descend(from.to_vec(), steps, |place, gradient| {
+        descend_until(from.to_vec(), steps, LIKELIER, |place, gradient| {
             let near = place.iter().zip(middle).all(|(place, middle)| (place - middle).abs() < BOUNDS);
             let there = if near { of.at(&parameters(place)) } else { None };
             let Some((value, slope)) = there else { return f64::INFINITY };
@@ -157,9 +173,10 @@ impl Products {
     fn kernels(&self, kernel: Kernel, parameters: &Parameters, floor: f64) -> [Matrix; 2] {
         let n = self.0.rows();
         let (mut values, mut slopes) = (Matrix::zeros(n, n), Matrix::zeros(n, n));
+        let likeness = kernel.with(parameters);
         for i in 0..n {
             for j in 0..=i {
-                let (value, slope) = kernel.value(parameters, self.0[(i, j)], self.0[(i, i)], self.0[(j, j)]);
+                let (value, slope) = likeness.value(self.0[(i, j)], self.0[(i, i)], self.0[(j, j)]);
                 (values[(i, j)], slopes[(i, j)]) = (value, slope);
             }
             values[(i, i)] += noise(kernel, parameters, floor);
@@ -205,14 +222,14 @@ impl<'a> Likelihood<'a> {
         let RegressionOptions { kernel, floor, .. } = *self.options;
         let [values, slopes] = self.products.kernels(kernel, parameters, floor);
         let factor = Cholesky::of(&values)?;
-        let inverse = factor.inverse_lower();
-        let answers = factor.solve(&self.outputs);
+        let inverse = factor.inverse();
+        let answers = inverse.times(&self.outputs);
         let (n, m) = (values.rows(), self.outputs.columns() as f64);
         let value = 0.5 * self.outputs.dot(&answers)
             + 0.5 * m * factor.log_determinant()
             + 0.5 * n as f64 * m * std::f64::consts::TAU.ln();
         // dL/dK = 1/2 (m K^-1 - K^-1 Y Y^T K^-1)
-        let spread = answers.times_transposed(&answers);
+        let spread = answers.gram();
         let mut slope = [0.0; 3];
         let noise = noise(kernel, parameters, floor);
         let own = (2.0 * parameters.noise).exp();
@@ -306,6 +323,10 @@ mod tests {
             };
             assert!((0..40).map(error).fold(0.0, f64::max) < 0.02, "{kernel:?}");
             assert!((40..60).map(error).sum::<f64>() / 20.0 < 0.03, "{kernel:?}");
+            // Inputs lie within 1 of nothing.
+            let deviation = (x.of_rows(&learned).dot(&x.of_rows(&learned)) / 40.0).sqrt();
+            assert!(map.far(x.row(7)) < 1e-9);
+            assert!((map.far(&[1e3, 0.0]) - 1e3 / deviation).abs() < 3.0 / deviation);
         }
     }
 

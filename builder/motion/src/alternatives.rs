@@ -21,7 +21,7 @@ const LEARNED: usize = 600;
 const MISSING: f64 = 0.000_28;
 /// What rounding of modes, and of coefficients, may add to that, likewise: each mode is rounded the finer the more it moves, so that
 /// all together miss this in the fewest bytes (thesis section 4.5 does so with textures; it is the filling of waters in reverse).
-const ROUNDED: [f64; 2] = [0.000_1, 0.000_06];
+const ROUNDED: [f64; 2] = [0.000_1, 0.000_03];
 /// A sole counts so many times as much as other surface: what stands must not slide.
 const SOLE: f32 = 8.0;
 
@@ -168,7 +168,11 @@ impl Making<'_> {
                     let variations =
                         of_cut.iter().copied().filter(|&number| differs[number][from..k].contains(&true)).collect();
                     let ends = frames.start + from as u32 - 1..frames.start + k as u32;
-                    found.push(FoundStretch { ends, variations });
+                    match found.iter_mut().find(|one: &&mut FoundStretch| one.ends == ends) {
+                        // Cuts of a short sequence are alike.
+                        Some(same) => same.variations.extend::<Vec<usize>>(variations),
+                        None => found.push(FoundStretch { ends, variations }),
+                    }
                 }
                 k += 1;
             }

@@ -18,11 +18,11 @@ const LEAST: (f64, f64) = (0.12, 0.0042);
 const SEEN: f64 = 2.0;
 /// Deviation of what smooths that which is lifted, in learned frames, for each time that it is lifted by, and at most.
 const SMOOTH: (f64, f64) = (2.0, 8.0);
-/// What is lifted comes in and goes out over so many learned frames, or half of its stretch.
-const RAMP: usize = 15;
+/// What is lifted comes in and goes out over so many learned frames, or half of its stretch: the longer, the less it is accelerated.
+const RAMP: usize = 30;
 /// Edges of a stretch change by this at most, on average, as a part of their lengths: mixtures of alternatives, and feet that stand, make up
-/// to a fifth more of it.
-const EDGES: f64 = 0.016;
+/// to two fifths more of it.
+const EDGES: f64 = 0.014;
 /// Every so many learned frames are looked at for that.
 const EVERY: usize = 3;
 

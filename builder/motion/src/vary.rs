@@ -199,14 +199,16 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
 }
 
 /// Stretches of about `length` frames over `count` frames, each from the last frame of the one before; those of cut 1 begin in the
-/// middle of those of cut 0.
+/// middle of those of cut 0. None is shorter than these: the first and the last of cut 1 are half as long again, for who has half of the time
+/// to go as far and back is accelerated four times as much.
 fn cuts(count: usize, length: usize, cut: usize) -> Vec<Range<usize>> {
     let last = count.saturating_sub(1);
     let pieces = (last as f64 / length as f64).round().max(1.0) as usize;
     let mut bounds: Vec<usize> = (0..=pieces).map(|piece| piece * last / pieces).collect();
     if cut > 0 {
         let half = last / pieces / 2;
-        bounds = std::iter::once(0).chain(bounds[..pieces].iter().map(|bound| bound + half)).chain([last]).collect();
+        let inner = bounds[1..pieces].iter().take(pieces.saturating_sub(2)).map(|bound| bound + half);
+        bounds = std::iter::once(0).chain(inner).chain([last]).collect();
     }
     bounds.windows(2).map(|pair| pair[0]..pair[1] + 1).collect()
 }
@@ -386,6 +388,8 @@ mod tests {
                 let cuts = cuts(count, length, cut);
                 assert_eq!((cuts[0].start, cuts.last().unwrap().end), (0, count), "{count} {length} {cut}");
                 assert!(cuts.windows(2).all(|pair| pair[0].end == pair[1].start + 1));
+                let whole = count - 1 < length;
+                assert!(cuts.iter().all(|cut| whole || 4 * cut.len() > 3 * length), "{count} {length}: {cuts:?}");
             }
         }
     }

@@ -27,6 +27,8 @@ pub const LEVER: f32 = 0.17;
 const SMOOTH: f64 = 0.35;
 /// Ways of fewer frames have no sway that is known.
 const FEWEST: usize = 6;
+/// What poses leave over is known this far from the nearest one that was seen, in deviations of all of them.
+const KNOWN: f64 = 0.5;
 /// Steps of the search for parameters.
 const STEPS: usize = 40;
 
@@ -134,12 +136,13 @@ impl Displacement {
     pub fn at(&self, root: &Root, pose: &[f64]) -> Root {
         let plain = self.plain(root);
         let Some(rest) = &self.rest else { return plain };
-        // No more than was seen: poses of other motions lead anywhere.
+        // No more than was seen, and the less the farther a pose is from all that were: those of other motions lead anywhere.
+        let known = (-0.5 * (rest.far(pose) / KNOWN).powi(2)).exp() as f32;
         let by: Vec<f32> = rest
             .predict(pose)
             .iter()
             .zip(&self.range)
-            .map(|(by, [low, high])| (*by as f32).clamp(*low, *high))
+            .map(|(by, [low, high])| known * (*by as f32).clamp(*low, *high))
             .collect();
         let aside = Quat::from_rotation_y(plain.heading) * Vec3::new(by[0], by[3], by[1]);
         Root {

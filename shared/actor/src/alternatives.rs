@@ -5,8 +5,12 @@
 //! surface: the pose of frame n in alternative a is
 //!
 //! ```text
-//! recorded(n) + turned by heading(n) of (sum over k of coefficient(a, n, k) * mode(k))
+//! recorded(n) + turned by heading(n) of (sum over k of smooth(a, n, k) * mode(k))
+//! smooth(a, n, k) = (coefficient(a, n - 1, k) + 2 coefficient(a, n, k) + coefficient(a, n + 1, k)) / 4
 //! ```
+//!
+//! Coefficients are rounded, each frame by itself: somebody who hardly moves would be seen to tremble. The mean over three frames leaves a quarter of
+//! that acceleration, and of differences, which go on for many frames, all but nothing.
 
 use glam::Vec3;
 
@@ -106,24 +110,38 @@ impl Alternatives {
     /// Adds to the recorded `pose` of `frame` what it is more in an alternative of a stretch, times `amount`. Outside of the stretch, and
     /// for numbers that do not exist, nothing is added.
     pub fn add(&self, (stretch, alternative): (usize, usize), frame: u32, amount: f32, pose: &mut [Vec3]) {
-        self.add_mixed(stretch, &[(alternative, amount)], frame, pose);
+        let mut shares = vec![0.0; self.stretches.get(stretch).map_or(0, |stretch| stretch.coefficients.len())];
+        if let Some(share) = shares.get_mut(alternative) {
+            *share = amount;
+        }
+        self.add_mixed(stretch, &shares, frame, pose);
     }
 
-    /// Adds to the recorded `pose` of `frame` what it is more in several alternatives of a stretch, of each its share. What each
+    /// The coefficients of the frame `between` frames after the first one between a stretch's ends, mixed and smoothed; beyond its ends
+    /// nothing differs.
+    fn smooth_row(&self, stretch: &Stretch, between: usize, shares: &[f32]) -> Vec<f32> {
+        let width = self.modes.len();
+        let mut row = vec![0.0; width];
+        for (rows, share) in stretch.coefficients.iter().zip(shares) {
+            for (near, weight) in [(between.checked_sub(1), 0.25), (Some(between), 0.5), (Some(between + 1), 0.25)] {
+                let rows = near.and_then(|near| rows.get(near * width..)).unwrap_or_default();
+                for (sum, coefficient) in row.iter_mut().zip(rows) {
+                    *sum += weight * share * f32::from(*coefficient);
+                }
+            }
+        }
+        row
+    }
+
+    /// Adds to the recorded `pose` of `frame` what it is more in the alternatives of a stretch, of each its share. What each
     /// differs by are samples of one process: mixed by shares whose squares add up to 1, they are another sample of it, as far as
     /// differences are small.
-    pub fn add_mixed(&self, stretch: usize, shares: &[(usize, f32)], frame: u32, pose: &mut [Vec3]) {
+    pub fn add_mixed(&self, stretch: usize, shares: &[f32], frame: u32, pose: &mut [Vec3]) {
         let Some(stretch) = self.stretches.get(stretch) else { return };
         let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { return };
         let Some(&heading) = stretch.headings.get(between) else { return };
         let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
-        let mut row = vec![0.0; self.modes.len()];
-        for &(alternative, share) in shares {
-            let rows = stretch.coefficients.get(alternative).and_then(|rows| rows.get(between * row.len()..));
-            for (sum, coefficient) in row.iter_mut().zip(rows.unwrap_or_default()) {
-                *sum += share * f32::from(*coefficient);
-            }
-        }
+        let row = self.smooth_row(stretch, between, shares);
         let own: Vec<(f32, &[[i8; 3]])> = row
             .iter()
             .zip(&self.modes)
@@ -153,7 +171,8 @@ mod tests {
     fn alternatives() -> Option<Alternatives> {
         let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 10, cyclic: false };
         let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
-        let stretch = Stretch { first: 2, last: 5, headings: vec![0, 16_384], coefficients: vec![vec![10, 0, 0, -20]] };
+        let coefficients = vec![vec![10, 0, 20, 0, 0, -40]];
+        let stretch = Stretch { first: 2, last: 6, headings: vec![0, 0, 16_384], coefficients };
         let modes = vec![vec![[127, 0, 0], [0, 0, 0]], vec![[0, 0, 0], [0, 0, 127]]];
         Alternatives::new(modes, vec![stretch], 2, &timeline)
     }
@@ -166,14 +185,17 @@ mod tests {
             alternatives.add((0, 0), frame, amount, &mut pose);
             pose
         };
-        assert_eq!([0, 2, 5, 9].map(|frame| added(frame, 1.0)), [[Vec3::ZERO; 2]; 4]);
-        assert!(added(3, 1.0)[0].distance(Vec3::X * 1e-3) < 1e-8);
+        assert_eq!([0, 2, 6, 9].map(|frame| added(frame, 1.0)), [[Vec3::ZERO; 2]; 4]);
+        // Half of its own, a quarter of those beside it.
+        assert!(added(3, 1.0)[0].distance(Vec3::X * 1e-3) < 1e-8, "{:?}", added(3, 1.0));
+        assert!(added(4, 1.0)[0].distance(Vec3::X * 1.25e-3) < 1e-8 && (added(4, 1.0)[1].z + 1e-3).abs() < 1e-8);
         // Turned by a quarter, what leads along Z leads along X.
-        assert!(added(4, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(4, 0.5));
-        // Half of one alternative and a third of it once more.
+        assert!(added(5, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(5, 0.5));
+        // Of what does not exist nothing is added.
         let mut mixed = [Vec3::ZERO; 2];
-        alternatives.add_mixed(0, &[(0, 0.5), (0, 1.0 / 3.0), (7, 1.0)], 3, &mut mixed);
-        assert!(mixed[0].distance(Vec3::X * 1e-3 * (5.0 / 6.0)) < 1e-8, "{mixed:?}");
+        alternatives.add_mixed(0, &[0.5, 1.0], 3, &mut mixed);
+        alternatives.add((0, 7), 3, 1.0, &mut mixed);
+        assert!(mixed[0].distance(Vec3::X * 5e-4) < 1e-8, "{mixed:?}");
         assert_eq!((alternatives.beginning(2), alternatives.beginning(3)), (0..1, 1..1));
     }
 

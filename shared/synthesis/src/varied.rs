@@ -1,8 +1,8 @@
-//! Variety: whenever a walk comes to a stretch that has alternatives, two of them are drawn and mixed, by an angle that is drawn, too: what
-//! is shown is never the same again.
+//! Variety: whenever a walk comes to a stretch that has alternatives, all of them are mixed by shares that are drawn: what is shown is
+//! never the same again.
 //!
 //! What alternatives differ by from the recording are samples d of one process about it (thesis section 6.6). For small differences
-//! it is Gaussian, so that d(a) cos x + d(b) sin x is another sample of it for every angle x.
+//! it is Gaussian, so that the sum of u(a) d(a) over all alternatives a is another sample of it for every vector u of length 1.
 //!
 //! Walks seldom come to the first frame of a stretch: transitions lead into its middle. There the recording, or the mixture that was shown
 //! of the same stretch, goes over into a new one.
@@ -13,7 +13,6 @@ use actor::alternatives::Alternatives;
 use actor::pose_source::{PoseError, PoseSource};
 use glam::Vec3;
 use kernels::random::{mix, signed};
-use kernels::scalar::sin_cos;
 
 /// Which alternative is shown now, and how the next one is drawn. The same seed draws the same for the same walk.
 #[derive(Clone, Debug)]
@@ -123,10 +122,7 @@ impl Varied {
         let Some(stretch) = choice.checked_rem(choices.len() as u64).map(|k| choices[k as usize]) else { return };
         self.drawn += 1;
         let count = stretches[stretch].coefficients.len();
-        let mut shares = vec![0.0; count];
-        for (alternative, share) in mixture(choice, count) {
-            shares[alternative] += self.amount * share;
-        }
+        let shares: Vec<f32> = mixture(choice, count).into_iter().map(|share| self.amount * share).collect();
         let begins = stretches[stretch].first == frame;
         let before = match left.filter(|left| left.stretch == stretch) {
             Some(left) => left.at(frame),
@@ -139,20 +135,22 @@ impl Varied {
     /// Adds to the recorded `pose` of `frame` what it is more now.
     pub fn add(&self, frame: u32, pose: &mut [Vec3]) {
         if let Some(present) = &self.present {
-            let shares: Vec<(usize, f32)> = present.at(frame).into_iter().enumerate().collect();
-            self.alternatives.add_mixed(present.stretch, &shares, frame, pose);
+            self.alternatives.add_mixed(present.stretch, &present.at(frame), frame, pose);
         }
     }
 }
 
-/// Two of `count` alternatives, and how much there is of each: the squares of shares add up to 1. Of one alternative there is some share.
+/// How much there is of each of `count` alternatives: a vector of length 1, whose directions are all about as likely. Of one alternative
+/// there is some share.
 #[must_use]
-pub fn mixture(seed: u64, count: usize) -> [(usize, f32); 2] {
-    let (sin, cos) = sin_cos(std::f32::consts::PI * signed(seed, 0));
-    let below = |draw: u64, count: usize| mix(seed, draw).checked_rem(count as u64).unwrap_or(0) as usize;
-    let first = below(1, count);
-    let Some(others) = count.checked_sub(1).filter(|others| *others > 0) else { return [(0, cos), (0, 0.0)] };
-    [(first, cos), ((first + 1 + below(2, others)) % count, sin)]
+pub fn mixture(seed: u64, count: usize) -> Vec<f32> {
+    // Sums of four even numbers are nearly normal.
+    let about_normal = |k: u64| (4 * k..4 * k + 4).map(|draw| signed(seed, draw)).sum();
+    let mut shares: Vec<f32> = (0..count.max(2) as u64).map(about_normal).collect();
+    let length = shares.iter().map(|share| share * share).sum::<f32>().sqrt().max(f32::MIN_POSITIVE);
+    shares.iter_mut().for_each(|share| *share /= length);
+    shares.truncate(count);
+    shares
 }
 
 /// Poses of a source with variety.
@@ -217,8 +215,10 @@ mod tests {
             assert!((ends.first..ends.last).contains(&frame));
             match frame - ends.first {
                 0 => assert_eq!(pose[0], Vec3::ZERO, "it begins in the recording"),
-                1 => shown[stretch].push(pose[0].x),
-                _ => assert_eq!(shown[stretch].last(), Some(&pose[0].x), "it goes on as it began"),
+                // Smoothed over three frames, of which one is recorded.
+                1 => shown[stretch].push(pose[0].x / 0.75),
+                _ if frame + 1 == ends.last => {}
+                _ => assert!((shown[stretch].last().unwrap() - pose[0].x).abs() < 1e-9, "it goes on as it began"),
             }
         }
         for one in &mut shown {
@@ -268,12 +268,17 @@ mod tests {
     }
 
     #[test]
-    fn mixtures_are_of_two_that_differ_and_as_far_as_one() {
-        for (seed, count) in (0..200_u64).map(|k| (k, 2 + k as usize % 5)) {
-            let [(a, x), (b, y)] = mixture(seed, count);
-            assert!(a != b && a < count && b < count && (x * x + y * y - 1.0).abs() < 1e-5);
+    fn mixtures_are_as_far_as_one_alternative_and_go_everywhere() {
+        let mut sums = [0.0; 3];
+        for seed in 0..2000 {
+            let shares = mixture(seed, 2 + seed as usize % 7);
+            assert!((shares.iter().map(|share| share * share).sum::<f32>() - 1.0).abs() < 1e-5);
+            let three = mixture(seed, 3);
+            sums.iter_mut().zip(&three).for_each(|(sum, share)| *sum += share.abs());
         }
-        assert_eq!((mixture(3, 1)[0].0, mixture(3, 1)[1], mixture(3, 0)[0].0), (0, (0, 0.0), 0));
+        // An even direction in space has half of its length along each axis.
+        assert!(sums.iter().all(|sum| (sum / 2000.0 - 0.5).abs() < 0.03), "{sums:?}");
+        assert!(mixture(3, 1).len() == 1 && mixture(3, 1)[0].abs() < 1.0 && mixture(3, 0).is_empty());
     }
 
     #[test]
