@@ -1,12 +1,49 @@
 //! Scanned frames on the device: a few groups, each with a mesh and images of its own, one of which may stand for the actor.
 
-use bundle::ScannedGroup;
+use bundle::ScannedHead;
 use glam::Vec3;
 use kernels::align::Placement;
 
 use super::context::Gpu;
-use super::mesh::{Mesh, Shape, Worn};
+use super::mesh::{DrawnCorner, Mesh, Shape, Worn};
 use super::pose::{ActorUniform, Numbered, PoseGroup};
+
+/// A group as it was read.
+pub struct Scan {
+    corners: Vec<DrawnCorner>,
+    /// Over corners.
+    triangles: Vec<[u32; 3]>,
+    poses: Vec<Vec<Vec3>>,
+    /// Which image each frame wears; empty where there is none.
+    pub worn: Vec<u32>,
+    /// Whether it brings colours.
+    captured: bool,
+}
+
+impl Scan {
+    /// The group of which the index tells `head`, with its parts one after the other; `None` where they do not fit together.
+    #[must_use]
+    pub fn new(head: &ScannedHead, corners: &[u8], triangles: &[u32], poses: &[f32]) -> Option<Self> {
+        let corners: Vec<DrawnCorner> =
+            corners.chunks_exact(size_of::<DrawnCorner>()).map(bytemuck::pod_read_unaligned).collect();
+        let vertices = head.vertices as usize;
+        let fits = corners.len() == head.corners as usize
+            && triangles.len() == 3 * head.triangles as usize
+            && poses.len() == 3 * vertices * head.frames as usize
+            && corners.iter().all(|corner| corner.vertex < head.vertices)
+            && triangles.iter().all(|&corner| corner < head.corners);
+        fits.then(|| Self {
+            corners,
+            triangles: triangles.as_chunks::<3>().0.to_vec(),
+            poses: poses
+                .chunks_exact(3 * vertices)
+                .map(|pose| pose.as_chunks::<3>().0.iter().map(|&p| p.into()).collect())
+                .collect(),
+            worn: head.worn.clone(),
+            captured: head.coloured || !head.images.is_empty(),
+        })
+    }
+}
 
 /// A group that is here.
 struct Held {
@@ -35,22 +72,21 @@ impl Scans {
         &mut self,
         gpu: &Gpu,
         mesh: &Mesh,
-        (ordinal, group): (u32, ScannedGroup),
+        (ordinal, scan): (u32, Scan),
         mut textures: Vec<wgpu::Texture>,
         wanted: &[u32],
     ) {
         let shown = self.shown.map(|(group, _)| group);
         self.held
             .retain(|held| held.ordinal != ordinal && (wanted.contains(&held.ordinal) || shown == Some(held.ordinal)));
-        let vertex = |corner: u32| group.corners.get(corner as usize).map_or(0, |corner| corner.vertex);
-        let triangles = group.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
+        let vertex = |corner: u32| scan.corners[corner as usize].vertex;
+        let triangles = scan.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         if textures.is_empty() {
             textures.push(mesh.textures().white(gpu));
         }
-        let captured = !(group.worn.is_empty() && group.colours.is_empty());
-        let looks = textures.into_iter().map(|texture| mesh.worn(gpu, texture, captured)).collect();
-        let shape = Shape::of_scan(gpu, &group);
-        self.held.push(Held { ordinal, shape, triangles, poses: group.poses, worn: group.worn, looks });
+        let looks = textures.into_iter().map(|texture| mesh.worn(gpu, texture, scan.captured)).collect();
+        let shape = Shape::new(gpu, &scan.corners, &scan.triangles);
+        self.held.push(Held { ordinal, shape, triangles, poses: scan.poses, worn: scan.worn, looks });
     }
 
     /// Whether group `ordinal` is here.

@@ -91,15 +91,14 @@ impl Player {
         self.loading.reader()?.header()?.scanned_group(ordinal)
     }
 
-    /// Where images lie in the section of group `ordinal`, once `bytes` are found to be that section.
+    /// What the index tells of group `ordinal`, once `bytes` are found to be its section: what the module needs that reads it.
     ///
     /// # Errors
     /// They are not, or are damaged.
-    pub fn scan_images(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<std::ops::Range<usize>>, BundleError> {
+    pub fn scan_head(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, BundleError> {
         let (Some(reader), Some(index)) = (self.loading.reader(), self.scans()) else { return Ok(Vec::new()) };
-        let section = reader.check_scanned_group(ordinal, bytes)?;
-        // What the checksum holds for is as it was written, and what makes no sense has no images.
-        Ok(index.open(ordinal, section).map(|group| group.images).unwrap_or_default())
+        reader.check_scanned_group(ordinal, bytes)?;
+        Ok(index.groups.get(ordinal as usize).map_or(Vec::new(), |head| head.words().collect()))
     }
 }
 

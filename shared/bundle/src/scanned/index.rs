@@ -26,21 +26,8 @@ impl ScannedIndex {
     pub(crate) fn decode(raw: &[u8], timeline: &Timeline) -> Result<Self, &'static str> {
         let mut numbers = integers::decode(raw, MOST.0, MOST.1)?.into_iter();
         let mut groups = Vec::new();
-        while let Some(first_frame) = numbers.next() {
-            let short = "ends within a group";
-            let mut next = || numbers.next().ok_or(short);
-            let [frames, vertices, corners, triangles, coloured, images] =
-                [next()?, next()?, next()?, next()?, next()?, next()?];
-            if frames > MAX_SCANNED_FRAMES || images > frames {
-                return Err(WRONG);
-            }
-            let images = (0..images)
-                .map(|_| Ok((format_of(next()?)?, next()?, next()?)))
-                .collect::<Result<Vec<_>, &'static str>>()?;
-            let worn = if images.is_empty() { 0 } else { frames };
-            let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, &'static str>>()?;
-            let coloured = coloured > 0;
-            groups.push(ScannedHead { first_frame, frames, vertices, corners, triangles, coloured, images, worn });
+        while !numbers.as_slice().is_empty() {
+            groups.push(ScannedHead::read(&mut numbers)?);
         }
         let index = Self { groups };
         if index.is_sound(timeline) { Ok(index) } else { Err(WRONG) }
@@ -59,13 +46,7 @@ impl ScannedIndex {
 
     /// The section.
     pub(crate) fn encode(&self) -> Vec<u8> {
-        let mut numbers = Vec::new();
-        for head in &self.groups {
-            numbers.extend([head.first_frame, head.frames, head.vertices, head.corners, head.triangles]);
-            numbers.extend([u32::from(head.coloured), head.images.len() as u32]);
-            numbers.extend(head.images.iter().flat_map(|&(format, width, height)| [number_of(format), width, height]));
-            numbers.extend(&head.worn);
-        }
+        let numbers: Vec<u32> = self.groups.iter().flat_map(ScannedHead::words).collect();
         integers::encode(&numbers)
     }
 
@@ -100,6 +81,34 @@ impl ScannedIndex {
     pub fn read(&self, ordinal: u32, bytes: &[u8]) -> Result<ScannedGroup, &'static str> {
         let open = self.open(ordinal, bytes)?;
         mesh::decode(open.mesh, open.head)
+    }
+}
+
+impl ScannedHead {
+    /// Itself as numbers: as they stand in the index, and are handed from one memory to another.
+    pub fn words(&self) -> impl Iterator<Item = u32> {
+        let sizes = [self.first_frame, self.frames, self.vertices, self.corners, self.triangles];
+        let looks = [u32::from(self.coloured), self.images.len() as u32];
+        let images = self.images.iter().flat_map(|&(format, width, height)| [number_of(format), width, height]);
+        sizes.into_iter().chain(looks).chain(images).chain(self.worn.iter().copied())
+    }
+
+    /// The group of which `numbers` tell next.
+    ///
+    /// # Errors
+    /// The reason where they tell of none.
+    pub fn read(numbers: &mut impl Iterator<Item = u32>) -> Result<Self, &'static str> {
+        let mut next = || numbers.next().ok_or("ends within a group");
+        let [first_frame, frames, vertices, corners, triangles, coloured, images] =
+            [next()?, next()?, next()?, next()?, next()?, next()?, next()?];
+        if frames > MAX_SCANNED_FRAMES || images > frames {
+            return Err(WRONG);
+        }
+        let images = (0..images).map(|_| Ok((format_of(next()?)?, next()?, next()?))).collect::<Result<Vec<_>, _>>()?;
+        let worn = if images.is_empty() { 0 } else { frames };
+        let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, _>>()?;
+        let head = Self { first_frame, frames, vertices, corners, triangles, coloured: coloured > 0, images, worn };
+        if is_sound(&head) { Ok(head) } else { Err(WRONG) }
     }
 }
 
