@@ -45,6 +45,19 @@ impl Scan {
     }
 }
 
+/// A scanned frame that is wanted in the actor's place.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// Group and frame.
+    pub place: (u32, u32),
+    /// Equal numbers are equal poses.
+    pub number: u64,
+    /// Where it stands.
+    pub placement: Placement,
+    /// How much of it is seen, from 0 to 1; the rest is the registered mesh.
+    pub share: f32,
+}
+
 /// A group that is here.
 struct Held {
     ordinal: u32,
@@ -64,6 +77,7 @@ pub struct Scans {
     pose: Option<PoseGroup>,
     /// Group and frame that were written last, and are drawn.
     shown: Option<(u32, u32)>,
+    share: f32,
 }
 
 impl Scans {
@@ -95,19 +109,20 @@ impl Scans {
         self.held.iter().any(|held| held.ordinal == ordinal)
     }
 
-    /// Writes frame `place` of what is here, moved by `placement`, in place of what was drawn before; `None` draws none. What is written
-    /// in the world, and whether anything changed.
+    /// Writes the frame that is wanted, if it is here, in place of what was drawn before; `None` draws none. What is written in the world,
+    /// and whether anything changed.
     pub fn show(
         &mut self,
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
-        wanted: Option<((u32, u32), u64, Placement)>,
+        wanted: Option<Wanted>,
         uniform: ActorUniform,
     ) -> (Option<Vec<Vec3>>, bool) {
         let before = self.shown.take();
-        let found = wanted.and_then(|((ordinal, frame), number, placement)| {
-            let held = self.held.iter().find(|held| held.ordinal == ordinal)?;
-            Some((held, held.poses.get(frame as usize)?, (ordinal, frame), number, placement))
+        let found = wanted.and_then(|Wanted { place, number, placement, share }| {
+            let held = self.held.iter().find(|held| held.ordinal == place.0)?;
+            self.share = share;
+            Some((held, held.poses.get(place.1 as usize)?, place, number, placement))
         });
         let Some((held, pose, place, number, placement)) = found else { return (None, before.is_some()) };
         let mut world = pose.clone();
@@ -123,6 +138,12 @@ impl Scans {
         let changed = group.write(gpu, &held.triangles, numbered, numbered, uniform);
         self.shown = Some(place);
         (Some(world), changed || before != Some(place))
+    }
+
+    /// How much is seen of what is drawn: 0 where there is nothing.
+    #[must_use]
+    pub fn share(&self) -> f32 {
+        if self.drawn().is_some() { self.share } else { 0.0 }
     }
 
     /// What is drawn in place of the actor: its shape, where it is, and what it wears.

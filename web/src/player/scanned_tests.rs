@@ -145,6 +145,38 @@ fn what_comes_next_is_fetched_first() {
 }
 
 #[test]
+fn a_scan_gives_way_little_by_little() {
+    let (mut player, _) = player();
+    player.seek(14.0).unwrap();
+    player.go_to(30).unwrap();
+    player.play();
+    let (mut before, mut least, mut made) = (1.0, 1.0_f32, 0);
+    let mut shares = Vec::new();
+    for _ in 0..2000 {
+        if !player.playing() {
+            break;
+        }
+        let share = player.scan().map_or(0.0, |scan| scan.share);
+        made += u32::from(player.scan().is_none());
+        shares.push(share);
+        // A twentieth of a frame's time.
+        player.tick(1.0 / 25.0 / 20.0);
+        let _ = player.take_events();
+        least = least.min(share);
+        assert!((share - before).abs() < 0.02, "{before} and then {share}");
+        before = share;
+    }
+    assert!(least == 0.0 && made > 20, "{shares:?}");
+    assert!(shares.contains(&1.0), "{shares:?}");
+    // Where it stands nothing is mixed, nor where it was set down.
+    player.pause();
+    player.seek(6.0).unwrap();
+    assert_eq!(player.scan().map(|scan| scan.share), Some(1.0));
+    player.play();
+    assert!(player.scan().unwrap().share < 0.2);
+}
+
+#[test]
 fn other_actors_have_none() {
     let (capture, graph) = capture(&[(20, false)], &[]);
     let player = Player::of_capture(capture, graph);

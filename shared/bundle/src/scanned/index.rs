@@ -104,9 +104,11 @@ impl ScannedHead {
         if frames > MAX_SCANNED_FRAMES || images > frames {
             return Err(WRONG);
         }
-        let images = (0..images).map(|_| Ok((format_of(next()?)?, next()?, next()?))).collect::<Result<Vec<_>, _>>()?;
+        let images = (0..images)
+            .map(|_| Ok((format_of(next()?)?, next()?, next()?)))
+            .collect::<Result<Vec<_>, &'static str>>()?;
         let worn = if images.is_empty() { 0 } else { frames };
-        let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, _>>()?;
+        let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, &'static str>>()?;
         let head = Self { first_frame, frames, vertices, corners, triangles, coloured: coloured > 0, images, worn };
         if is_sound(&head) { Ok(head) } else { Err(WRONG) }
     }

@@ -47,9 +47,9 @@ impl Stage {
         true
     }
 
-    /// Whether the last picture showed a frame as it was scanned.
+    /// How much of the last picture's actor was a frame as it was scanned, from 0 to 1; the rest was the registered mesh.
     #[must_use]
-    pub fn shows_scan(&self) -> bool {
-        self.scene.scans.drawn().is_some()
+    pub fn scan_shown(&self) -> f32 {
+        self.scene.scans.share()
     }
 }
