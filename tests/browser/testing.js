@@ -186,11 +186,11 @@ class Testing {
     if (began) again();
   }
 
-  /** Draws, and tells what of an actor with scanned frames is shown. */
+  /** Draws, and tells what of an actor with scanned frames is shown; null while one gives way to the other. */
   shown() {
     this.core.draw();
     this.core.loop.request();
-    return this.core.director.shown;
+    return [0, 1].includes(this.stage.scan_shown()) ? this.core.director.shown : null;
   }
 
   /** Draws, and tells which share of the picture has colours for which `is` holds. */
@@ -203,21 +203,22 @@ class Testing {
   }
 
   /**
-   * Draws the moment as scanned and on the mesh that all frames were brought onto, both once they are there. Shares of the picture, and of
-   * what the actor covers in either, whose colour differs by more than 8 of 255; of the latter also by how many pixels only one covers.
+   * Draws the moment as scanned and on the mesh that all frames were brought onto, both once they are there, and then as the one gives way
+   * to the other in so many `pictures`. Numbers of pixels: all, what the actor covers in either, whose colour differs by more than 8 of 255, of
+   * those that the actor covers, and that only one of both covers; of a picture and the next one (`step`: most of the picture, and of the actor).
    */
-  async switched() {
+  async switched(pictures = 12) {
     const { looks } = this.core.view;
-    const pictures = [];
+    const both = [];
     for (const way of ['ours', 'template']) {
       looks.choose(way);
       if (this.core.director.info.appearance) await this.texture('poisson');
       while (this.shown() !== (way === 'ours' ? 'scan' : 'template')) await new Promise((resolve) => setTimeout(resolve, 20));
       this.core.draw();
-      pictures.push(await this.stage.read_pixels());
+      both.push(await this.stage.read_pixels());
     }
     looks.choose('ours');
-    const [scan, template] = pictures;
+    const [scan, template] = both;
     const { most, apart } = this.constructor;
     const empty = scan.subarray(0, 3);
     const counts = { pixels: scan.length / 4, covered: 0, changed: 0, within: 0, outline: 0 };
@@ -229,7 +230,25 @@ class Testing {
       counts.within += Number(differs && (inScan || inTemplate));
       counts.outline += Number(differs && inScan !== inTemplate);
     }
+    counts.step = 0;
+    let before = scan;
+    for (let k = pictures - 1; k >= 0; k -= 1) {
+      const after = k ? await this.mixed(k / pictures) : template;
+      let changed = 0;
+      for (let at = 0; at < scan.length; at += 4) changed += Number(apart(before, at, after, at) > most);
+      counts.step = Math.max(counts.step, changed);
+      before = after;
+    }
     return counts;
+  }
+
+  /** The picture where so much of a scan is seen. */
+  async mixed(share) {
+    this.stage.set_options(JSON.stringify({ scan_share: share }));
+    this.core.draw();
+    const pixels = await this.stage.read_pixels();
+    this.stage.set_options('{"scan_share":null}');
+    return pixels;
   }
 
   static most = 8;

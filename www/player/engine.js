@@ -42,6 +42,13 @@ export const loadDriver = once(async () => {
   return driver;
 }, 'The WebAssembly module of motion capture could not be loaded.');
 
+/** The module that reads frames as they were scanned: `Scan`. */
+export const loadScanner = once(async () => {
+  const scanner = await import('../pkg/scanner.js');
+  await scanner.default({ module_or_path: new URL('../pkg/scanner_bg.wasm', import.meta.url) });
+  return scanner;
+}, 'The WebAssembly module of scanned frames could not be loaded.');
+
 /** The module `tools/tools.js`, a script of its own once it is built. */
 export const loadTools = once(async () => {
   const tools = await import('./tools/tools.js');

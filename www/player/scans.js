@@ -5,6 +5,8 @@
  * of the bundle is kept as blobs, which browsers put on the disk. Until a group is there the registered mesh is shown.
  */
 
+import { loadScanner } from './engine.js';
+
 /** Groups on their way at once. */
 const COMING = 3;
 /** Bytes that are read at a time until all of the header is there. */
@@ -123,17 +125,20 @@ export class Scans {
       const section = await this.read(player.scan_section(group));
       if (!section || session.closed) return;
       const bytes = new Uint8Array(section);
-      const places = player.scan_images(group, bytes);
+      const { Scan } = await loadScanner();
+      const scan = new Scan(player.scan_head(group, bytes), bytes);
+      const places = scan.images();
       const bitmaps = [];
       for (let at = 0; at < places.length; at += 2) {
         bitmaps.push(await createImageBitmap(new Blob([bytes.subarray(places[at], places[at + 1])]), { premultiplyAlpha: 'none', colorSpaceConversion: 'none' }));
       }
       if (!session.closed && session.view.stage === stage && session.view.alive()) {
         for (const bitmap of bitmaps) stage.add_scan_image(bitmap);
-        if (!stage.take_scan(player, group, bytes)) failed.add(group);
+        if (!stage.take_scan(player, group, scan.corners(), scan.triangles(), scan.poses())) failed.add(group);
         session.owner.dressed();
       }
       bitmaps.forEach((bitmap) => bitmap.close());
+      scan.free();
     } catch {
       // The registered mesh is shown in its place.
       failed.add(group);

@@ -27,7 +27,7 @@ pub fn test() -> Result<()> {
     // With all that it is made of.
     wasm.args(["clippy", "-p", "reprise-web", "--target", "wasm32-unknown-unknown", "--", "-D", "warnings"]);
     run("lints, WebAssembly", &mut wasm)?;
-    for package in ["reprise-searcher", "reprise-editor", "reprise-driver"] {
+    for package in ["reprise-searcher", "reprise-editor", "reprise-driver", "reprise-scanner"] {
         let mut later = cargo();
         later.args(["clippy", "-p", package, "--features", "bindings", "--target", "wasm32-unknown-unknown"]);
         run("lints, WebAssembly that comes later", later.args(["--", "-D", "warnings"]))?;

@@ -28,11 +28,12 @@ struct Module {
 
 const MODULE: Module = Module { package: "reprise-web", features: "", name: "web" };
 /// The modules that a page fetches only when something is first searched for, when something is first edited,
-/// and when motion capture is first dropped.
-const LATER_MODULES: [Module; 3] = [
+/// when motion capture is first dropped, and where there are frames as they were scanned.
+const LATER_MODULES: [Module; 4] = [
     Module { package: "reprise-searcher", features: "bindings", name: "searcher" },
     Module { package: "reprise-editor", features: "bindings", name: "editor" },
     Module { package: "reprise-driver", features: "bindings", name: "driver" },
+    Module { package: "reprise-scanner", features: "bindings", name: "scanner" },
 ];
 
 /// Whether a page fetches a file of the build only when it is needed; `name` is its path in the folder.

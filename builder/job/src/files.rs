@@ -20,6 +20,14 @@ pub fn write_for_good(path: &Path, bytes: &[u8]) -> io::Result<()> {
     replace(path, |file| file.write_all(bytes).and_then(|()| file.sync_all()))
 }
 
+/// As [`write_for_good`], of what `write` writes.
+///
+/// # Errors
+/// What the file system says, or `write`; a file that was at `path` is still there then.
+pub fn write_for_good_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    replace(path, |file| write(file).and_then(|()| file.sync_all()))
+}
+
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut beside = tempfile::Builder::new();

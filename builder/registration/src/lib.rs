@@ -12,6 +12,7 @@
 //! Lengths are metres, +Y is up. What a length of this crate's own means is that of a person: bodies of another size are
 //! measured by the square root of their area ([`template::Template::scale`]).
 
+pub mod candidates;
 pub mod checks;
 pub mod descriptor;
 pub mod detail;

@@ -67,6 +67,7 @@ pub mod hybrid;
 pub mod look;
 mod options;
 pub mod pack;
+mod packed;
 pub mod preflight;
 mod reach;
 #[cfg(feature = "scans")]

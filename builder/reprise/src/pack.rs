@@ -14,7 +14,7 @@ use bundle::{
     self, AppearanceInput, AppearanceQuality, BundleInput, EncodeReport, Extras, FoundParts, ScannedFrames,
     default_max_error,
 };
-use capture_io::import::{self, FileSkeleton, Warning};
+use capture_io::import::{self, FileSkeleton, ImportError, Warning};
 use editing::{StoredRig, StoredSpace};
 use job::{Job, memory};
 use kernels::cholesky::elimination_order;
@@ -32,6 +32,7 @@ use crate::options::FIRST_FRAME;
 #[cfg(feature = "scans")]
 pub use crate::options::ScanMode;
 pub use crate::options::{AppearanceChoice, PackError, PackOptions};
+pub use crate::packed::Packed;
 use crate::preflight::{before_stages, holes};
 use crate::reach::unreachable;
 #[cfg(feature = "scans")]
@@ -156,6 +157,16 @@ pub struct StageSeconds {
 /// # Errors
 /// Input that cannot be read, options that do not fit it, or stages that contradict each other.
 pub fn pack(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Vec<u8>, PackReport), PackError> {
+    let (packed, report) = pack_streamed(inputs, options, job)?;
+    let whole = packed.whole().map_err(|source| ImportError::Io { path: std::env::temp_dir(), source })?;
+    Ok((whole, report))
+}
+
+/// As [`pack`], but what is too much for the memory waits on the disk until the bundle is written.
+///
+/// # Errors
+/// As [`pack`].
+pub fn pack_streamed(inputs: &[String], options: &PackOptions, job: &Job) -> Result<(Packed, PackReport), PackError> {
     pack_of(inputs, options, None, job)
 }
 
@@ -165,7 +176,7 @@ fn pack_of(
     options: &PackOptions,
     of: Option<ScanOf>,
     job: &Job,
-) -> Result<(Vec<u8>, PackReport), PackError> {
+) -> Result<(Packed, PackReport), PackError> {
     let mut seconds = StageSeconds::default();
     let start = Instant::now();
     let imported = match import::import(inputs, &options.import, job) {
@@ -177,10 +188,10 @@ fn pack_of(
             let of = (options.mode == ScanMode::Windows).then_some((&registered, options));
             let mut own = registered.options(options);
             own.mode = ScanMode::Global;
-            let (bytes, mut report) = pack_of(&[registered.input()], &own, of, job)?;
+            let (packed, mut report) = pack_of(&[registered.input()], &own, of, job)?;
             report.seconds.registration = seconds.registration;
             report.warnings.splice(0..0, registered.warnings);
-            return Ok((bytes, report));
+            return Ok((packed, report));
         }
         imported => imported?,
     };
@@ -237,7 +248,7 @@ fn pack_of(
     #[cfg(not(feature = "variations"))]
     let stored = None;
     #[cfg(feature = "scans")]
-    let (scanned, summary_of_scanned) = match of {
+    let (scanned, summary_of_scanned, rest) = match of {
         Some((registered, scan)) => {
             // A position that is rounded to this goes less far than the poses may.
             let step = max_error(&imported.capture, options);
@@ -245,12 +256,12 @@ fn pack_of(
             let start = Instant::now();
             let found = registered.scanned(scan, frames, (imported.offset, step), job)?;
             seconds.scanned = start.elapsed().as_secs_f64();
-            (Some(found.0), Some(found.1))
+            (Some(found.0), Some(found.1), Some(found.2))
         }
-        None => (None, None),
+        None => (None, None, None),
     };
     #[cfg(not(feature = "scans"))]
-    let (scanned, _) = (None, of);
+    let (scanned, _, rest) = (None, of, None);
     let besides = Besides {
         files: &imported.files,
         alternatives: stored.as_ref(),
@@ -280,7 +291,7 @@ fn pack_of(
     // What the graph says comes last.
     warnings.append(&mut pack_report.warnings);
     pack_report.warnings = warnings;
-    Ok((bytes, pack_report))
+    Ok((Packed { bytes, rest }, pack_report))
 }
 
 /// Eigen textures and Eigen warps of a capture whose frames wear the textures `paths`.

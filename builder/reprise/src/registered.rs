@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use job::Job;
 
 use crate::options::{PackError, PackOptions};
+use crate::packed::Spool;
 use crate::scans::{RegisterError, ScanOptions, register};
 use crate::windows::{ScannedSummary, scanned_frames};
 
@@ -60,19 +61,24 @@ impl RegisteredScan {
         PackOptions { import: ImportOptions { name, cyclic, weld, ..ImportOptions::default() }, ..options.clone() }
     }
 
-    /// The frames as they were scanned, less `offset`, which was taken off the capture; `frames` says how many that has of them.
+    /// The frames as they were scanned, less `offset`, which was taken off the capture; `frames` says how many that has of them. Their bytes
+    /// wait on the disk.
     pub fn scanned(
         &self,
         options: &PackOptions,
         frames: usize,
         (offset, step): (DVec3, f32),
         job: &Job,
-    ) -> Result<(ScannedFrames, ScannedSummary), PackError> {
+    ) -> Result<(ScannedFrames, ScannedSummary, Spool), PackError> {
         if frames < self.written.len() {
             return Err(PackError::Option("--mode windows: frames of the scan are missing in the capture".into()));
         }
         let scans = scans(&self.inputs, &options.import).map_err(RegisterError::from)?;
         let offset: Vec3 = offset.as_vec3();
-        scanned_frames(&scans, &self.written, (offset, step), job)
+        let folder = self.folder.path();
+        let mut spool = Spool::new(folder).map_err(|source| ImportError::Io { path: folder.to_owned(), source })?;
+        let take = &mut |bytes: &[u8]| spool.push(bytes);
+        let (scanned, summary) = scanned_frames(&scans, &self.written, (offset, step), job, take)?;
+        Ok((scanned, summary, spool))
     }
 }

@@ -1,13 +1,14 @@
 //! `--mode windows`: the frames of a scan as they were scanned, cleaned as registration reads them, for the bundle.
 //!
 //! ```text
-//! Scans -> one frame, cleaned, with its still -> keyframe groups -> code_group -> ScannedFrames
+//! Scans -> one frame, cleaned, with its still -> keyframe groups -> code_group -> ScannedFrames; bytes -> disk
 //! ```
 
 use std::collections::HashMap;
+use std::io;
 
 use bundle::{CodedGroup, GROUP_FRAMES, ScannedCorner, ScannedFrames, ScannedGroup, code_group};
-use capture_io::import::Scans;
+use capture_io::import::{ImportError, Scans};
 use glam::Vec3;
 use job::Job;
 use rayon::prelude::*;
@@ -36,12 +37,14 @@ pub struct ScannedSummary {
     pub max_error: f64,
 }
 
-/// The frames `written` of `scans`, in this order, less `offset`, with positions as multiples of `step`.
+/// The frames `written` of `scans`, in this order, less `offset`, with positions as multiples of `step`; `take` is given each group's bytes,
+/// so that no more than a few are in memory.
 pub(crate) fn scanned_frames(
     scans: &Scans,
     written: &[usize],
     (offset, step): (Vec3, f32),
     job: &Job,
+    take: &mut dyn FnMut(&[u8]) -> io::Result<()>,
 ) -> Result<(ScannedFrames, ScannedSummary), PackError> {
     let (mut all, mut images, mut open) = (ScannedFrames::default(), 0, None);
     let numbered: Vec<(u32, usize)> = (0..).zip(written.iter().copied()).collect();
@@ -70,8 +73,9 @@ pub(crate) fn scanned_frames(
         let coded: Vec<_> = ready.par_iter().map(|group| code_group(group, step)).collect();
         for coded in coded {
             let coded: CodedGroup = coded?;
-            images += ready_images(&coded);
-            all.push(coded);
+            images += images_of(&coded);
+            take(&coded.bytes).map_err(|source| ImportError::Io { path: std::env::temp_dir(), source })?;
+            all.push_elsewhere(&coded);
         }
     }
     let frames = all.index().frame_count();
@@ -87,7 +91,7 @@ pub(crate) fn scanned_frames(
 }
 
 /// Bytes of the images of a group.
-fn ready_images(coded: &CodedGroup) -> u64 {
+fn images_of(coded: &CodedGroup) -> u64 {
     let mesh = coded.bytes.first_chunk::<4>().map_or(0, |length| u64::from(u32::from_le_bytes(*length)));
     let lengths = 4 * (1 + coded.head.images.len() as u64);
     coded.bytes.len() as u64 - mesh - lengths

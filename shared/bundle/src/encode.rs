@@ -213,16 +213,18 @@ pub fn encode_with_extras(
         appearance = appearance.or(Some(report));
     }
     if let Some(scanned) = extras.scanned {
-        drafts.extend(scanned.drafts(&capture.timeline)?);
+        drafts.push(scanned.draft(&capture.timeline)?);
     }
     if let Some(large) = drafts.iter().find(|draft| draft.raw.len() as u64 > MAX_SECTION_BYTES) {
         let count = large.raw.len() as u64;
         return Err(EncodeError::TooLarge { what: "bytes in one section", count, limit: MAX_SECTION_BYTES });
     }
-    let (bytes, header) = assemble(drafts);
+    let groups = extras.scanned.into_iter().flat_map(ScannedFrames::told);
+    let (mut bytes, header) = assemble(drafts, groups);
     if header.total > MAX_BYTES {
         return Err(EncodeError::TooLarge { what: "bytes", count: header.total, limit: MAX_BYTES });
     }
+    extras.scanned.into_iter().flat_map(ScannedFrames::here).for_each(|group| bytes.extend_from_slice(group));
     let report = EncodeReport { appearance, ..report(&header, capture.poses.len(), rms_error, max_error) };
     Ok((bytes, report))
 }

@@ -46,8 +46,9 @@ pub(super) struct Draft {
     pub raw: Vec<u8>,
 }
 
-/// The file that holds `drafts` in this order.
-pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
+/// The file that holds `drafts` in this order, and behind them the sections of groups of scanned frames, of which `groups` tells length and
+/// checksum: those are to be appended.
+pub(super) fn assemble(drafts: Vec<Draft>, groups: impl Iterator<Item = (u64, u32)>) -> (Vec<u8>, Header) {
     let minor = drafts.iter().map(|draft| draft.kind.since()).max().unwrap_or(0);
     let mut header = Header { major: VERSION_MAJOR, minor, total: 0, sections: Vec::new() };
     let mut contents = Vec::new();
@@ -66,6 +67,17 @@ pub(super) fn assemble(drafts: Vec<Draft>) -> (Vec<u8>, Header) {
         });
         contents.push(stored);
     }
+    let group = |(ordinal, (length, checksum))| SectionEntry {
+        kind: Some(SectionKind::ScannedGroup),
+        number: SectionKind::ScannedGroup.number(),
+        codec: Codec::Stored,
+        ordinal,
+        offset: 0,
+        stored: length,
+        raw: length,
+        checksum,
+    };
+    header.sections.extend((0..).zip(groups).map(group));
     let mut end = header.byte_length() as u64;
     for section in &mut header.sections {
         section.offset = end;

@@ -78,6 +78,10 @@ fn frames(groups: &[ScannedGroup]) -> ScannedFrames {
 }
 
 fn bundle_of(groups: &[ScannedGroup]) -> Vec<u8> {
+    bundle_with(&frames(groups))
+}
+
+fn bundle_with(scanned: &ScannedFrames) -> Vec<u8> {
     let capture = cloth(4, 3, &[8, 5]);
     let graph = graph(&capture.timeline);
     let input = BundleInput {
@@ -88,10 +92,24 @@ fn bundle_of(groups: &[ScannedGroup]) -> Vec<u8> {
         poisson_order: None,
         generator: "reprise test".into(),
     };
-    let scanned = frames(groups);
     let mut extras = Extras::default();
-    extras.scanned = Some(&scanned);
+    extras.scanned = Some(scanned);
     encode_with_extras(&input, &[], &Files::default(), &extras).unwrap().0
+}
+
+#[test]
+fn groups_that_are_elsewhere_are_appended() {
+    let groups = [grid(0, 4, 2), coloured(3)];
+    let mut told = ScannedFrames::default();
+    let mut behind = Vec::new();
+    for group in &groups {
+        let coded = code_group(group, STEP).unwrap();
+        told.push_elsewhere(&coded);
+        behind.extend(coded.bytes);
+    }
+    assert_eq!(told.bytes(), behind.len() as u64);
+    let bytes = [bundle_with(&told), behind].concat();
+    assert!(bytes == bundle_of(&groups));
 }
 
 /// Every triangle by the places, texture coordinates and colours of its corners, whatever they are numbered.

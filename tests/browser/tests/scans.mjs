@@ -104,6 +104,44 @@ export const tests = {
     await player.close();
   },
 
+  'scans: one gives way to the other little by little, and not by a jump': async (browser) => {
+    const player = await open(browser);
+    if (!player) return;
+    await player.run((element) => element.seek(25));
+    await shows(player, 'scan');
+    const [whole, half, none] = await player.run(async (element) => {
+      const colours = [];
+      for (const share of [1, 0.5, 0]) {
+        const pixels = await element.testing.mixed(share);
+        let blue = 0;
+        for (let at = 0; at < pixels.length; at += 4) blue += pixels[at + 2] - pixels[at];
+        colours.push(blue);
+      }
+      return colours;
+    });
+    const part = (half - none) / (whole - none);
+    assert.ok(whole - none > 1e6 && part > 0.3 && part < 0.8, [whole, half, none].join());
+    // Frame 29 is as if it had been lost: the scan goes before it, and comes again after it.
+    await player.run((element) => element.seek(30));
+    await shows(player, 'scan');
+    await player.run((element) => element.seek(25));
+    await shows(player, 'scan');
+    const shares = await player.run(async (element) => {
+      element.speed = 0.1;
+      element.play();
+      const seen = [];
+      while (element.state.frame < 31) {
+        await new Promise((resolve) => requestAnimationFrame(resolve));
+        seen.push(element.testing.stage.scan_shown());
+      }
+      return seen;
+    });
+    const least = shares.indexOf(0);
+    const between = [shares.slice(0, least), shares.slice(least)].map((side) => side.filter((share) => share > 0 && share < 0.7).length);
+    assert.ok(least > 0 && Math.min(...between) > 0, shares.join());
+    await player.close();
+  },
+
   'scans: groups are fetched one by one where the server hands out parts, those ahead alone': async (browser) => {
     if (!process.env.REPRISE_DRESSED) return;
     const { bytes, groups } = await bundle();

@@ -15,12 +15,11 @@ impl Player {
         self.inner.scan_section(ordinal).map_or(Vec::new(), |(start, length)| vec![start as u32, length as u32])
     }
 
-    /// Where the images of group `ordinal` lie in the `bytes` of its section: beginning and end of each.
+    /// What the index tells of group `ordinal`, for the module that reads the `bytes` of its section.
     ///
     /// # Errors
     /// The bytes are not that section, or are damaged.
-    pub fn scan_images(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, JsValue> {
-        let images = self.inner.scan_images(ordinal, bytes).map_err(bundle_error)?;
-        Ok(images.into_iter().flat_map(|range| [range.start as u32, range.end as u32]).collect())
+    pub fn scan_head(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, JsValue> {
+        self.inner.scan_head(ordinal, bytes).map_err(bundle_error)
     }
 }

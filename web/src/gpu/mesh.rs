@@ -1,7 +1,6 @@
 //! The drawn mesh: corners, parts and materials, the same for every pose; the twin of `shaders/actor.wgsl`.
 
 use actor::surface::{Material, Surface};
-use bundle::{ScannedCorner, ScannedGroup};
 use bytemuck::{Pod, Zeroable};
 use wgpu::{BufferUsages, ShaderStages};
 
@@ -24,11 +23,12 @@ pub struct MaterialUniform {
 /// Colour of a surface that brings none: warm clay, in linear light.
 const CLAY: [f32; 4] = [0.56, 0.335, 0.225, 1.0];
 
-/// A corner as it is uploaded.
+/// A corner as it is uploaded; the twin of what the module makes that reads scanned frames.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct DrawnCorner {
-    vertex: u32,
+pub struct DrawnCorner {
+    /// Its vertex.
+    pub vertex: u32,
     uv: [f32; 2],
     colour: [u8; 4],
     /// Of the body's part; transparent where that is not known.
@@ -71,26 +71,14 @@ pub struct Shape {
 }
 
 impl Shape {
-    fn new(gpu: &Gpu, corners: &[DrawnCorner], triangles: &[[u32; 3]]) -> Self {
+    /// Uploads triangles over `corners`.
+    #[must_use]
+    pub fn new(gpu: &Gpu, corners: &[DrawnCorner], triangles: &[[u32; 3]]) -> Self {
         Self {
             corners: gpu.buffer_of("reprise.actor.corners", bytemuck::cast_slice(corners), BufferUsages::VERTEX),
             indices: gpu.buffer_of("reprise.actor.triangles", bytemuck::cast_slice(triangles), BufferUsages::INDEX),
             index_count: triangles.len() as u32 * 3,
         }
-    }
-
-    /// That of scanned frames.
-    #[must_use]
-    pub fn of_scan(gpu: &Gpu, group: &ScannedGroup) -> Self {
-        let colour = |vertex: u32| group.colours.get(vertex as usize).map_or([255; 4], |&[r, g, b]| [r, g, b, 255]);
-        let drawn = |corner: &ScannedCorner| DrawnCorner {
-            vertex: corner.vertex,
-            uv: corner.uv,
-            colour: colour(corner.vertex),
-            part: [0; 4],
-        };
-        let corners: Vec<_> = group.corners.iter().map(drawn).collect();
-        Self::new(gpu, &corners, &group.triangles)
     }
 
     /// Draws it with the pipeline that is set.

@@ -11,6 +11,7 @@ pub mod ghosts;
 pub mod grid;
 pub mod marks;
 pub mod mesh;
+pub mod mix;
 mod passes;
 pub mod pose;
 pub mod readback;

@@ -2,7 +2,6 @@
 
 use actor::surface::Surface;
 use glam::{Vec2, Vec3};
-use kernels::align::Placement;
 
 use super::appearance::TextureRebuild;
 use super::context::Gpu;
@@ -11,8 +10,9 @@ use super::ghosts::Ghosts;
 use super::grid::Grid;
 use super::marks::Marks;
 use super::mesh::Mesh;
+use super::mix::Mix;
 use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
-use super::scans::Scans;
+use super::scans::{Scans, Wanted};
 use super::shadow::{Shadow, Square};
 use super::target::Target;
 use super::trail::Trail;
@@ -31,8 +31,8 @@ pub struct Moment<'a> {
     pub synthetic: f32,
     /// Where the actor's centre of mass is on the ground (X, Z).
     pub ground: Vec2,
-    /// The scanned frame that is to be drawn in its place, if it is there: group and frame, the number of its pose, where it stands.
-    pub scan: Option<((u32, u32), u64, Placement)>,
+    /// The scanned frame that is to be drawn in its place, if it is there.
+    pub scan: Option<Wanted>,
 }
 
 /// The actor's measures, from its first pose.
@@ -94,6 +94,7 @@ pub struct Scene {
     pub triangles: Vec<[u32; 3]>,
     /// Scanned frames.
     pub scans: Scans,
+    mix: Option<Mix>,
     frame: FrameGroup,
     actor: PoseGroup,
     shadow: Shadow,
@@ -132,6 +133,7 @@ impl Scene {
             pose_layout,
             triangles,
             scans: Scans::default(),
+            mix: None,
             frame,
             actor,
             shadow,
@@ -146,11 +148,13 @@ impl Scene {
     /// Uploads what changed in the actor.
     pub fn show(&mut self, moment: &Moment<'_>) {
         let [tint, parts] = [self.look.tint, self.look.parts].map(|on| f32::from(u8::from(on)));
-        let (weight, synthetic) = (moment.weight, moment.synthetic);
-        let uniform = ActorUniform { weight, tint, synthetic, parts, ..Default::default() };
+        let uniform = ActorUniform { tint, synthetic: moment.synthetic, parts, ..Default::default() };
+        let wanted = moment.scan.filter(|_| !self.look.parts);
+        let (scan, changed) = self.scans.show(&self.gpu, &self.pose_layout, wanted, uniform);
+        // Beside a scan, which is that of the nearer frame, the mesh stands as that does.
+        let weight = if scan.is_some() { moment.weight.round() } else { moment.weight };
+        let uniform = ActorUniform { weight, ..uniform };
         let moved = self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform);
-        let (scan, changed) =
-            self.scans.show(&self.gpu, &self.pose_layout, moment.scan.filter(|_| !self.look.parts), uniform);
         if moved || changed {
             let poses = [scan.as_deref().unwrap_or(moment.before.pose), scan.as_deref().unwrap_or(moment.after.pose)];
             self.square = Square::around(poses, self.measures.height);
@@ -173,30 +177,50 @@ impl Scene {
         uniform.shadow_size = self.square.side;
         self.frame.write(&self.gpu, &uniform);
         let mut encoder = self.gpu.encoder("reprise.picture.commands");
+        let share = self.scans.share();
         if std::mem::take(&mut self.shadow_due) {
             let own = (self.mesh.shape(), self.actor.group());
             let (shape, pose) = self.scans.drawn().map_or(own, |(shape, pose, _)| (shape, pose));
             self.shadow.draw(&self.gpu, &mut encoder, &self.frame, pose, shape, self.square);
         }
-        {
-            let mut pass = target.begin(&self.gpu, &mut encoder, "reprise.picture.pass", self.look.clear());
-            pass.set_bind_group(0, &self.frame.group, &[]);
-            self.grid.draw(&mut pass, &self.shadow);
-            self.marks.draw(&mut pass);
-            self.trail.draw(&mut pass);
-            match self.scans.drawn() {
-                Some((shape, pose, worn)) => {
-                    pass.set_bind_group(1, pose, &[]);
-                    self.mesh.draw_scan(&mut pass, shape, worn);
-                }
-                None => {
-                    pass.set_bind_group(1, self.actor.group(), &[]);
-                    self.mesh.draw(&mut pass);
-                }
-            }
-            self.ghosts.draw(&mut pass, &self.mesh);
+        let mixed = share > 0.0 && share < 1.0;
+        if mixed {
+            let mix = self.mix.take().filter(|mix| mix.fits(target));
+            let mix = mix.unwrap_or_else(|| Mix::new(&self.gpu, target));
+            self.paint(&mut encoder, target, false, None);
+            mix.keep(&mut encoder, target);
+            self.mix = Some(mix);
         }
+        self.paint(
+            &mut encoder,
+            target,
+            share > 0.0,
+            self.mix.as_ref().filter(|_| mixed).map(|mix| (mix, 1.0 - share)),
+        );
         self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Draws all, with the scanned frame in the actor's place where that is `scanned`, and a share of what was kept over it.
+    fn paint(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, scanned: bool, over: Option<(&Mix, f32)>) {
+        let mut pass = target.begin(&self.gpu, encoder, "reprise.picture.pass", self.look.clear());
+        pass.set_bind_group(0, &self.frame.group, &[]);
+        self.grid.draw(&mut pass, &self.shadow);
+        self.marks.draw(&mut pass);
+        self.trail.draw(&mut pass);
+        match self.scans.drawn().filter(|_| scanned) {
+            Some((shape, pose, worn)) => {
+                pass.set_bind_group(1, pose, &[]);
+                self.mesh.draw_scan(&mut pass, shape, worn);
+            }
+            None => {
+                pass.set_bind_group(1, self.actor.group(), &[]);
+                self.mesh.draw(&mut pass);
+            }
+        }
+        self.ghosts.draw(&mut pass, &self.mesh);
+        if let Some((mix, share)) = over {
+            mix.draw(&mut pass, share);
+        }
     }
 }
 

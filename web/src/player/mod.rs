@@ -133,6 +133,8 @@ pub struct Player {
     main: Option<Vec<bool>>,
     directing: Directing,
     variety: Variety,
+    /// Frames with a scan in a row up to the one that the picture comes from.
+    scans_behind: u32,
     /// Whether the picture changed other than by time since the last tick.
     changed: bool,
 }
@@ -164,6 +166,7 @@ impl Player {
             main: None,
             directing: Directing::default(),
             variety: Variety::default(),
+            scans_behind: 0,
             changed: false,
         };
         player.stand_up();
@@ -350,6 +353,7 @@ impl Player {
     fn show_at(&mut self, before: ShownFrame, after: Option<ShownFrame>, weight: f64) {
         self.last = Some(before);
         self.next = after;
+        self.note_scan(true);
         self.clock.set_weight(weight);
         self.stalled = None;
         self.forget_given();

@@ -76,6 +76,7 @@ impl Player {
             self.tell_transition(entered, true);
         }
         self.last = Some(frame);
+        self.note_scan(false);
         self.clock.set_weight(0.0);
         self.leave_trail(false);
         self.finish_route();

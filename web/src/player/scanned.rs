@@ -7,9 +7,12 @@ use kernels::align::Placement;
 use synthesis::{FrameKind, Step};
 
 use super::Player;
+use super::produce::ShownFrame;
 
 /// Steps ahead that are looked at for what will be wanted.
 const AHEAD: usize = 48;
+/// Frames over which a scan gives way to the registered mesh before the last one of it is shown, and comes back after the first.
+pub(super) const FADE: u32 = 6;
 /// Bytes of the graphics device's memory that scanned frames may take, more or less.
 const ROOM: u64 = 192 << 20;
 /// Groups that are held at least and at most, whatever their size.
@@ -26,6 +29,8 @@ pub struct ScanShown {
     pub number: u64,
     /// The world from the scan.
     pub placement: Placement,
+    /// How much of it is seen, the rest being the registered mesh in the same pose: 1 but near where one gives way to the other.
+    pub share: f32,
 }
 
 impl Player {
@@ -40,9 +45,44 @@ impl Player {
     #[must_use]
     pub fn scan(&self) -> Option<ScanShown> {
         let nearer = self.nearer()?;
-        let FrameKind::Recorded { frame } = nearer.kind else { return None };
-        let place = self.scans()?.place_of(frame).filter(|_| nearer.as_recorded)?;
-        Some(ScanShown { place, frame, number: nearer.number, placement: nearer.placement })
+        let (frame, place) = self.scan_of(nearer)?;
+        Some(ScanShown { place, frame, number: nearer.number, placement: nearer.placement, share: self.scan_share() })
+    }
+
+    /// The recorded frame that `shown` is as it was recorded, and where its scan is, where there is one.
+    fn scan_of(&self, shown: &ShownFrame) -> Option<(u32, (u32, u32))> {
+        let FrameKind::Recorded { frame } = shown.kind else { return None };
+        let place = self.scans()?.place_of(frame).filter(|_| shown.as_recorded)?;
+        Some((frame, place))
+    }
+
+    /// How much of the scan is seen: less the nearer the frames are that have none, on both sides. What was jumped over does not count,
+    /// and where the actor stands the scan is seen as it is.
+    fn scan_share(&self) -> f32 {
+        let Some(picture) = self.picture().filter(|_| self.playing) else { return 1.0 };
+        let has_scan = |frame: &Option<u32>| {
+            frame.is_some_and(|frame| {
+                self.loading.source.as_recorded(frame)
+                    && self.scans().is_some_and(|scans| scans.place_of(frame).is_some())
+            })
+        };
+        // The one gives way to the other halfway between two frames.
+        let weight = picture.weight as f32;
+        let coming = self.coming(FADE as usize + 1);
+        let ahead =
+            coming.iter().position(|frame| !has_scan(frame)).map_or(FADE as f32, |steps| steps as f32 + 0.5 - weight);
+        let behind = self.scans_behind as f32 - 0.5 + weight;
+        (ahead.min(behind) / FADE as f32).clamp(0.0, 1.0)
+    }
+
+    /// Takes note that `last` is what the picture comes from now: after what came before it, or jumped to.
+    pub(super) fn note_scan(&mut self, jumped: bool) {
+        let scanned = self.last.as_ref().is_some_and(|last| self.scan_of(last).is_some());
+        self.scans_behind = match (scanned, jumped) {
+            (false, _) => 0,
+            (true, true) => FADE + 1,
+            (true, false) => self.scans_behind.saturating_add(1),
+        };
     }
 
     /// The groups that are shown and will be on the route, the most urgent first: at most as many as are held.
@@ -56,7 +96,8 @@ impl Player {
             groups.extend(group.filter(|group| !groups.contains(group)));
             groups.len() < most
         };
-        for frame in self.coming_frames() {
+        let shown = self.nearer().map(|shown| shown.kind.frame());
+        for frame in shown.into_iter().chain(self.coming(AHEAD).into_iter().flatten()) {
             if !want(frame) {
                 break;
             }
@@ -64,24 +105,30 @@ impl Player {
         groups
     }
 
-    /// Recorded frames that are shown or come next: those of the route, and behind its end those of the recording.
-    fn coming_frames(&self) -> Vec<u32> {
+    /// What comes after the frame that the picture comes from, at most `most` steps: recorded frames of the route, nothing where one is made,
+    /// and behind its end those of the recording.
+    fn coming(&self, most: usize) -> Vec<Option<u32>> {
         let Some(actor) = &self.loading.actor else { return Vec::new() };
-        let shown = self.nearer().into_iter().chain(self.next.as_ref());
-        let mut frames: Vec<u32> = shown.map(|shown| shown.kind.frame()).collect();
+        let recorded = |kind: FrameKind| (!kind.is_synthetic()).then(|| kind.frame());
+        let mut frames: Vec<Option<u32>> = self.next.iter().map(|shown| recorded(shown.kind)).collect();
+        frames.extend(self.given.iter().map(|shown| recorded(shown.kind).filter(|_| shown.as_recorded)));
         let (Some(walker), Some(graph)) = (self.producer.walker(), self.graph(actor)) else { return frames };
-        let (mut walker, mut taken) = (walker.clone(), 0);
-        while let (Some(step), true) = (walker.next(&actor.timeline), taken < AHEAD) {
-            if let Step::Forward(frame) | Step::Back(frame) = step {
-                frames.push(frame);
-            }
+        let mut walker = walker.clone();
+        while let (Some(step), true) = (walker.next(&actor.timeline), frames.len() < most) {
+            let transitions = graph.transitions();
             walker.take(&graph, &actor.timeline);
-            taken += 1;
+            frames.push(match step {
+                Step::Forward(frame) | Step::Back(frame) => Some(frame),
+                // The last node of a transition is the frame that it arrives at.
+                Step::Node { transition, .. } if walker.inside().is_none() => {
+                    transitions.get(transition as usize).map(|transition| transition.to)
+                }
+                Step::Node { .. } => None,
+            });
         }
-        // Where a transition ends something recorded begins.
         let end = walker.departure(&graph);
-        let on = std::iter::successors(Some(end), |&frame| actor.timeline.next(frame));
-        frames.extend(on.take(AHEAD - taken));
+        let on = std::iter::successors(actor.timeline.next(end), |&frame| actor.timeline.next(frame));
+        frames.extend(on.take(most.saturating_sub(frames.len())).map(Some));
         frames
     }
 
@@ -91,15 +138,14 @@ impl Player {
         self.loading.reader()?.header()?.scanned_group(ordinal)
     }
 
-    /// Where images lie in the section of group `ordinal`, once `bytes` are found to be that section.
+    /// What the index tells of group `ordinal`, once `bytes` are found to be its section: what the module needs that reads it.
     ///
     /// # Errors
     /// They are not, or are damaged.
-    pub fn scan_images(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<std::ops::Range<usize>>, BundleError> {
+    pub fn scan_head(&self, ordinal: u32, bytes: &[u8]) -> Result<Vec<u32>, BundleError> {
         let (Some(reader), Some(index)) = (self.loading.reader(), self.scans()) else { return Ok(Vec::new()) };
-        let section = reader.check_scanned_group(ordinal, bytes)?;
-        // What the checksum holds for is as it was written, and what makes no sense has no images.
-        Ok(index.open(ordinal, section).map(|group| group.images).unwrap_or_default())
+        reader.check_scanned_group(ordinal, bytes)?;
+        Ok(index.groups.get(ordinal as usize).map_or(Vec::new(), |head| head.words().collect()))
     }
 }
 

@@ -66,13 +66,14 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
     // The scan, moved as the registered pose is, lies on it: here both are the same body.
     let (start, length) = player.scan_section(5).unwrap();
     let section = &bytes[start as usize..(start + length) as usize];
-    assert_eq!(player.scan_images(5, section).unwrap(), []);
+    let words: Vec<u32> = player.scans().unwrap().groups[5].words().collect();
+    assert_eq!(player.scan_head(5, section).unwrap(), words);
     let mut pose = player.scans().unwrap().read(5, section).unwrap().poses.remove(0);
     scan.placement.apply_all(&mut pose);
     let shown = player.picture().unwrap().pose();
     let near = |p: &Vec3| shown.iter().any(|q| p.distance(*q) < 5e-4);
     assert!(pose.iter().all(near), "{pose:?} {shown:?}");
-    assert!(player.scan_images(5, &section[1..]).is_err());
+    assert!(player.scan_head(5, &section[1..]).is_err());
     // A lost frame, and one of a group.
     player.seek(7.0).unwrap();
     assert_eq!(scan_of(&player), None);
@@ -141,6 +142,38 @@ fn what_comes_next_is_fetched_first() {
     assert!(frames.contains(&30) && !frames.contains(&12), "{frames:?}");
     assert_eq!(player.scan_section(99), None);
     assert_eq!(player.seek(3.0), Ok::<(), PlayerError>(()));
+}
+
+#[test]
+fn a_scan_gives_way_little_by_little() {
+    let (mut player, _) = player();
+    player.seek(14.0).unwrap();
+    player.go_to(30).unwrap();
+    player.play();
+    let (mut before, mut least, mut made) = (1.0, 1.0_f32, 0);
+    let mut shares = Vec::new();
+    for _ in 0..2000 {
+        if !player.playing() {
+            break;
+        }
+        let share = player.scan().map_or(0.0, |scan| scan.share);
+        made += u32::from(player.scan().is_none());
+        shares.push(share);
+        // A twentieth of a frame's time.
+        player.tick(1.0 / 25.0 / 20.0);
+        let _ = player.take_events();
+        least = least.min(share);
+        assert!((share - before).abs() < 0.02, "{before} and then {share}");
+        before = share;
+    }
+    assert!(least == 0.0 && made > 20, "{shares:?}");
+    assert!(shares.contains(&1.0), "{shares:?}");
+    // Where it stands nothing is mixed, nor where it was set down.
+    player.pause();
+    player.seek(6.0).unwrap();
+    assert_eq!(player.scan().map(|scan| scan.share), Some(1.0));
+    player.play();
+    assert!(player.scan().unwrap().share < 0.2);
 }
 
 #[test]

@@ -2,21 +2,22 @@
 
 use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use appearance::AppearanceOptions;
 use capture_io::import::{Cyclic, ImportOptions};
 use job::Job;
+use job::files::write_for_good_by;
 use pipeline::distance::{DistanceKind, DistanceOptions};
 use pipeline::transitions::{LengthChoice, TransitionOptions};
 #[cfg(feature = "complete")]
 use reprise::pack::ScanMode;
-use reprise::pack::{AppearanceChoice, PackOptions, PackReport, PartsSummary, pack};
+use reprise::pack::{AppearanceChoice, PackOptions, PackReport, PartsSummary, pack_streamed};
 
 #[cfg(feature = "complete")]
 use super::args::Mode;
 use super::args::{AppearanceKind, ImportArguments, PackArguments, TransitionLength, UpAxis, WorkFolderArgument};
 use super::failure::Failure;
-use super::output::{print_json, write_whole};
+use super::output::print_json;
 use super::rigged;
 use super::terminal::Terminal;
 use super::work;
@@ -41,12 +42,13 @@ pub fn pack_into(
     }
     let (report, work) = (|progress| terminal.progress(progress), work::open(folder)?);
     let job = Job::new(&report).with_work(work.as_ref());
-    let (bytes, report) = pack(inputs, options, &job).map_err(|error| match error {
+    let (mut packed, report) = pack_streamed(inputs, options, &job).map_err(|error| match error {
         error if error.is_stopped() => Failure::Stopped { work: folder.work.clone() },
         error if error.is_ours() => Failure::Internal(error.into()),
         error => Failure::Input(error.into()),
     })?;
-    write_whole(output, &bytes).map_err(Failure::Input)?;
+    let written = write_for_good_by(output, |file| packed.write(file));
+    written.with_context(|| format!("cannot write {}", output.display())).map_err(Failure::Input)?;
     for warning in &report.warnings {
         terminal.log(&format!("warning: {warning}"));
     }

@@ -5,6 +5,7 @@ use actor::timeline::Timeline;
 
 use super::group::{CodedGroup, OpenGroup};
 use super::{ScannedGroup, ScannedHead, mesh};
+use crate::checksum::checksum;
 use crate::error::EncodeError;
 use crate::integers;
 use crate::kind::SectionKind;
@@ -26,21 +27,8 @@ impl ScannedIndex {
     pub(crate) fn decode(raw: &[u8], timeline: &Timeline) -> Result<Self, &'static str> {
         let mut numbers = integers::decode(raw, MOST.0, MOST.1)?.into_iter();
         let mut groups = Vec::new();
-        while let Some(first_frame) = numbers.next() {
-            let short = "ends within a group";
-            let mut next = || numbers.next().ok_or(short);
-            let [frames, vertices, corners, triangles, coloured, images] =
-                [next()?, next()?, next()?, next()?, next()?, next()?];
-            if frames > MAX_SCANNED_FRAMES || images > frames {
-                return Err(WRONG);
-            }
-            let images = (0..images)
-                .map(|_| Ok((format_of(next()?)?, next()?, next()?)))
-                .collect::<Result<Vec<_>, &'static str>>()?;
-            let worn = if images.is_empty() { 0 } else { frames };
-            let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, &'static str>>()?;
-            let coloured = coloured > 0;
-            groups.push(ScannedHead { first_frame, frames, vertices, corners, triangles, coloured, images, worn });
+        while !numbers.as_slice().is_empty() {
+            groups.push(ScannedHead::read(&mut numbers)?);
         }
         let index = Self { groups };
         if index.is_sound(timeline) { Ok(index) } else { Err(WRONG) }
@@ -59,13 +47,7 @@ impl ScannedIndex {
 
     /// The section.
     pub(crate) fn encode(&self) -> Vec<u8> {
-        let mut numbers = Vec::new();
-        for head in &self.groups {
-            numbers.extend([head.first_frame, head.frames, head.vertices, head.corners, head.triangles]);
-            numbers.extend([u32::from(head.coloured), head.images.len() as u32]);
-            numbers.extend(head.images.iter().flat_map(|&(format, width, height)| [number_of(format), width, height]));
-            numbers.extend(&head.worn);
-        }
+        let numbers: Vec<u32> = self.groups.iter().flat_map(ScannedHead::words).collect();
         integers::encode(&numbers)
     }
 
@@ -103,6 +85,36 @@ impl ScannedIndex {
     }
 }
 
+impl ScannedHead {
+    /// Itself as numbers: as they stand in the index, and are handed from one memory to another.
+    pub fn words(&self) -> impl Iterator<Item = u32> {
+        let sizes = [self.first_frame, self.frames, self.vertices, self.corners, self.triangles];
+        let looks = [u32::from(self.coloured), self.images.len() as u32];
+        let images = self.images.iter().flat_map(|&(format, width, height)| [number_of(format), width, height]);
+        sizes.into_iter().chain(looks).chain(images).chain(self.worn.iter().copied())
+    }
+
+    /// The group of which `numbers` tell next.
+    ///
+    /// # Errors
+    /// The reason where they tell of none.
+    pub fn read(numbers: &mut impl Iterator<Item = u32>) -> Result<Self, &'static str> {
+        let mut next = || numbers.next().ok_or("ends within a group");
+        let [first_frame, frames, vertices, corners, triangles, coloured, images] =
+            [next()?, next()?, next()?, next()?, next()?, next()?, next()?];
+        if frames > MAX_SCANNED_FRAMES || images > frames {
+            return Err(WRONG);
+        }
+        let images = (0..images)
+            .map(|_| Ok((format_of(next()?)?, next()?, next()?)))
+            .collect::<Result<Vec<_>, &'static str>>()?;
+        let worn = if images.is_empty() { 0 } else { frames };
+        let worn = (0..worn).map(|_| next()).collect::<Result<Vec<_>, &'static str>>()?;
+        let head = Self { first_frame, frames, vertices, corners, triangles, coloured: coloured > 0, images, worn };
+        if is_sound(&head) { Ok(head) } else { Err(WRONG) }
+    }
+}
+
 const WRONG: &str = "has groups out of order, or without a surface, an image or a frame that they need";
 
 fn is_sound(head: &ScannedHead) -> bool {
@@ -131,18 +143,40 @@ fn number_of(format: ImageFormat) -> u32 {
     FORMATS.iter().position(|&other| other == format).unwrap_or(0) as u32
 }
 
+/// A group's section on its way into a bundle.
+#[derive(Clone, Debug, PartialEq)]
+struct Section {
+    length: u64,
+    checksum: u32,
+    /// Nothing where whoever writes the bundle has them.
+    bytes: Option<Vec<u8>>,
+}
+
 /// Coded groups on their way into a bundle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScannedFrames {
     index: ScannedIndex,
-    groups: Vec<Vec<u8>>,
+    groups: Vec<Section>,
 }
 
 impl ScannedFrames {
     /// Takes the next group.
-    pub fn push(&mut self, CodedGroup { head, bytes }: CodedGroup) {
-        self.index.groups.push(head);
-        self.groups.push(bytes);
+    pub fn push(&mut self, coded: CodedGroup) {
+        self.add(&coded.head, &coded.bytes);
+        if let Some(section) = self.groups.last_mut() {
+            section.bytes = Some(coded.bytes);
+        }
+    }
+
+    /// Takes the next group without its bytes, as [`Self::push`] does with them: who writes the bundle appends the bytes of all groups, in
+    /// this order, to what [`encode_with_extras`](crate::encode_with_extras) returns.
+    pub fn push_elsewhere(&mut self, coded: &CodedGroup) {
+        self.add(&coded.head, &coded.bytes);
+    }
+
+    fn add(&mut self, head: &ScannedHead, bytes: &[u8]) {
+        self.index.groups.push(head.clone());
+        self.groups.push(Section { length: bytes.len() as u64, checksum: checksum(&[bytes]), bytes: None });
     }
 
     /// What there is.
@@ -154,11 +188,11 @@ impl ScannedFrames {
     /// Bytes of all groups.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.groups.iter().map(|bytes| bytes.len() as u64).sum()
+        self.groups.iter().map(|section| section.length).sum()
     }
 
-    /// The sections, which come last: a page fetches groups when it wants them.
-    pub(crate) fn drafts(&self, timeline: &Timeline) -> Result<Vec<Draft>, EncodeError> {
+    /// The section of the index, which comes last but for the groups: a page fetches these when it wants them.
+    pub(crate) fn draft(&self, timeline: &Timeline) -> Result<Draft, EncodeError> {
         if self.groups.len() as u32 > MAX_SECTIONS / 2 {
             let (count, limit) = (self.groups.len() as u64, u64::from(MAX_SECTIONS / 2));
             return Err(EncodeError::TooLarge { what: "groups of scanned frames", count, limit });
@@ -166,9 +200,16 @@ impl ScannedFrames {
         if !self.index.is_sound(timeline) {
             return Err(EncodeError::Inconsistent(format!("the index of scanned frames {WRONG}")));
         }
-        let mut drafts = vec![Draft { kind: SectionKind::Scanned, ordinal: 0, raw: self.index.encode() }];
-        let of = |(ordinal, raw): (u32, &Vec<u8>)| Draft { kind: SectionKind::ScannedGroup, ordinal, raw: raw.clone() };
-        drafts.extend((0..).zip(&self.groups).map(of));
-        Ok(drafts)
+        Ok(Draft { kind: SectionKind::Scanned, ordinal: 0, raw: self.index.encode() })
+    }
+
+    /// Length and checksum of each group's section.
+    pub(crate) fn told(&self) -> impl Iterator<Item = (u64, u32)> {
+        self.groups.iter().map(|section| (section.length, section.checksum))
+    }
+
+    /// The bytes of those that are here.
+    pub(crate) fn here(&self) -> impl Iterator<Item = &[u8]> {
+        self.groups.iter().filter_map(|section| section.bytes.as_deref())
     }
 }

@@ -19,6 +19,7 @@ use super::error::{ErrorKind, error};
 use super::player::Player;
 use crate::camera::Camera;
 use crate::gpu::pose::Numbered;
+use crate::gpu::scans::Wanted;
 use crate::gpu::scene::{Moment, Scene};
 use crate::gpu::target::Target;
 use crate::gpu::thumbnail::Thumbnails;
@@ -48,6 +49,10 @@ pub struct Stage {
     original: bool,
     /// Whether the registered mesh is shown where scanned frames are there, too, for comparison.
     template: bool,
+    /// How much of scanned frames is seen, for comparison, in place of what the player says.
+    scan_share: Option<f32>,
+    /// Whether more of a scan is to be seen as time goes on.
+    rising: bool,
     /// Images of a group of scanned frames that is to be taken.
     scan_images: Vec<wgpu::Texture>,
 }
@@ -64,7 +69,12 @@ struct Adapter<'a> {
 struct Drawn {
     numbers: [u64; 2],
     weight: f32,
+    /// How much of it was a scan.
+    share: f32,
 }
+
+/// How fast a scan comes that comes late: how much of it in a second.
+const SCAN_RATE: f32 = 5.0;
 
 impl Drop for Stage {
     fn drop(&mut self) {
@@ -95,7 +105,7 @@ impl Stage {
         // After a rest the first step is a usual one: the camera sets off gently.
         let seconds = if self.eased { (now - self.time) / 1000.0 } else { 1.0 / 60.0 };
         self.time = now;
-        if self.lost() || !self.show(player) {
+        if self.lost() || !self.show(player, seconds as f32) {
             return;
         }
         self.camera.set_aspect(self.target.size[0] as f32 / self.target.size[1] as f32);
@@ -116,18 +126,23 @@ impl Stage {
         self.scene.gpu.queue.present(picture);
     }
 
-    /// Uploads the moment that the player shows. False before its first pose.
-    fn show(&mut self, player: &Player) -> bool {
+    /// Uploads the moment that the player shows, `seconds` after the last one. False before its first pose.
+    fn show(&mut self, player: &Player, seconds: f32) -> bool {
         let Some(picture) = player.inner.picture() else { return false };
         let numbers = [picture.before.number, picture.after.number];
         let weight = picture.weight as f32;
-        let drawn = Drawn { numbers, weight };
+        let scan = player.inner.scan().filter(|scan| !self.template && self.scene.scans.holds(scan.place.0));
+        let goes_on = self.drawn.is_some_and(|drawn| drawn.numbers.contains(&numbers[0]));
+        // A scan that comes late comes little by little, where nobody jumped to it.
+        let most = if goes_on && !self.camera.instant { self.scene.scans.share() + seconds * SCAN_RATE } else { 1.0 };
+        let share = scan.map_or(0.0, |scan| self.scan_share.unwrap_or(scan.share.min(most)));
+        self.rising = scan.is_some_and(|scan| share < scan.share && self.scan_share.is_none());
+        let drawn = Drawn { numbers, weight, share };
         if self.drawn != Some(drawn) {
             self.drawn = Some(drawn);
             self.due = true;
         }
         if self.due {
-            let scan = player.inner.scan().filter(|_| !self.template);
             self.camera.follow(picture.ground());
             self.scene.show(&Moment {
                 before: Numbered { number: numbers[0], pose: &picture.before.pose },
@@ -135,7 +150,12 @@ impl Stage {
                 weight,
                 synthetic: picture.synthetic(),
                 ground: picture.ground(),
-                scan: scan.map(|scan| (scan.place, scan.number, scan.placement)),
+                scan: scan.map(|scan| Wanted {
+                    place: scan.place,
+                    number: scan.number,
+                    placement: scan.placement,
+                    share,
+                }),
             });
             self.scene.show_trail(player.inner.trail(), player.inner.played());
         }
@@ -160,7 +180,7 @@ impl Stage {
         }
     }
 
-    /// Sets what `json` names of theme, tint, parts, grid, path, reduced_motion and background (sRGB, 0 to 1, or null).
+    /// Sets what `json` names of theme, tint, parts, grid, path, reduced_motion, scan_share (0 to 1, for tests, or null) and background (sRGB, 0 to 1, or null).
     ///
     /// # Errors
     /// It is no JSON object.
@@ -179,6 +199,9 @@ impl Stage {
             self.template = compare.as_deref() == Some("template");
             self.cross_fade = compare.as_deref() == Some("cross-fade");
             self.textures[0] = if compare.as_deref() == Some("naive") { Textures::Naive } else { Textures::Aligned };
+        }
+        if let Some(share) = given("scan_share") {
+            self.scan_share = share.as_f64().map(|share| share as f32);
         }
         let switches =
             [("tint", &mut look.tint), ("parts", &mut look.parts), ("grid", &mut look.grid), ("path", &mut look.path)];

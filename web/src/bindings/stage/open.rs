@@ -47,6 +47,8 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             cross_fade: false,
             original: false,
             template: false,
+            scan_share: None,
+            rising: false,
             scan_images: Vec::new(),
             textures: Default::default(),
         };

@@ -5,6 +5,7 @@ use web_sys::ImageBitmap;
 
 use super::Stage;
 use crate::bindings::player::Player;
+use crate::gpu::scans::Scan;
 
 #[wasm_bindgen]
 impl Stage {
@@ -24,24 +25,31 @@ impl Stage {
         self.scan_images.extend(texture);
     }
 
-    /// Takes group `ordinal` from the `bytes` of its section, with the images that were added; whether that could be done. Those that are
-    /// not wanted any more go.
-    pub fn take_scan(&mut self, player: &Player, ordinal: u32, bytes: &[u8]) -> bool {
+    /// Takes group `ordinal` with the images that were added, as the module hands it over that has read it; whether that could be done.
+    /// Those that are not wanted any more go.
+    pub fn take_scan(
+        &mut self,
+        player: &Player,
+        ordinal: u32,
+        corners: &[u8],
+        triangles: &[u32],
+        poses: &[f32],
+    ) -> bool {
         let textures = std::mem::take(&mut self.scan_images);
-        let group = player.inner.scans().and_then(|index| index.read(ordinal, bytes).ok());
-        let Some(group) = group.filter(|group| group.worn.iter().all(|&image| (image as usize) < textures.len()))
-        else {
+        let head = player.inner.scans().and_then(|index| index.groups.get(ordinal as usize));
+        let scan = head.and_then(|head| Scan::new(head, corners, triangles, poses));
+        let Some(scan) = scan.filter(|scan| scan.worn.iter().all(|&image| (image as usize) < textures.len())) else {
             return false;
         };
         let (scene, wanted) = (&mut self.scene, player.inner.scans_ahead());
-        scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, group), textures, &wanted);
+        scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, scan), textures, &wanted);
         self.due = true;
         true
     }
 
-    /// Whether the last picture showed a frame as it was scanned.
+    /// How much of the last picture's actor was a frame as it was scanned, from 0 to 1; the rest was the registered mesh.
     #[must_use]
-    pub fn shows_scan(&self) -> bool {
-        self.scene.scans.drawn().is_some()
+    pub fn scan_shown(&self) -> f32 {
+        self.scene.scans.share()
     }
 }

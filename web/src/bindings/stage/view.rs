@@ -66,10 +66,10 @@ impl Stage {
         Float32Array::from([self.scene.measures.floor, self.scene.measures.height].as_slice())
     }
 
-    /// Whether the camera still eases: keep drawing.
+    /// Whether the camera still eases, or a scan comes little by little: keep drawing.
     #[must_use]
     pub fn camera_moving(&self) -> bool {
-        self.camera.moving()
+        self.rising || self.camera.moving()
     }
 
     /// What is under the pointer (CSS pixels): a ghost's frame, -2 for the actor, or -1.
