@@ -73,6 +73,8 @@ mod reach;
 mod registered;
 mod rigged;
 #[cfg(feature = "scans")]
+pub mod scan_headings;
+#[cfg(feature = "scans")]
 mod scan_report;
 #[cfg(feature = "scans")]
 mod scan_truth;
