@@ -289,10 +289,10 @@ where
         let starts: Vec<Start> = starts
             .filter_map(|(parent, turn)| Some((parent, turn == 0.0, self.start(k, parent, turn, state, target)?)))
             .collect();
-        let found = self.from_starts(&starts, target);
+        let found = self.best_of(&starts, target);
         // What was found may be twisted, for not all of it started with the right heading.
         let headed: Vec<Start> = found.iter().flat_map(|tried| self.headed(tried, target)).collect();
-        let again = self.from_starts(&headed, target);
+        let again = self.best_of(&headed, target);
         let found: Vec<Tried> = found.into_iter().chain(again).collect();
         // Once more, held against what was found: what was far from the start may bend now.
         let found: Vec<Tried> = found.par_iter().map(|tried| self.again(tried, target)).collect();
@@ -333,7 +333,7 @@ where
     }
 
     /// The best of what is found from `starts`.
-    fn from_starts(&self, starts: &[Start], target: &Target) -> Vec<Tried> {
+    fn best_of(&self, starts: &[Start], target: &Target) -> Vec<Tried> {
         let near = |(parent, plain, start): &Start| {
             let plain = plain.then(|| self.tried(*parent, (start, start), target, Manner::Near));
             [plain, Some(self.tried(*parent, (start, start), target, Manner::Approach))]
