@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use performer::{Artefacts, PerformerOptions, write_performer};
+use performer::{Artefacts, PerformerOptions, ScannedOptions, write_performer, write_scanned};
 use serde_json::Value;
 
 /// Tables of times, which differ from run to run.
@@ -151,4 +151,44 @@ fn refuses_what_is_no_bundle_and_no_capture() {
     assert_eq!(code(&["evaluate", file.to_str().unwrap(), "-o", out.to_str().unwrap()]), 1);
     assert_eq!(code(&["evaluate", "-o", out.to_str().unwrap(), "--sections", "nonsense"]), 2);
     assert!(!out.join("index.html").exists());
+}
+
+#[test]
+fn evaluates_a_scan_against_its_truth() {
+    let scratch = tempfile::tempdir().unwrap();
+    let path = |name: &str| scratch.path().join(name).to_str().unwrap().to_owned();
+    let options = PerformerOptions { frames: 40, vertices: 4000, texture_size: 128, ..Default::default() };
+    write_scanned(&options, &ScannedOptions::default(), &scratch.path().join("scan"), &|_| ()).unwrap();
+    // The first take alone, whose frames are near each other.
+    for manifest in ["scan/capture.toml", "scan/truth/capture.toml"].map(path) {
+        let text = fs::read_to_string(&manifest).unwrap();
+        let parts: Vec<&str> = text.split("\n[[sequence]]").take(2).collect();
+        fs::write(&manifest, parts.join("\n[[sequence]]")).unwrap();
+    }
+    builder(&["evaluate", &path("scan"), "-o", &path("report"), "--sections", "scans"]);
+    let tables = tables(&scratch.path().join("report"));
+    let rows = |name: &str| -> Vec<Vec<String>> {
+        let lines = tables[name].lines().skip(1);
+        lines.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    // Every frame is registered or lost, and every frame that is registered has its distance from the truth.
+    let (frames, lost) = (rows("scan_frames.csv"), rows("scan_lost.csv"));
+    assert_eq!(frames.len() + lost.len(), 4);
+    assert!(frames.iter().all(|row| (0.0..500.0).contains(&number(&row[2]))), "{frames:?}");
+    // The template's own frame is where it is in truth, but for noise and detail.
+    let own: Vec<f64> = frames.iter().filter(|row| row[1].is_empty()).map(|row| number(&row[2])).collect();
+    assert!(own.len() == 1 && own[0] < 3.0, "{own:?}");
+    // A frame's own texture is more like the scan than another frame's.
+    let views = rows("scan_views.csv");
+    assert!(!views.is_empty());
+    let mean = |column: usize| views.iter().map(|row| number(&row[column])).sum::<f64>() / views.len() as f64;
+    assert!(mean(1) > 20.0 && mean(1) > mean(4) && mean(2) > mean(5), "{views:?}");
+    assert!(!rows("scan_headings.csv").is_empty());
+    // It takes a scan, and what other sections take is none.
+    let output = Command::new(env!("CARGO_BIN_EXE_builder"))
+        .args(["evaluate", &path("scan"), "-o", &path("other"), "--sections", "scans,poses"])
+        .output()
+        .unwrap();
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("stands alone"));
 }

@@ -27,6 +27,7 @@ mod performance;
 pub mod plot;
 mod poses;
 mod scaling;
+pub mod scanned;
 pub mod scans;
 mod seams;
 mod seen;
@@ -86,6 +87,8 @@ pub enum Section {
     Variations,
     /// 14: edits, rigs and driven sequences: only where they are asked for.
     Editing,
+    /// 15: a scan brought onto one mesh: only by [`scanned::evaluate_scan`], for it takes no capture.
+    Scans,
 }
 
 impl Section {
@@ -127,6 +130,7 @@ impl Section {
             Self::Families => "Families of cycles",
             Self::Variations => "Variations",
             Self::Editing => "Edits, rigs and driven sequences",
+            Self::Scans => "Scans",
         }
     }
 }
@@ -212,6 +216,12 @@ pub enum EvaluateError {
     /// What the performer does could not be made a family: a fault of ours.
     #[error("performed cycles are no family: {0}")]
     Family(family::FamilyError),
+    /// A scan cannot be brought onto one mesh.
+    #[error(transparent)]
+    Register(#[from] reprise::scans::RegisterError),
+    /// There is no folder to write into.
+    #[error("no temporary folder can be made: {0}")]
+    Folder(String),
     /// A frame could not be edited: a fault of ours.
     #[error("an edit cannot be made: {0}")]
     Edit(String),
@@ -227,6 +237,9 @@ impl EvaluateError {
     /// Whether it was stopped, in whatever stage.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
+        if let Self::Register(error) = self {
+            return error.is_stopped();
+        }
         matches!(
             self,
             Self::Stopped(_)
@@ -280,6 +293,7 @@ pub fn evaluate(subject: &Subject, job: &Job) -> Result<Document, EvaluateError>
             Section::Families => families::section(subject, job),
             Section::Variations => variations::section(subject, job),
             Section::Editing => editing::section(subject, job),
+            Section::Scans => Ok(missing("a scan is evaluated by itself, not with a capture of one mesh")),
         };
         made.map(|made| SectionReport { number: section.number(), title: section.title().into(), ..made })
     });

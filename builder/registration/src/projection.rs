@@ -193,7 +193,8 @@ impl Texture {
     }
 
     /// The colour at a place of the unit square, v downwards, between texels; 0 to 255.
-    fn at(&self, uv: Vec2) -> Vec3 {
+    #[must_use]
+    pub fn at(&self, uv: Vec2) -> Vec3 {
         let place = (uv * Vec2::new(self.width as f32, self.height as f32) - 0.5)
             .clamp(Vec2::ZERO, Vec2::new(self.width as f32 - 1.0, self.height as f32 - 1.0));
         let (low, part) = (place.floor(), place.fract());

@@ -12,7 +12,9 @@ use super::checks::{Fault, Fit, fit};
 use super::detail::{Detail, DetailError};
 use super::far::Manner;
 use super::groups::Anchors;
+use super::headings::headings;
 use super::scan::{Cleaned, Scan};
+use super::slip::{SLIPS, roundness, slipped};
 use super::surface::Surface;
 pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template};
 use super::template::Template;
@@ -25,6 +27,8 @@ const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
 /// Of the poses that came near so many are refined, and of those so many once more.
 const REFINED: usize = 10;
 const AGAIN: usize = 4;
+/// So often what is round is turned.
+const MOST_SLIPS: usize = 4;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
 /// Changes whenever tracking finds something else in the same input.
@@ -142,6 +146,9 @@ struct Tried {
     pose: Vec<Vec3>,
     fit: Fit,
 }
+
+/// Where a far frame is tracked from: from which frame, whether by closest points alone, too, and the pose.
+type Start = (usize, bool, Vec<Vec3>);
 
 struct Registrar<'a, S: Source> {
     source: &'a S,
@@ -278,39 +285,87 @@ where
     /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.
     fn found_far(&self, k: usize, parents: &[usize], state: &[State], target: &Target) -> Option<Tried> {
         let template = self.template;
-        let best = |mut found: Vec<Tried>, count: usize| {
-            let bad = |tried: &Tried| tried.fit.badness(template.scale);
-            found.sort_by(|a, b| bad(a).total_cmp(&bad(b)));
-            found.truncate(count);
-            found
-        };
         let starts = parents.iter().flat_map(|&parent| TURNS.map(|turn| (parent, turn)));
-        let starts: Vec<(usize, f32, Vec<Vec3>)> = starts
-            .filter_map(|(parent, turn)| Some((parent, turn, self.start(k, parent, turn, state, target)?)))
+        let starts: Vec<Start> = starts
+            .filter_map(|(parent, turn)| Some((parent, turn == 0.0, self.start(k, parent, turn, state, target)?)))
             .collect();
-        let near = |(parent, turn, start): &(usize, f32, Vec<Vec3>)| {
-            let plain = (*turn == 0.0).then(|| self.tried(*parent, (start, start), target, Manner::Near));
+        let found = self.best_of(&starts, target);
+        // What was found may be twisted, for not all of it started with the right heading.
+        let headed: Vec<Start> = found.iter().flat_map(|tried| self.headed(tried, target)).collect();
+        let again = self.best_of(&headed, target);
+        let found: Vec<Tried> = found.into_iter().chain(again).collect();
+        // Once more, held against what was found: what was far from the start may bend now.
+        let found: Vec<Tried> = found.par_iter().map(|tried| self.again(tried, target)).collect();
+        let (good, bad): (Vec<Tried>, Vec<Tried>) =
+            found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
+        let found = self.best(if good.is_empty() { bad } else { good }, 1).pop()?;
+        Some(self.unslipped(found, target))
+    }
+
+    /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
+    fn again(&self, tried: &Tried, target: &Target) -> Tried {
+        let again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
+        let stretch = again.fit.stretch.max(tried.fit.stretch);
+        Tried { start: tried.start.clone(), fit: Fit { stretch, ..again.fit }, ..again }
+    }
+
+    /// `found`, or what is better of it with all that is round turned, as often as that helps.
+    fn unslipped(&self, mut found: Tried, target: &Target) -> Tried {
+        let (template, axis) = (self.template, target.surface.centroid());
+        let limits = &self.options.limits;
+        for _ in 0..MOST_SLIPS {
+            let posed = template.surface.posed(found.pose.clone());
+            let shares = roundness(&posed, target, &self.neighbours, (axis, template.scale));
+            let turned = |turn: &f32| {
+                let pose = slipped(&found.pose, &shares, axis, *turn);
+                let tried = self.tried(found.parent, (&found.start, &pose), target, Manner::Coloured);
+                self.again(&tried, target)
+            };
+            let turned: Vec<Tried> = SLIPS.par_iter().map(turned).collect();
+            let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, template.scale).is_none());
+            let better = |tried: &Tried| tried.fit.badness(template.scale) < found.fit.badness(template.scale);
+            match self.best(sound.filter(better).collect(), 1).pop() {
+                Some(better) => found = better,
+                None => break,
+            }
+        }
+        found
+    }
+
+    /// The best of what is found from `starts`.
+    fn best_of(&self, starts: &[Start], target: &Target) -> Vec<Tried> {
+        let near = |(parent, plain, start): &Start| {
+            let plain = plain.then(|| self.tried(*parent, (start, start), target, Manner::Near));
             [plain, Some(self.tried(*parent, (start, start), target, Manner::Approach))]
         };
         let found: Vec<[Option<Tried>; 2]> = starts.par_iter().map(near).collect();
         let (plain, near): (Vec<_>, Vec<_>) = found.into_iter().map(|[plain, near]| (plain, near)).unzip();
-        let near = best(near.into_iter().flatten().collect(), REFINED);
+        let near = self.best(near.into_iter().flatten().collect(), REFINED);
         let refined = |tried: &Tried| {
             [Manner::Refine, Manner::Coloured]
                 .map(|manner| self.tried(tried.parent, (&tried.start, &tried.pose), target, manner))
         };
         let refined: Vec<[Tried; 2]> = near.par_iter().map(refined).collect();
-        let found = best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN);
-        // Once more, held against what was found: what was far from the start may bend now.
-        let again = |tried: &Tried| {
-            let mut again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
-            again.fit.stretch = again.fit.stretch.max(tried.fit.stretch);
-            again
+        self.best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN)
+    }
+
+    /// The start of `tried`, turned as parts of the body were.
+    fn headed(&self, tried: &Tried, target: &Target) -> Vec<Start> {
+        let (template, axis) = (self.template, target.surface.centroid());
+        let turns = headings((&tried.start, &tried.pose), &template.surface.areas, axis, template.scale);
+        let start = |turn: f32| {
+            let turn = Quat::from_rotation_y(turn);
+            (tried.parent, true, tried.start.iter().map(|&p| turn * (p - axis) + axis).collect())
         };
-        let found: Vec<Tried> = found.par_iter().map(again).collect();
-        let (good, bad): (Vec<Tried>, Vec<Tried>) =
-            found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
-        best(if good.is_empty() { bad } else { good }, 1).pop()
+        turns.into_iter().map(start).collect()
+    }
+
+    /// The best `count` of what was found.
+    fn best(&self, mut found: Vec<Tried>, count: usize) -> Vec<Tried> {
+        let bad = |tried: &Tried| tried.fit.badness(self.template.scale);
+        found.sort_by(|a, b| bad(a).total_cmp(&bad(b)));
+        found.truncate(count);
+        found
     }
 
     /// What `manner` finds on `target` from the second pose, held against the first.

@@ -74,6 +74,8 @@ mod reach;
 mod registered;
 pub mod rigged;
 #[cfg(feature = "scans")]
+pub mod scan_headings;
+#[cfg(feature = "scans")]
 mod scan_report;
 #[cfg(feature = "scans")]
 mod scan_truth;

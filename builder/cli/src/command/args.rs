@@ -796,4 +796,7 @@ pub enum EvaluateSection {
     Variations,
     /// Edits, rigs and driven sequences.
     Editing,
+    /// A scan brought onto one mesh, against the truth where that lies beside it: takes a scan, and stands alone; without one the
+    /// built-in performer is scanned.
+    Scans,
 }
