@@ -398,13 +398,7 @@ fn pack_with_files(
     let (mut seconds, mut warnings) = (StageSeconds::default(), Vec::new());
     let mut rig = None;
     if let Some(file) = &options.rig {
-        match timed(&mut seconds.rig, || stored_rig(capture, besides.skeleton, file, job))? {
-            Ok((stored, summary, warning)) => {
-                rig = Some((stored, summary));
-                warnings.extend(warning);
-            }
-            Err(warning) => warnings.push(warning),
-        }
+        rig = timed(&mut seconds.rig, || stored_rig(capture, besides.skeleton, file, job, &mut warnings))?;
     }
     let (rig, rig_summary) = rig.unzip();
     let wanted = options.parts.then(|| timed(&mut seconds.parts, || found_parts(capture, besides.body_parts, job)));

@@ -115,23 +115,28 @@ pub fn found_rig(
     Ok(FoundRig { estimate, rig, warning })
 }
 
-/// The rig of `capture`, and what the user should know of it; a warning in its place where nothing moves against anything else.
+/// The rig of `capture`; none where nothing moves against anything else. What the user should know of it goes to `warnings`.
 pub(crate) fn stored_rig(
     capture: &Capture,
     skeleton: Option<&FileSkeleton>,
     file: &RigFile,
     job: &Job,
-) -> Result<Result<(StoredRig, RigSummary, Option<Warning>), Warning>, PackError> {
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<(StoredRig, RigSummary)>, PackError> {
     job.begin("rig")?;
     let found = found_rig((&capture.topology, &capture.poses), skeleton, file, None);
     let FoundRig { estimate: found, rig, warning } = match found {
         Ok(found) => found,
-        Err(error @ RigError::Rigid { .. }) => return Ok(Err(Warning::new("W_RIG", error.to_string()))),
+        Err(error @ RigError::Rigid { .. }) => {
+            warnings.push(Warning::new("W_RIG", error.to_string()));
+            return Ok(None);
+        }
         Err(error) => return Err(PackError::Option(format!("the rig: {error}"))),
     };
+    warnings.extend(warning);
     // The rest pose comes first among the key frames.
     let rest_frame = found.keys.first().copied().unwrap_or_default();
     let (human, given) = (found.is_human, found.is_given);
     let summary = RigSummary { bones: rig.bones().len(), human, given, misfit_mm: 1000.0 * found.misfit[0] };
-    Ok(Ok((StoredRig::of(&rig, rest_frame), summary, warning)))
+    Ok(Some((StoredRig::of(&rig, rest_frame), summary)))
 }

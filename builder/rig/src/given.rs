@@ -18,6 +18,9 @@ use crate::estimate::skeleton::Segment;
 use crate::estimate::{Estimate, RigError, RigOptions, bone, clusters, size, weights};
 use crate::hung::{GivenBone, hung};
 
+/// The bones that move a vertex, and by how much: together 1.
+pub type BonesOfVertex = Vec<(u32, f32)>;
+
 /// A vertex is part of a bone as one rigid piece from this share on; where these are too few, if no bone has more of it, and the bone
 /// this much.
 const WHOLLY: f32 = 0.9;
@@ -37,7 +40,7 @@ const MOST: usize = 40;
 pub fn given(
     topology: &Topology,
     poses: &Poses,
-    (bones, influences): (&[GivenBone], &[Vec<(u32, f32)>]),
+    (bones, influences): (&[GivenBone], &[BonesOfVertex]),
     options: &RigOptions,
 ) -> Result<Option<Estimate>, RigError> {
     let into = kept(bones, influences, topology.weights());
@@ -89,7 +92,7 @@ pub fn given(
 }
 
 /// For each bone the one that it goes into: itself where it moves enough of the surface.
-fn kept(bones: &[GivenBone], influences: &[Vec<(u32, f32)>], weights: &[f32]) -> Vec<usize> {
+fn kept(bones: &[GivenBone], influences: &[BonesOfVertex], weights: &[f32]) -> Vec<usize> {
     let mut into: Vec<usize> = (0..bones.len()).collect();
     if is_human(bones, &|_| true) {
         // What divides a limb's bones or clothes them goes with them; below the ankles there is one bone.
@@ -166,7 +169,7 @@ struct OfBone {
     tellers: usize,
 }
 
-fn moved(bone: usize, into: &[usize], (influences, weights): (&[Vec<(u32, f32)>], &[f32])) -> OfBone {
+fn moved(bone: usize, into: &[usize], (influences, weights): (&[BonesOfVertex], &[f32])) -> OfBone {
     let (mut mass, mut tellers) = (0.0, 0);
     for (own, &weight) in influences.iter().zip(weights) {
         let share_of = |bone: usize| -> f32 {
