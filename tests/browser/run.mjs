@@ -35,7 +35,7 @@ async function runOnceMoreIfGone(name, test) {
     await test(browser);
   } catch (error) {
     // A browser that has crashed (drawing in software, it may) says nothing about the page.
-    if (!/has been closed/.test(String(error))) throw error;
+    if (!/has been closed|A valid external Instance reference no longer exists/.test(String(error))) throw error;
     console.log(`        ${name}: the browser is gone, once more in a new one`);
     await browser.chromium.close().catch(() => {});
     await browser.start();
