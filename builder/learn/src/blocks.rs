@@ -136,11 +136,13 @@ impl Kernel for Product<'_> {
 }
 
 /// `values^T * values`, on and above the diagonal.
-pub struct UpperProduct<'a> {
+pub struct Gram<'a> {
     pub values: &'a Padded,
+    /// Whether the values are a lower triangle: of a column nothing is above the diagonal.
+    pub is_lower: bool,
 }
 
-impl Kernel for UpperProduct<'_> {
+impl Kernel for Gram<'_> {
     type Output = Padded;
 
     #[inline(always)]
@@ -149,30 +151,9 @@ impl Kernel for UpperProduct<'_> {
         let mut all = Padded::zeros(n, n);
         for i in (0..n).step_by(ROWS) {
             for j in (i - i % COLUMNS..n).step_by(COLUMNS) {
-                let sums = tile(from(values, i), from(values, j), [n, n], self.values.rows);
-                put(&mut all.values[i * n + j..], n, &sums);
-            }
-        }
-        all
-    }
-}
-
-/// `values^T * values` of a lower triangle, on and above the diagonal.
-pub struct LowerProduct<'a> {
-    pub values: &'a Padded,
-}
-
-impl Kernel for LowerProduct<'_> {
-    type Output = Padded;
-
-    #[inline(always)]
-    fn run(self) -> Padded {
-        let (n, values) = (self.values.columns, &self.values.values);
-        let mut all = Padded::zeros(n, n);
-        for i in (0..n).step_by(ROWS) {
-            for j in (i - i % COLUMNS..n).step_by(COLUMNS) {
-                // Above the diagonal all is zero.
-                let sums = tile(&values[j * n + i..], &values[j * n + j..], [n, n], n - j);
+                let first = if self.is_lower { j } else { 0 };
+                let (left, right) = (from(values, first * n + i), from(values, first * n + j));
+                let sums = tile(left, right, [n, n], self.values.rows - first);
                 put(&mut all.values[i * n + j..], n, &sums);
             }
         }

@@ -8,7 +8,7 @@ use std::ops::{Index, IndexMut};
 
 use kernels::simd::{Kernel, Level};
 
-use crate::blocks::{Factorise, Invert, LowerProduct, Padded, Product, Solve, UpperProduct, add_multiple};
+use crate::blocks::{Factorise, Gram, Invert, Padded, Product, Solve, add_multiple};
 
 /// Partial sums of a product of two rows.
 const LANES: usize = 16;
@@ -119,7 +119,8 @@ impl Matrix {
     #[must_use]
     pub fn gram(&self) -> Self {
         let own = self.padded_transposed();
-        let mut gram = Self::trimmed(&Level::best().run(UpperProduct { values: &own }), [self.rows, self.rows]);
+        let mut gram =
+            Self::trimmed(&Level::best().run(Gram { values: &own, is_lower: false }), [self.rows, self.rows]);
         gram.mirror();
         gram
     }
@@ -205,7 +206,8 @@ impl Cholesky {
     #[must_use]
     pub fn inverse(&self) -> Matrix {
         let halves = Level::best().run(Invert { factor: &self.factor });
-        let mut inverse = Matrix::trimmed(&Level::best().run(LowerProduct { values: &halves }), [self.size, self.size]);
+        let mut inverse =
+            Matrix::trimmed(&Level::best().run(Gram { values: &halves, is_lower: true }), [self.size, self.size]);
         inverse.mirror();
         inverse
     }
@@ -356,10 +358,14 @@ mod tests {
         let of = |level: Level| {
             let factor = level.run(Factorise { values: matrix.padded() }).unwrap();
             let inverse = level.run(Invert { factor: &factor });
-            let product = level.run(LowerProduct { values: &inverse });
+            let product = level.run(Gram { values: &inverse, is_lower: true });
             let solved = level.run(Solve { factor: &factor, right: half.padded() });
             let all = level.run(Product { left: &product, right: &solved });
-            (all, level.run(UpperProduct { values: &inverse }), level.run(FewTimes { left: &half, right: &matrix }))
+            (
+                all,
+                level.run(Gram { values: &inverse, is_lower: false }),
+                level.run(FewTimes { left: &half, right: &matrix }),
+            )
         };
         assert!(all.iter().all(|&level| of(level) == of(all[0])));
     }

@@ -133,15 +133,20 @@ fn kept(bones: &[GivenBone], influences: &[BonesOfVertex], weights: &[f32]) -> V
             }
         }
     }
+    let mut mass: Vec<f32> = (0..bones.len())
+        .map(|bone| if into[bone] == bone { moved(bone, &into, (influences, weights)).mass } else { 0.0 })
+        .collect();
     loop {
         let left: Vec<usize> = (0..bones.len()).filter(|&bone| into[bone] == bone).collect();
-        let small = left.iter().copied().filter(|&bone| bones[bone].role.is_none() && bones[bone].parent.is_some());
-        let mass = |bone: usize| moved(bone, &into, (influences, weights)).mass;
-        let least = small.map(|bone| (mass(bone), bone)).min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        match least.filter(|_| left.len() > MOST) {
-            Some((_, bone)) => into[bone] = bones[bone].parent.unwrap_or(bone),
-            None => break,
-        }
+        // What a bone without vertices has gone into is where its own children go: it stays.
+        let on = |bone: usize| bones[bone].parent.map(|parent| root(&into, parent)).filter(|&parent| parent != bone);
+        let small = left.iter().filter(|&&bone| bones[bone].role.is_none() && on(bone).is_some());
+        let least = small.min_by(|&&a, &&b| mass[a].total_cmp(&mass[b]).then(b.cmp(&a)));
+        let least = least.filter(|_| left.len() > MOST).and_then(|&bone| Some((bone, on(bone)?)));
+        let Some((bone, parent)) = least else { break };
+        into[bone] = parent;
+        let share = mass[bone];
+        mass[parent] += share;
     }
     (0..bones.len()).map(|bone| root(&into, bone)).collect()
 }

@@ -11,6 +11,8 @@ use super::plan::Plan;
 
 /// Frames in which the skeleton is looked at, to tell what its bones are.
 const LOOKS: usize = 60;
+/// A file with more bones than this has something else than a skeleton.
+const MOST: usize = 512;
 /// A node that moves by less than this share against its parent does not move.
 const STILL: f32 = 1e-4;
 /// A bone whose beginning goes about by more than this share of the size in its parent's frame is not held by that; one that stays within
@@ -93,6 +95,9 @@ pub(super) fn skeleton(plan: &Plan, offset: DVec3, capture: &Capture) -> Option<
         }
     }
     let chosen: Vec<usize> = moved.order.iter().copied().filter(|&node| is_bone[node]).collect();
+    if chosen.len() > MOST {
+        return None;
+    }
     let place: BTreeMap<usize, usize> = chosen.iter().enumerate().map(|(bone, &node)| (node, bone)).collect();
     let mut influences = vec![Vec::new(); capture.topology.vertex_count()];
     for (&vertex, by) in capture.vertex_of_file_vertex.iter().zip(&moved.by) {

@@ -119,3 +119,19 @@ fn what_is_no_human_keeps_its_names_and_one_bone_is_no_rig() {
     let alone = vec![vec![(2, 1.0)]; influences.len()];
     assert!(given(&topology, &poses, (&bones, &alone), &RigOptions::default()).unwrap().is_none());
 }
+
+#[test]
+fn of_very_many_bones_the_smallest_go_into_their_parents() {
+    let mut bones =
+        vec![bone_of("Scene", None, [0.0, 0.0, 0.0], None), bone_of("Body", Some(0), [0.0, 1.0, 0.0], None)];
+    bones.extend((0..60).map(|k| bone_of("leg", Some(1), [0.1 * k as f32, 0.9, 0.0], None)));
+    // The body moves least, but what it hangs on moves nothing: it is the root.
+    let counts = (1..bones.len()).map(|bone| if bone == 1 { 4 } else { 6 + bone });
+    let influences: Vec<BonesOfVertex> =
+        (1..).zip(counts).flat_map(|(bone, count)| vec![vec![(bone as u32, 1.0)]; count]).collect();
+    let into = kept(&bones, &influences, &vec![1.0; influences.len()]);
+    let left: Vec<usize> = (0..bones.len()).filter(|&bone| into[bone] == bone).collect();
+    assert_eq!(left.len(), MOST);
+    assert!(left.contains(&1) && left.contains(&61) && !left.contains(&2), "{left:?}");
+    assert!((0..bones.len()).all(|bone| left.contains(&bone) || into[bone] == 1), "{into:?}");
+}
