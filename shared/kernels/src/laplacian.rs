@@ -186,8 +186,9 @@ impl LaplacianPattern {
         weights.resize(self.pattern.edges().len() + 1, 0.0);
         for (edges, cotangents) in self.edge_of_corner.iter().zip(&laplacian.half_cotangents) {
             for corner in 0..3 {
+                let numbers = cotangents[corner].numbers();
                 for lane in 0..LANES {
-                    weights[edges[corner][lane] as usize] += cotangents[corner].0[lane];
+                    weights[edges[corner][lane] as usize] += numbers[lane];
                 }
             }
         }

@@ -4,7 +4,7 @@
 //! for size.
 //!
 //! ```text
-//! scalar -> lanes -> gradients ---.
+//! number -> scalar -> lanes -> gradients ---.
 //! topology -> cholesky -> laplacian -> poisson
 //! ```
 
@@ -18,6 +18,7 @@ pub mod gradients;
 pub mod lanes;
 pub mod laplacian;
 pub mod lru;
+pub mod number;
 pub mod poisson;
 pub mod random;
 pub mod rotation;

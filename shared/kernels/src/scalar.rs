@@ -9,86 +9,85 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::number::Number;
+
+/// A polynomial at `x`, its coefficients from the highest power down to that of 1.
+#[inline(always)]
+fn polynomial<N: Number, const C: usize>(coefficients: [f32; C], x: N) -> N {
+    let mut sum = N::splat(coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        sum = sum * x + N::splat(coefficient);
+    }
+    sum
+}
+
 /// Exponential, for arguments between -87 and 87.
 #[inline(always)]
 #[must_use]
-pub fn exp(x: f32) -> f32 {
+pub fn exp<N: Number>(x: N) -> N {
     // Adding and taking away 1.5 * 2^23 rounds to a whole number.
-    const ROUND: f32 = 12_582_912.0;
-    let whole = (x * std::f32::consts::LOG2_E + ROUND) - ROUND;
-    let r = x - whole * 0.693_359_4 - whole * -2.121_944_4e-4;
-    let mut p = 1.987_569_2e-4;
-    p = p * r + 1.398_2e-3;
-    p = p * r + 8.333_452e-3;
-    p = p * r + 4.166_579_6e-2;
-    p = p * r + 1.666_666_5e-1;
-    p = p * r + 0.5;
-    (p * r * r + r + 1.0) * f32::from_bits(((whole as i32 + 127) as u32) << 23)
+    let round = N::splat(12_582_912.0);
+    let rounded = x * N::splat(std::f32::consts::LOG2_E) + round;
+    let whole = rounded - round;
+    let r = x - whole * N::splat(0.693_359_4) - whole * N::splat(-2.121_944_4e-4);
+    let p = polynomial([1.987_569_2e-4, 1.398_2e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 0.5], r);
+    (p * r * r + r + N::splat(1.0)) * rounded.power_of_two()
 }
 
 /// Natural logarithm of positive, normal numbers.
 #[inline(always)]
 #[must_use]
-pub fn ln(x: f32) -> f32 {
-    // Mantissa in [sqrt(1/2), sqrt(2)).
-    let bits = x.to_bits().wrapping_sub(0x3f35_04f3);
-    let exponent = ((bits as i32) >> 23) as f32;
-    let m = f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3)) - 1.0;
+pub fn ln<N: Number>(x: N) -> N {
+    let (mantissa, exponent) = x.split();
+    let m = mantissa - N::splat(1.0);
     let z = m * m;
-    let mut p = 7.037_683_6e-2;
-    p = p * m - 1.151_461e-1;
-    p = p * m + 1.167_699_9e-1;
-    p = p * m - 1.242_014_1e-1;
-    p = p * m + 1.424_932_3e-1;
-    p = p * m - 1.666_805_7e-1;
-    p = p * m + 2.000_071_5e-1;
-    p = p * m - 2.499_999_4e-1;
-    p = p * m + 3.333_333e-1;
-    m + (p * m * z - exponent * 2.121_944_4e-4 - 0.5 * z) + exponent * 0.693_359_4
+    let p = polynomial(
+        [
+            7.037_683_6e-2,
+            -1.151_461e-1,
+            1.167_699_9e-1,
+            -1.242_014_1e-1,
+            1.424_932_3e-1,
+            -1.666_805_7e-1,
+            2.000_071_5e-1,
+            -2.499_999_4e-1,
+            3.333_333e-1,
+        ],
+        m,
+    );
+    m + (p * m * z - exponent * N::splat(2.121_944_4e-4) - N::splat(0.5) * z) + exponent * N::splat(0.693_359_4)
 }
 
 /// Angle in [0, pi/2] whose tangent is `y / x`, both not negative and not both zero.
 #[inline(always)]
 #[must_use]
-pub fn quarter_atan2(y: f32, x: f32) -> f32 {
-    let (small, large) = if y > x { (x, y) } else { (y, x) };
+pub fn quarter_atan2<N: Number>(y: N, x: N) -> N {
+    let (small, large) = (y.greater(x, x, y), y.greater(x, y, x));
     // Beyond tan(pi/8) the arc tangent is taken from pi/4.
-    let far = small > 0.414_213_57 * large;
-    let (top, bottom) = if far { (small - large, small + large) } else { (small, large) };
-    let t = top / bottom;
+    let tangent = large * N::splat(0.414_213_57);
+    let far = |yes: N, no: N| small.greater(tangent, yes, no);
+    let t = far(small - large, small) / far(small + large, large);
     let z = t * t;
-    let mut p = 8.053_744_6e-2;
-    p = p * z - 1.387_768_6e-1;
-    p = p * z + 1.997_771_1e-1;
-    p = p * z - 3.333_295e-1;
-    let angle = p * z * t + t + if far { std::f32::consts::FRAC_PI_4 } else { 0.0 };
-    if y > x { std::f32::consts::FRAC_PI_2 - angle } else { angle }
+    let p = polynomial([8.053_744_6e-2, -1.387_768_6e-1, 1.997_771_1e-1, -3.333_295e-1], z);
+    let angle = p * z * t + t + far(N::splat(std::f32::consts::FRAC_PI_4), N::splat(0.0));
+    y.greater(x, N::splat(std::f32::consts::FRAC_PI_2) - angle, angle)
 }
 
 /// Sine of an angle in [0, pi/2].
 #[inline(always)]
 #[must_use]
-pub fn quarter_sin(x: f32) -> f32 {
+pub fn quarter_sin<N: Number>(x: N) -> N {
     let z = x * x;
-    let mut p = -2.505_210_8e-8;
-    p = p * z + 2.755_732e-6;
-    p = p * z - 1.984_127e-4;
-    p = p * z + 8.333_334e-3;
-    p = p * z - 1.666_666_7e-1;
-    p * z * x + x
+    polynomial([-2.505_210_8e-8, 2.755_732e-6, -1.984_127e-4, 8.333_334e-3, -1.666_666_7e-1], z) * z * x + x
 }
 
 /// Cosine of an angle in [0, pi/2].
 #[inline(always)]
 #[must_use]
-pub fn quarter_cos(x: f32) -> f32 {
+pub fn quarter_cos<N: Number>(x: N) -> N {
     let z = x * x;
-    let mut p = 2.087_675_7e-9;
-    p = p * z - 2.755_732e-7;
-    p = p * z + 2.480_158_8e-5;
-    p = p * z - 1.388_889e-3;
-    p = p * z + 4.166_666_8e-2;
-    p * z * z - 0.5 * z + 1.0
+    let p = polynomial([2.087_675_7e-9, -2.755_732e-7, 2.480_158_8e-5, -1.388_889e-3, 4.166_666_8e-2], z);
+    p * z * z - N::splat(0.5) * z + N::splat(1.0)
 }
 
 /// Sine and cosine of any angle in radians.

@@ -1,6 +1,6 @@
 //! Triangles in batches of eight, as the vector code takes them.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::lanes::{LANES, Lanes3};
 
@@ -59,35 +59,23 @@ impl Batch {
     /// Edges of a pose from the first corner to the second and to the third.
     #[inline(always)]
     pub(crate) fn edges(&self, pose: &[Vec3]) -> [Lanes3; 2] {
-        let mut first = Lanes3::default();
-        let mut second = Lanes3::default();
-        for lane in 0..LANES {
-            let [a, b, c] = [0, 1, 2].map(|corner| pose[self.corners[corner][lane] as usize]);
-            first.x.0[lane] = b.x - a.x;
-            first.y.0[lane] = b.y - a.y;
-            first.z.0[lane] = b.z - a.z;
-            second.x.0[lane] = c.x - a.x;
-            second.y.0[lane] = c.y - a.y;
-            second.z.0[lane] = c.z - a.z;
-        }
-        [first, second]
+        self.edges_of(|vertex| pose[vertex as usize].extend(0.0))
     }
 
     /// Edges of positions held four by four, as [`Self::edges`].
     #[inline(always)]
-    pub(crate) fn edges4(&self, positions: &[glam::Vec4]) -> [Lanes3; 2] {
-        let mut first = Lanes3::default();
-        let mut second = Lanes3::default();
+    pub(crate) fn edges4(&self, positions: &[Vec4]) -> [Lanes3; 2] {
+        self.edges_of(|vertex| positions[vertex as usize])
+    }
+
+    #[inline(always)]
+    fn edges_of(&self, position: impl Fn(u32) -> Vec4) -> [Lanes3; 2] {
+        let (mut first, mut second) = ([Vec4::ZERO; LANES], [Vec4::ZERO; LANES]);
         for lane in 0..LANES {
-            let [a, b, c] = [0, 1, 2].map(|corner| positions[self.corners[corner][lane] as usize]);
-            let (b, c) = (b - a, c - a);
-            first.x.0[lane] = b.x;
-            first.y.0[lane] = b.y;
-            first.z.0[lane] = b.z;
-            second.x.0[lane] = c.x;
-            second.y.0[lane] = c.y;
-            second.z.0[lane] = c.z;
+            let start = position(self.corners[0][lane]);
+            first[lane] = position(self.corners[1][lane]) - start;
+            second[lane] = position(self.corners[2][lane]) - start;
         }
-        [first, second]
+        [Lanes3::of(&first), Lanes3::of(&second)]
     }
 }

@@ -92,15 +92,15 @@ impl PairGradients {
     #[must_use]
     pub fn triangle_edges(&self, triangle: usize, lambda: f32) -> [Vec3; 2] {
         let lane = triangle % LANES;
-        self.edges(triangle / LANES, lambda).map(|e| Vec3::new(e.x.0[lane], e.y.0[lane], e.z.0[lane]))
+        self.edges(triangle / LANES, lambda).map(|edges| edges.lane(lane))
     }
 
     /// Angle of R in radians, between 0 and pi; 0 for a triangle too narrow to tell.
     #[must_use]
     pub fn rotation_angle(&self, triangle: usize) -> f32 {
         let (batch, lane) = (&self.batches[triangle / LANES], triangle % LANES);
-        let wide = batch.narrow == ALL_WIDE || self.narrow[batch.narrow as usize].wide.0[lane] > 0.0;
-        if wide { 2.0 * batch.half_angle.0[lane] } else { 0.0 }
+        let wide = batch.narrow == ALL_WIDE || self.narrow[batch.narrow as usize].wide.lane(lane) > 0.0;
+        if wide { 2.0 * batch.half_angle.lane(lane) } else { 0.0 }
     }
 }
 
@@ -195,8 +195,7 @@ fn decompose(i: &TriangleFrames, j: &TriangleFrames) -> PairBatch {
 fn rotation(from: [Lanes3; 3], to: [Lanes3; 3]) -> (Lanes3, Lanes) {
     // R = to from^T, the frames' axes being the columns.
     let product = |row: [Lanes; 3], column: [Lanes; 3]| row[0] * column[0] + row[1] * column[1] + row[2] * column[2];
-    let (tx, ty, tz) = (to.map(|axis| axis.x), to.map(|axis| axis.y), to.map(|axis| axis.z));
-    let (fx, fy, fz) = (from.map(|axis| axis.x), from.map(|axis| axis.y), from.map(|axis| axis.z));
+    let [(tx, ty, tz), (fx, fy, fz)] = [to, from].map(|[a, b, c]| ([a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]));
     let (r00, r11, r22) = (product(tx, fx), product(ty, fy), product(tz, fz));
     let (r01, r10) = (product(tx, fy), product(ty, fx));
     let (r02, r20) = (product(tx, fz), product(tz, fx));

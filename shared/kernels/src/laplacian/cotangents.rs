@@ -22,7 +22,7 @@ pub(super) fn set_half_cotangents(triangles: &TriangleBatches, pose: &[Vec3], ha
         let frame = frame(batch, pose);
         let (a, b) = (frame.a, frame.b);
         let area = a * frame.c * half;
-        sum += area.0.iter().map(|&area| f64::from(area)).sum::<f64>();
+        sum += area.numbers().iter().map(|&area| f64::from(area)).sum::<f64>();
         areas.push(area);
         let longest = a.max((b * b + frame.c * frame.c).sqrt());
         let longest = longest.max(((a - b) * (a - b) + frame.c * frame.c).sqrt());
@@ -38,7 +38,7 @@ pub(super) fn set_half_cotangents(triangles: &TriangleBatches, pose: &[Vec3], ha
     for (cotangents, &area) in half_cotangents.iter_mut().zip(&areas) {
         for cotangent in cotangents {
             // Not `area < least`: what is not a number has no weight either, and nor has the filling.
-            *cotangent = area.zip(*cotangent, |area, cotangent| if area > least.0[0] { cotangent } else { 0.0 });
+            *cotangent = area.greater(least, *cotangent, Lanes::default());
         }
     }
 }

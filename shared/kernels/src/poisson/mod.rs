@@ -368,11 +368,11 @@ fn scatter(batch: &Batch, [first, second]: [Lanes3; 2], half_cotangents: &[Lanes
     let second = second.scale(half_cotangents[1]);
     let first = first.scale(half_cotangents[2]);
     let pulls = [-(first + second), first - opposite, second + opposite];
+    let [a, b, c] = [pulls[0].vectors(), pulls[1].vectors(), pulls[2].vectors()];
+    let corners = batch.corners();
     for lane in 0..LANES {
-        for corner in 0..3 {
-            let pull = &pulls[corner];
-            sums[batch.corners()[corner][lane] as usize] +=
-                Vec4::new(pull.x.0[lane], pull.y.0[lane], pull.z.0[lane], 0.0);
-        }
+        sums[corners[0][lane] as usize] += a[lane];
+        sums[corners[1][lane] as usize] += b[lane];
+        sums[corners[2][lane] as usize] += c[lane];
     }
 }
