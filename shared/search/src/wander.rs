@@ -2,22 +2,23 @@
 //! gets stuck.
 //!
 //! ```text
-//! graph -> Sparse (few transitions) -> Segments (what is shown together) -> Optimiser (probabilities) -> Stroll (the walk)
+//! graph -> Order (the best first) -> Sparse (few transitions) -> Segments (what is shown together) -> Optimiser (probabilities) -> Stroll (the walk)
 //! ```
 
+mod order;
 mod segments;
 mod sparse;
 mod stroll;
 
 use super::components::main_component_of;
 use super::meter;
-use super::queue::Queue;
 use super::random::Optimiser;
 use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk_to;
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 use actor::walk::Walk;
+use order::Order;
 use segments::Segments;
 use sparse::{Sparse, mean_distance};
 use stroll::Stroll;
@@ -40,9 +41,8 @@ pub struct Wander {
 #[derive(Clone, Debug)]
 enum Progress {
     /// The transitions before this one wait to be put in order.
-    Gathering(Queue, usize),
-    /// Those that are in order.
-    Ordering(Queue, Vec<u32>),
+    Gathering(Order, usize),
+    Ordering(Order),
     Choosing(Box<Sparse>),
     Optimising(Box<Choices>),
     /// The graph has no loop at all.
@@ -63,7 +63,7 @@ impl Wander {
     /// more or less often than others they are to be seen; `seed` decides which way is taken.
     #[must_use]
     pub fn new(weights: Vec<(usize, f64)>, seed: u64) -> Self {
-        Self { weights, stage: Progress::Gathering(Queue::default(), 0), random: seed }
+        Self { weights, stage: Progress::Gathering(Order::default(), 0), random: seed }
     }
 
     /// Works on for about as long as `states` expanded states take; whether the probabilities are as good as they get.
@@ -78,26 +78,25 @@ impl Wander {
         while left > 0 {
             left -= 1;
             self.stage = match std::mem::replace(&mut self.stage, Progress::Stuck) {
-                Progress::Gathering(mut queue, next) => {
+                Progress::Gathering(mut order, next) => {
                     let end = (next + GATHERED).min(graph.transitions().len());
                     for index in next..end {
                         let transition = &graph.transitions()[index];
                         if search_graph.main[transition.from as usize] && search_graph.main[transition.to as usize] {
-                            queue.push(mean_distance(graph, index as u32), index as u64);
+                            order.add(mean_distance(graph, index as u32), index as u32);
                         }
                     }
-                    match end - next < GATHERED {
-                        true => Progress::Ordering(queue, Vec::new()),
-                        false => Progress::Gathering(queue, end),
+                    if end - next < GATHERED {
+                        order.end();
+                        Progress::Ordering(order)
+                    } else {
+                        Progress::Gathering(order, end)
                     }
                 }
-                Progress::Ordering(mut queue, mut order) => {
-                    order.extend((0..ORDERED).map_while(|_| queue.pop()).map(|(_, index)| index as u32));
-                    match queue.len() {
-                        0 => Progress::Choosing(Box::new(Sparse::new(graph, timeline, search_graph, order))),
-                        _ => Progress::Ordering(queue, order),
-                    }
-                }
+                Progress::Ordering(mut order) => match order.merge(ORDERED) {
+                    Some(order) => Progress::Choosing(Box::new(Sparse::new(graph, timeline, search_graph, order))),
+                    None => Progress::Ordering(order),
+                },
                 Progress::Choosing(mut sparse) => match sparse.advance(graph, timeline, search_graph) {
                     Some(states) => {
                         left = left.saturating_sub(states);
