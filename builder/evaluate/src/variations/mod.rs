@@ -4,6 +4,7 @@
 mod lasting;
 mod model;
 mod stored;
+mod wandered;
 
 use std::sync::Arc;
 
@@ -78,6 +79,11 @@ pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateEr
     section.agreements = agreements(&fits, timed, &measures, &all, capture)?;
     section.tables =
         vec![fits, shown(&chosen, &measures), lasts(capture, &chosen, &all[USUAL].0, subject.options.seed)];
+    section.tables.push(wandered::table(
+        subject,
+        &wandered_alternatives(capture, &feet, &motion.facings, subject, job)?,
+        job,
+    )?);
     section.plots = vec![fit_plot, spread_plot(&measures)];
     section.pictures.extend(picture(capture, &all[USUAL].0)?);
     Ok(section)
@@ -161,6 +167,18 @@ fn made(
     let (all, _) = alternatives(capture, feet, facings, &varied, COUNT, job)?;
     let sum = |of: fn(&Varied) -> usize| varied.iter().map(of).sum();
     Ok((Arc::new(all), [sum(|one| one.rejected), sum(|one| one.stretches)]))
+}
+
+/// The alternatives of all sequences, as `builder vary` makes them where nothing is said.
+fn wandered_alternatives(
+    capture: &Capture,
+    feet: &Feet,
+    facings: &[f32],
+    subject: &Subject,
+    job: &Job,
+) -> Result<Arc<Alternatives>, EvaluateError> {
+    let all: Vec<&Sequence> = capture.timeline.sequences().iter().collect();
+    Ok(made(capture, feet, facings, &all, (AMOUNTS[USUAL], subject.options.seed), job)?.0)
 }
 
 /// What is played, by sequence and amount.

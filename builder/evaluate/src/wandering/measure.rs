@@ -7,7 +7,7 @@ use actor::walk::{Leg, Walk, steps_of};
 /// Seconds of a place: a piece of a sequence whose visits are counted together.
 const PLACE: f64 = 0.5;
 /// What is shown again sooner than this is a repetition, in seconds.
-const SOON: f64 = 10.0;
+pub const SOON: f64 = 10.0;
 
 /// What a walk shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,13 +65,13 @@ impl Wandered {
             stretches,
             transitions,
             unevenness: unevenness(timeline, main, &visits),
-            repeat: longest_repeat(&edges, (SOON * f64::from(timeline.fps())) as usize),
+            repeat: longest_repeat(edges.len(), timeline.fps(), |before, now| edges[before] == edges[now]),
         }
     }
 }
 
 /// The edges of a walk, step by step: a recorded frame and 0, or a transition beyond all frames and its node.
-fn edges(walk: &Walk, graph: &EssentialGraph, timeline: &Timeline) -> Vec<(u32, u32)> {
+pub fn edges(walk: &Walk, graph: &EssentialGraph, timeline: &Timeline) -> Vec<(u32, u32)> {
     let mut edges = Vec::new();
     for leg in &walk.legs {
         match *leg {
@@ -89,17 +89,17 @@ fn edges(walk: &Walk, graph: &EssentialGraph, timeline: &Timeline) -> Vec<(u32, 
     edges
 }
 
-/// The longest run of edges that is also found at most `soon` steps later.
-fn longest_repeat(edges: &[(u32, u32)], soon: usize) -> usize {
+/// The longest run of `count` steps all of which are the `same` as those at most [`SOON`] before.
+pub fn longest_repeat(count: usize, fps: f32, same: impl Fn(usize, usize) -> bool) -> usize {
     let run = |offset: usize| {
         let (mut run, mut longest) = (0, 0);
-        for at in offset..edges.len() {
-            run = if edges[at] == edges[at - offset] { run + 1 } else { 0 };
+        for at in offset..count {
+            run = if same(at - offset, at) { run + 1 } else { 0 };
             longest = longest.max(run);
         }
         longest
     };
-    (1..=soon).map(run).max().unwrap_or(0)
+    (1..=(SOON * f64::from(fps)) as usize).map(run).max().unwrap_or(0)
 }
 
 /// For each behaviour the most over the least visited of its places. A behaviour is a label, or a sequence without one.

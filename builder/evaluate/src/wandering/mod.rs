@@ -8,6 +8,7 @@ use kernels::cholesky::elimination_order;
 use search::{DEFAULT_EFFORT, Direction, Goal, Progress as Found, Request, Scene, SearchGraph, Target, WanderRequest};
 
 pub use self::measure::Wandered;
+pub(super) use self::measure::{edges, longest_repeat};
 use super::EvaluateError;
 use super::document::{Agreement, Cell, SectionReport, Table, Verdict};
 use super::motion::{Begun, Borrowed, Own, frames_table, percent, show};
@@ -72,6 +73,11 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     frames.rows.push(own.compare("wandering", &shown));
     section.tables.push(frames);
     Ok(section)
+}
+
+/// A walk of five minutes.
+pub(super) fn walk(scene: &Scene, seed: u64) -> Option<Walk> {
+    wander(scene, seed, SECONDS).map(|taken| taken.begun.walk)
 }
 
 fn wander(scene: &Scene, seed: u64, seconds: f64) -> Option<Taken> {
