@@ -10,6 +10,7 @@
 
 pub mod align;
 pub mod band;
+pub mod carry;
 pub mod cholesky;
 pub mod codec;
 pub mod components;
