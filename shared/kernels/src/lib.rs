@@ -10,7 +10,6 @@
 
 pub mod align;
 pub mod band;
-pub mod carry;
 pub mod cholesky;
 pub mod codec;
 pub mod components;

@@ -1,13 +1,15 @@
 //! How the registered mesh carries a scanned frame: each vertex lies over the nearest triangle that faces as it does.
 
 use glam::Vec3;
-use kernels::carry::{Carried, Surface};
+use actor::carry::{Carried, Surface};
 
-/// Cells along the longest side of the body.
-const CELLS: f32 = 64.0;
-/// Cells that a triangle touches on average at most, and triangles that are looked at for a point: more than ever in a body, so that a
-/// damaged one cannot keep the page busy.
-const MOST: (usize, usize) = (64, 2000);
+/// Cells along the longest side of the body: less where its triangles are large.
+const CELLS: [f32; 4] = [64.0, 16.0, 4.0, 1.0];
+/// Cells that a triangle touches on average at most.
+const TOUCHED: usize = 16;
+/// Triangles that are looked at for a point, on average, and for all at least: more than ever in a body, so that a damaged one cannot keep
+/// the page busy.
+const LOOKS: (usize, usize) = (2000, 1 << 22);
 /// How many times as far away a triangle counts that faces away from the vertex: the other side of what is thin, or another limb.
 const AWAY: f32 = 4.0;
 
@@ -15,8 +17,9 @@ const AWAY: f32 = 4.0;
 #[must_use]
 pub fn carried(triangles: &[[u32; 3]], pose: &[Vec3], points: &[Vec3], normals: &[Vec3]) -> Vec<Carried> {
     let surface = Surface::new(triangles, pose);
-    let Some(grid) = Grid::new(&surface, triangles.len(), pose) else { return Vec::new() };
-    let mut looks = points.len().saturating_mul(MOST.1);
+    let grid = CELLS.into_iter().find_map(|cells| Grid::new(&surface, triangles.len(), pose, cells));
+    let Some(grid) = grid else { return Vec::new() };
+    let mut looks = points.len().saturating_mul(LOOKS.0).max(LOOKS.1);
     let mut found = Vec::with_capacity(points.len());
     for (&point, &normal) in points.iter().zip(normals) {
         let Some((number, foot)) = grid.nearest(&surface, (point, normal), &mut looks) else { return Vec::new() };
@@ -36,14 +39,14 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(surface: &Surface<'_>, triangles: usize, pose: &[Vec3]) -> Option<Self> {
+    fn new(surface: &Surface<'_>, triangles: usize, pose: &[Vec3], cells: f32) -> Option<Self> {
         let low = pose.iter().fold(Vec3::INFINITY, |low, &p| low.min(p));
         let high = pose.iter().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
         let extent = high - low;
         if !extent.is_finite() || extent.max_element() <= 0.0 || triangles == 0 {
             return None;
         }
-        let side = extent.max_element() / CELLS;
+        let side = extent.max_element() / cells;
         let count = (extent / side).to_array().map(|cells| cells as usize + 1);
         let mut grid = Self { low, side, count, starts: vec![0; count.iter().product::<usize>() + 1], triangles: Vec::new() };
         let mut touched = 0;
@@ -52,7 +55,7 @@ impl Grid {
                 grid.starts[cell + 1] += 1;
                 touched += 1;
             });
-            if touched > MOST.0 * triangles {
+            if cells > 1.0 && touched > TOUCHED * triangles {
                 return None;
             }
         }

@@ -2,7 +2,7 @@
 
 use bundle::{ScannedCorner, ScannedGroup, ScannedHead, ScannedIndex};
 use glam::Vec3;
-use kernels::carry::Surface;
+use actor::carry::Surface;
 
 use crate::carried::carried;
 

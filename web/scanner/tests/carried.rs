@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
 use glam::Vec3;
-use kernels::carry::Surface;
+use actor::carry::Surface;
 use scanner::carried::carried;
 
 /// A sheet of `n` by `n` squares at height `y`, facing up or down.
@@ -57,5 +57,15 @@ fn nothing_carries_nothing() {
     assert!(carried(&[[0, 1, 2]], &[Vec3::ZERO; 3], &[Vec3::X], &[Vec3::Y]).is_empty());
     let flat = [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X];
     assert_eq!(carried(&[[0, 1, 2]], &flat, &[Vec3::new(1.5, 0.1, 0.0)], &[Vec3::Y]).len(), 1);
-    assert_eq!(carried(&[[0, 1, 9]], &flat, &[Vec3::X], &[Vec3::Y]).len(), 1);
+    // A triangle without its vertices is none.
+    assert!(carried(&[[0, 1, 9]], &flat, &[Vec3::X], &[Vec3::Y]).is_empty());
+}
+
+#[test]
+fn what_is_damaged_is_given_up() {
+    // All triangles as large as the body: every one is looked at for each point.
+    let pose = [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 1.0)];
+    let triangles = vec![[0, 1, 2]; 20_000];
+    assert!(carried(&triangles, &pose, &vec![Vec3::X; 5000], &vec![Vec3::Y; 5000]).is_empty());
+    assert_eq!(carried(&triangles, &pose, &[Vec3::X; 5], &[Vec3::Y; 5]).len(), 5);
 }

@@ -4,7 +4,7 @@
 use bundle::ScannedHead;
 use glam::Vec3;
 use kernels::align::Placement;
-use kernels::carry::{Carried, Surface};
+use actor::carry::{Carried, Surface};
 
 use super::context::Gpu;
 use super::mesh::{DrawnCorner, Mesh, Shape, Worn};
@@ -16,8 +16,8 @@ pub struct Scan {
     /// Over corners.
     triangles: Vec<[u32; 3]>,
     poses: Vec<Vec<Vec3>>,
-    /// How the registered mesh carries each frame's vertices; empty where it does not.
-    carried: Vec<Vec<Carried>>,
+    /// How the registered mesh carries the vertices of one frame after the other; less where it does not.
+    carried: Vec<Carried>,
     /// Which image each frame wears; empty where there is none.
     pub worn: Vec<u32>,
     /// Whether it brings colours.
@@ -36,14 +36,8 @@ impl Scan {
             && poses.len() == 3 * vertices * head.frames as usize
             && corners.iter().all(|corner| corner.vertex < head.vertices)
             && triangles.iter().all(|&corner| corner < head.corners);
-        let carried: Vec<Carried> = carried.chunks_exact(size_of::<Carried>()).map(bytemuck::pod_read_unaligned).collect();
-        let carried = if carried.len() == vertices * head.frames as usize {
-            carried.chunks_exact(vertices.max(1)).map(<[Carried]>::to_vec).collect()
-        } else {
-            Vec::new()
-        };
         fits.then(|| Self {
-            carried,
+            carried: carried.chunks_exact(size_of::<Carried>()).map(bytemuck::pod_read_unaligned).collect(),
             corners,
             triangles: triangles.as_chunks::<3>().0.to_vec(),
             poses: poses
@@ -87,7 +81,7 @@ struct Held {
     /// Triangles over vertices.
     triangles: Vec<[u32; 3]>,
     poses: Vec<Vec<Vec3>>,
-    carried: Vec<Vec<Carried>>,
+    carried: Vec<Carried>,
     /// By frame.
     worn: Vec<u32>,
     looks: Vec<Worn>,
@@ -242,7 +236,7 @@ impl Slot {
                 (Some(world), changed)
             }
             None => {
-                let carried = held.carried.get(frame)?;
+                let carried = held.carried.chunks_exact(scanned.len().max(1)).nth(frame)?;
                 let placed = |by: Numbered<'_>| {
                     // What is there already is not looked at.
                     if group.has(by.number) {

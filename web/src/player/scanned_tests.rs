@@ -216,7 +216,7 @@ fn transitions_carry_scans_so_that_nothing_has_to_give_way() {
     player.go_to(30).unwrap();
     let seen = shares(&mut player);
     assert!(seen.iter().all(|&[stands, carried]| (stands + carried - 1.0).abs() < 1e-5), "{seen:?}");
-    assert!(seen.iter().filter(|[stands, _]| *stands == 0.0).count() > 20, "{seen:?}");
+    assert!(seen.iter().filter(|[stands, _]| *stands == 0.0).count() > 10, "{seen:?}");
 }
 
 #[test]
