@@ -1,7 +1,7 @@
 //! How the registered mesh carries a scanned frame: each vertex lies over the nearest triangle that faces as it does.
 
-use glam::Vec3;
 use actor::carry::{Carried, Surface};
+use glam::Vec3;
 
 /// Cells along the longest side of the body: less where its triangles are large.
 const CELLS: [f32; 4] = [64.0, 16.0, 4.0, 1.0];
@@ -48,7 +48,8 @@ impl Grid {
         }
         let side = extent.max_element() / cells;
         let count = (extent / side).to_array().map(|cells| cells as usize + 1);
-        let mut grid = Self { low, side, count, starts: vec![0; count.iter().product::<usize>() + 1], triangles: Vec::new() };
+        let mut grid =
+            Self { low, side, count, starts: vec![0; count.iter().product::<usize>() + 1], triangles: Vec::new() };
         let mut touched = 0;
         for number in 0..triangles {
             grid.each_cell(surface, number, |grid, cell| {
@@ -97,7 +98,12 @@ impl Grid {
 
     /// The triangle nearest to `point`, and its nearest point; what faces away from `normal` counts as farther. `None` where there is none,
     /// or more were looked at than `looks`.
-    fn nearest(&self, surface: &Surface<'_>, (point, normal): (Vec3, Vec3), looks: &mut usize) -> Option<(u32, [f32; 2])> {
+    fn nearest(
+        &self,
+        surface: &Surface<'_>,
+        (point, normal): (Vec3, Vec3),
+        looks: &mut usize,
+    ) -> Option<(u32, [f32; 2])> {
         let mut best: Option<(f32, u32, [f32; 2])> = None;
         let middle = self.cell(point);
         let most = self.count.into_iter().max().unwrap_or(1);

@@ -1,8 +1,8 @@
 //! The section of a group of scanned frames, as the browser and the stage take it.
 
+use actor::carry::Surface;
 use bundle::{ScannedCorner, ScannedGroup, ScannedHead, ScannedIndex};
 use glam::Vec3;
-use actor::carry::Surface;
 
 use crate::carried::carried;
 
@@ -49,7 +49,8 @@ impl Opened {
     #[must_use]
     pub fn carried(&self, frame: u32, triangles: &[u32], pose: &[f32]) -> Vec<u8> {
         let (own, vertices) = &self.over_vertices;
-        let points = |numbers: &[f32]| numbers.as_chunks::<3>().0.iter().map(|&p| Vec3::from_array(p)).collect::<Vec<_>>();
+        let points =
+            |numbers: &[f32]| numbers.as_chunks::<3>().0.iter().map(|&p| Vec3::from_array(p)).collect::<Vec<_>>();
         let start = 3 * vertices * frame as usize;
         let scan = self.poses.get(start..start + 3 * vertices).map(points).unwrap_or_default();
         let found = carried(triangles.as_chunks::<3>().0, &points(pose), &scan, Surface::new(own, &scan).normals());

@@ -1,8 +1,8 @@
 //! What carries each point of a scan.
 #![allow(clippy::unwrap_used, reason = "a test that panics has failed")]
 
-use glam::Vec3;
 use actor::carry::Surface;
+use glam::Vec3;
 use scanner::carried::carried;
 
 /// A sheet of `n` by `n` squares at height `y`, facing up or down.
@@ -27,7 +27,8 @@ fn sheet(n: u32, y: f32, up: bool, triangles: &mut Vec<[u32; 3]>, pose: &mut Vec
 fn each_point_is_carried_from_the_nearest_point_of_the_mesh() {
     let (mut triangles, mut pose) = (Vec::new(), Vec::new());
     sheet(20, 0.0, true, &mut triangles, &mut pose);
-    let points = [Vec3::new(0.37, 0.01, 0.71), Vec3::new(0.5, -0.3, 0.5), Vec3::new(3.0, 0.0, 0.2), Vec3::new(-0.2, 1.0, 2.0)];
+    let points =
+        [Vec3::new(0.37, 0.01, 0.71), Vec3::new(0.5, -0.3, 0.5), Vec3::new(3.0, 0.0, 0.2), Vec3::new(-0.2, 1.0, 2.0)];
     let carried = carried(&triangles, &pose, &points, &[Vec3::Y; 4]);
     let surface = Surface::new(&triangles, &pose);
     for (point, one) in points.iter().zip(&carried) {

@@ -1,10 +1,10 @@
 //! Scanned frames on the device: a few groups, each with a mesh and images of its own. One may stand for the actor, or two that the
 //! registered mesh carries from the one to the other.
 
+use actor::carry::{Carried, Surface};
 use bundle::ScannedHead;
 use glam::Vec3;
 use kernels::align::Placement;
-use actor::carry::{Carried, Surface};
 
 use super::context::Gpu;
 use super::mesh::{DrawnCorner, Mesh, Shape, Worn};

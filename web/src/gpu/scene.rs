@@ -211,7 +211,13 @@ impl Scene {
     }
 
     /// Draws all, with the actor as `layer` says, and a share of what was kept over it.
-    fn paint(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, layer: Option<usize>, over: Option<(&Mix, f32)>) {
+    fn paint(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        layer: Option<usize>,
+        over: Option<(&Mix, f32)>,
+    ) {
         let mut pass = target.begin(&self.gpu, encoder, "reprise.picture.pass", self.look.clear());
         pass.set_bind_group(0, &self.frame.group, &[]);
         self.grid.draw(&mut pass, &self.shadow);

@@ -72,9 +72,8 @@ impl Player {
         let (from, to) = (lambda(picture.before, 0.0), lambda(picture.after, 1.0));
         let lambda = (to - from).mul_add(picture.weight as f32, from);
         let Some(ends) = self.ends_of(transition) else { return [None; 2] };
-        let shown = |frame: u32, share: f32| {
-            Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share })
-        };
+        let shown =
+            |frame: u32, share: f32| Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share });
         [shown(ends[0], 1.0 - lambda), shown(ends[1], lambda)]
     }
 

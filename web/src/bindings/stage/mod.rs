@@ -206,8 +206,13 @@ impl Stage {
         if let Some(share) = given("scan_share") {
             self.scan_share = share.as_f64().map(|share| share as f32);
         }
-        let switches =
-            [("scan_carried", &mut self.scan_carried), ("tint", &mut look.tint), ("parts", &mut look.parts), ("grid", &mut look.grid), ("path", &mut look.path)];
+        let switches = [
+            ("scan_carried", &mut self.scan_carried),
+            ("tint", &mut look.tint),
+            ("parts", &mut look.parts),
+            ("grid", &mut look.grid),
+            ("path", &mut look.path),
+        ];
         for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
             if let Some(on) = given(name) {
                 *switch = on.is_truthy();
