@@ -89,12 +89,15 @@ struct Held {
     risen: f32,
 }
 
+/// Group and frame, and whether the registered mesh carries it.
+type Shown = ((u32, u32), bool);
+
 /// What is drawn of a scanned frame.
 #[derive(Default)]
 struct Slot {
     pose: Option<PoseGroup>,
-    /// Group and frame that were written last, and whether it is carried.
-    shown: Option<((u32, u32), bool)>,
+    /// What was written last.
+    shown: Option<Shown>,
     share: f32,
 }
 
@@ -212,7 +215,7 @@ impl Slot {
         &mut self,
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
-        (wanted, before): (Wanted, Option<((u32, u32), bool)>),
+        (wanted, before): (Wanted, Option<Shown>),
         held: &Held,
         carrier: Carrier<'_>,
         uniform: ActorUniform,
