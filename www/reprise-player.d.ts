@@ -367,8 +367,9 @@ export interface PlayerState {
   synthesis_ms: number;
   /** The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded. */
   alternative?: number;
-  /** Where there are scanned frames: whether the last picture showed one, or the mesh that all of them were brought onto. */
-  shown?: 'scan' | 'template';
+  /** Where there are scanned frames: whether the last picture showed one, those of a transition's ends, carried by the mesh that all of them
+   * were brought onto, or that mesh. */
+  shown?: 'scan' | 'carried' | 'template';
 }
 
 /** What an `error` event, or an error that a method throws, is about. */

@@ -1,6 +1,6 @@
 /**
- * How much a picture changes where a scanned frame gives way to the mesh that all frames were brought onto, at once and in the steps in
- * which the page does it at 60 pictures a second: `REPRISE_BUNDLE=windows.reprise node switch.mjs [frames]`. Recorded frames, spread over the capture, are drawn both ways from two
+ * How much a picture changes where a scanned frame gives way: to itself as a transition carries it, to the mesh that all frames were brought
+ * onto, at once, and to that in the steps in which the page does it at 60 pictures a second: `REPRISE_BUNDLE=windows.reprise node switch.mjs [frames]`. Recorded frames, spread over the capture, are drawn both ways from two
  * views; pictures of the first ones go to out/.
  */
 
@@ -28,7 +28,7 @@ for (const [view, camera] of Object.entries(VIEWS)) {
     }, [frame, camera]);
     await player.frames(3);
     const found = await player.run((element) => element.testing.switched());
-    shares.push({ frame, picture: found.changed / found.pixels, actor: found.within / found.covered, outline: found.outline / found.covered, covered: found.covered / found.pixels, step: found.step / found.pixels, ofActor: found.step / found.covered });
+    shares.push({ frame, picture: found.changed / found.pixels, actor: found.within / found.covered, outline: found.outline / found.covered, covered: found.covered / found.pixels, cut: found.cut / found.pixels, cutOfActor: found.ofCut / found.covered, step: found.step / found.pixels, ofActor: found.step / found.covered });
     if (k >= PICTURES) continue;
     for (const way of ['ours', 'template']) {
       await player.run((element, wanted) => element.testing.core.view.looks.choose(wanted), way);
@@ -41,8 +41,9 @@ for (const [view, camera] of Object.entries(VIEWS)) {
   }
   const both = (name) => `${percent(mean(shares.map((one) => one[name])))} on average, ${percent(Math.max(...shares.map((one) => one[name])))} at most`;
   console.log(`${view}, at once: of the picture ${both('picture')}; of the actor, which is ${percent(mean(shares.map(({ covered }) => covered)))} of it, ${both('actor')}; ${percent(mean(shares.map(({ outline }) => outline)))} are at its outline`);
+  console.log(`${view}, as a transition carries it: of the picture ${both('cut')}; of the actor ${both('cutOfActor')}`);
   console.log(`${view}, from one picture to the next of a switch as the page does it: of the picture ${both('step')}; of the actor ${both('ofActor')}`);
-  for (const { frame, picture, actor, outline, step } of shares) console.log(`  frame ${frame}: ${percent(picture)}, ${percent(actor)}, ${percent(outline)}, a step ${percent(step)}`);
+  for (const { frame, picture, actor, outline, step, cut } of shares) console.log(`  frame ${frame}: ${percent(picture)}, carried ${percent(cut)}, ${percent(actor)}, ${percent(outline)}, a step ${percent(step)}`);
 }
 await player.close();
 await browser.close();

@@ -218,13 +218,21 @@ class Testing {
       both.push(await this.stage.read_pixels());
     }
     looks.choose('ours');
+    // As the registered mesh carries it: what the page shows next where a transition leaves from here, or showed last where one arrives.
+    this.stage.set_options('{"scan_carried":true}');
+    this.core.draw();
+    const carried = this.stage.scan_carried() ? await this.stage.read_pixels() : null;
+    this.stage.set_options('{"scan_carried":false}');
     const [scan, template] = both;
     const { most, apart } = this.constructor;
     const empty = scan.subarray(0, 3);
-    const counts = { pixels: scan.length / 4, covered: 0, changed: 0, within: 0, outline: 0 };
+    const counts = { pixels: scan.length / 4, covered: 0, changed: 0, within: 0, outline: 0, cut: 0, ofCut: 0 };
     for (let at = 0; at < scan.length; at += 4) {
       const [inScan, inTemplate] = [scan, template].map((pixels) => apart(pixels, at, empty, 0) > 60);
       const differs = apart(scan, at, template, at) > most;
+      const cut = !carried || apart(scan, at, carried, at) > most;
+      counts.cut += Number(cut);
+      counts.ofCut += Number(cut && inScan);
       counts.covered += Number(inScan || inTemplate);
       counts.changed += Number(differs);
       counts.within += Number(differs && (inScan || inTemplate));

@@ -141,7 +141,7 @@ export class Core {
     if (!stage.alive() || !this.director?.info) return;
     this.dirty = false;
     stage.stage.draw(this.director.player);
-    if (this.director.info.scanned) this.director.shown = stage.stage.scan_shown() < 0.5 ? 'template' : 'scan';
+    if (this.director.info.scanned) this.director.shown = stage.stage.scan_shown() < 0.5 ? 'template' : stage.stage.scan_carried() ? 'carried' : 'scan';
     this.toolbox.place();
   }
 

@@ -117,6 +117,17 @@ export class Scans {
     }
   }
 
+  /** How the registered mesh carries the frames of `scan`, of which `head` tells; a frame at a time, so that the page stays alive. */
+  async carry(scan, [first, count]) {
+    this.carrier ??= this.player.carrier();
+    const parts = [];
+    for (let frame = 0; frame < count && !this.session.closed; frame += 1) {
+      parts.push(scan.carried(frame, this.carrier, this.player.recorded_pose(first + frame)));
+      await new Promise((resolve) => setTimeout(resolve));
+    }
+    return new Uint8Array(await new Blob(parts).arrayBuffer());
+  }
+
   async bring(group) {
     const { coming, failed, player, session } = this;
     const { stage } = session.view;
@@ -126,15 +137,17 @@ export class Scans {
       if (!section || session.closed) return;
       const bytes = new Uint8Array(section);
       const { Scan } = await loadScanner();
-      const scan = new Scan(player.scan_head(group, bytes), bytes);
+      const head = player.scan_head(group, bytes);
+      const scan = new Scan(head, bytes);
       const places = scan.images();
       const bitmaps = [];
       for (let at = 0; at < places.length; at += 2) {
         bitmaps.push(await createImageBitmap(new Blob([bytes.subarray(places[at], places[at + 1])]), { premultiplyAlpha: 'none', colorSpaceConversion: 'none' }));
       }
+      const carried = await this.carry(scan, head);
       if (!session.closed && session.view.stage === stage && session.view.alive()) {
         for (const bitmap of bitmaps) stage.add_scan_image(bitmap);
-        if (!stage.take_scan(player, group, scan.corners(), scan.triangles(), scan.poses())) failed.add(group);
+        if (!stage.take_scan(player, group, scan.corners(), scan.triangles(), scan.poses(), carried)) failed.add(group);
         session.owner.dressed();
       }
       bitmaps.forEach((bitmap) => bitmap.close());

@@ -260,8 +260,20 @@ pub(crate) fn tree(scans: &Scans, survey: &Survey, options: &ScanOptions) -> Res
 /// The frames that were lost, as they are told.
 pub(crate) fn lost_reports(scans: &Scans, lost: &[(usize, Lost)]) -> Vec<LostReport> {
     let report =
-        |&(frame, why): &(usize, Lost)| LostReport { frame, place: place(scans, frame), reason: why.to_string() };
+        |&(frame, why): &(usize, Lost)| LostReport { frame, place: place(scans, frame), reason: with_remedy(why) };
     lost.iter().map(report).collect()
+}
+
+/// Why a frame was lost, and what can be done.
+fn with_remedy(why: Lost) -> String {
+    let remedy = match why {
+        Lost::Empty => "export it again, or leave it out",
+        Lost::Size(_) => "export it in the unit of the others, or leave it out",
+        Lost::Untracked(..) => {
+            "if it shows something else, or more than one body, leave it out; else name another template with --template-frame"
+        }
+    };
+    format!("{why}; {remedy}")
 }
 
 /// A frame of the scan, as its user counts.
@@ -335,10 +347,11 @@ fn told(scans: &Scans, code: &'static str, frames: &[usize], what: impl Fn(usize
 
 /// What the user should know of the frames of `survey`, of which `lost` are lost, and of the template, the root of `tree`.
 pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, tree: &Tree, lost: &[(usize, Lost)]) -> Vec<Warning> {
-    let turned =
-        told(scans, "W_SCAN_INSIDE_OUT", &survey.turned, |_| "its triangles face inwards: they were turned".into());
+    let turned = told(scans, "W_SCAN_INSIDE_OUT", &survey.turned, |_| {
+        "its triangles face inwards: they were turned, nothing else need be done".into()
+    });
     let littered = told(scans, "W_SCAN_DEBRIS", &survey.littered, |_| {
-        "parts of less than a hundredth of its surface float about: they are left out".into()
+        "parts of less than a hundredth of its surface float about: they are left out; what belongs to the body must touch it".into()
     });
     let parts = survey.candidates[tree.root].parts;
     let root = survey.frames[tree.root];
@@ -353,8 +366,8 @@ pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, tree: &Tree, lost: 
     let frames: Vec<usize> = lost.iter().map(|lost| lost.0).collect();
     let lost = told(scans, "W_SCAN_LOST", &frames, |frame| {
         let found = lost.iter().find(|(lost, _)| *lost == frame);
-        let why = found.map(|(_, why)| why.to_string()).unwrap_or_default();
-        format!("{why}: it is left out, and its sequence cut there")
+        let why = found.map(|&(_, why)| with_remedy(why)).unwrap_or_default();
+        format!("it is left out, and its sequence cut there: {why}")
     });
     turned.into_iter().chain(littered).chain(apart).chain(lost).collect()
 }
@@ -367,7 +380,9 @@ fn colourless() -> Warning {
 
 /// What the user should know of frames that are registered, or are left out because they stand alone.
 fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -> Vec<Warning> {
-    let alone = told(scans, "W_SCAN_ALONE", alone, |_| "it stands alone between lost frames, and is left out".into());
+    let alone = told(scans, "W_SCAN_ALONE", alone, |_| {
+        "it stands alone between lost frames, and is left out: mend those, and it stays".into()
+    });
     let doubtful = |fit: &Fit| fit.stretch > MOST_STRETCH || fit.beyond > MOST_BEYOND || fit.strain > MOST_STRAIN;
     let stretched = registered.tracked.iter().filter(|tracked| doubtful(&tracked.fit));
     let stretched: Vec<usize> = stretched.map(|tracked| tracked.frame).collect();
@@ -381,7 +396,7 @@ fn told_of_registered(scans: &Scans, registered: &Registered, alone: &[usize]) -
         let fit = found.unwrap_or_default();
         format!(
             "{:.1} % of the template lies off the scan, and edges are up to {:.2} times as long as before, {:.1} % off their \
-             length on average: look at it{inherited}",
+             length on average: look at it (--report shows the worst), and leave it out if it is wrong{inherited}",
             100.0 * fit.beyond,
             fit.stretch,
             100.0 * fit.strain

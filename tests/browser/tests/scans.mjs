@@ -70,21 +70,36 @@ export const tests = {
     await player.close();
   },
 
-  'scans: transitions and edits are on the mesh that all were brought onto, and stand where the scan stood': async (browser) => {
+  'scans: a transition carries the scans of its ends, without a change at the cut, and they stand where the actor stands': async (browser) => {
     const player = await open(browser);
     if (!player) return;
     await player.run((element) => element.seek(25));
     await shows(player, 'scan');
-    // What is seen of the scan is around the actor, wherever it has walked: a little fatter, and no more.
+    // The same moment as it was scanned, and as a transition carries it from here on.
+    const cut = await player.run((element) => element.testing.switched(1));
+    assert.ok(cut.covered > 1000 && cut.within > cut.covered / 2, JSON.stringify(cut));
+    assert.ok(cut.cut < cut.pixels / 10_000, `${cut.cut} of ${cut.pixels} pixels change`);
+    await shows(player, 'scan');
     const target = await player.target();
     await player.run((element, frame) => {
       element.speed = 0.2;
       element.goTo(frame);
     }, target);
-    await player.until('a transition', (element) => element.state.transition?.lambda > 0.3);
+    await player.until('a transition', (element) => element.state.transition?.lambda > 0.3 && element.state.transition.lambda < 0.7);
     await player.run((element) => element.pause());
+    const seen = await player.run((element) => {
+      element.testing.core.draw();
+      return { ...element.state.transition, frames: element.info.scanned, shown: element.state.shown, share: element.testing.stage.scan_shown() };
+    });
+    // It leaves a scanned frame, and what it goes over into is as scanned too, or else the mesh.
+    assert.ok(seen.share > 0.99 || Math.abs(seen.share - 1 + seen.lambda) < 0.1, JSON.stringify(seen));
+    assert.equal(seen.shown, seen.share < 0.5 ? 'template' : 'carried');
+    assert.ok((await blue(player)) > 0.005);
+    await player.picture('carried');
+    await compare(player, 'template');
     await shows(player, 'template');
     assert.ok((await blue(player)) < 0.001);
+    await compare(player, 'ours');
     await player.run((element) => {
       element.speed = 4;
       element.play();

@@ -62,7 +62,7 @@ impl Moment {
             weight: self.weight,
             synthetic: self.synthetic,
             ground: self.ground,
-            scan: None,
+            scans: [None; 2],
         }
     }
 }

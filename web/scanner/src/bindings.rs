@@ -40,6 +40,12 @@ impl Scan {
         self.inner.triangles.clone()
     }
 
+    /// How the registered mesh, its `triangles` at `pose`, carries the vertices of frame `frame`: 24 bytes each.
+    #[must_use]
+    pub fn carried(&self, frame: u32, triangles: &[u32], pose: &[f32]) -> Vec<u8> {
+        self.inner.carried(frame, triangles, pose)
+    }
+
     /// Vertex positions of one frame after the other.
     #[must_use]
     pub fn poses(&self) -> Vec<f32> {

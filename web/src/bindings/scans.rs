@@ -15,6 +15,13 @@ impl Player {
         self.inner.scan_section(ordinal).map_or(Vec::new(), |(start, length)| vec![start as u32, length as u32])
     }
 
+    /// Triangles of the registered mesh, which carries scanned frames.
+    #[must_use]
+    pub fn carrier(&self) -> Vec<u32> {
+        let actor = self.inner.actor();
+        actor.map_or(Vec::new(), |actor| actor.topology.triangles().as_flattened().to_vec())
+    }
+
     /// What the index tells of group `ordinal`, for the module that reads the `bytes` of its section.
     ///
     /// # Errors

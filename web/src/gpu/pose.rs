@@ -109,6 +109,12 @@ impl PoseGroup {
         self.written = None;
     }
 
+    /// Whether the pose `number` is there already.
+    #[must_use]
+    pub fn has(&self, number: u64) -> bool {
+        self.numbers.contains(&number)
+    }
+
     /// Vertices that a pose may have.
     #[must_use]
     pub fn room(&self) -> usize {

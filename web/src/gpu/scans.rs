@@ -1,5 +1,7 @@
-//! Scanned frames on the device: a few groups, each with a mesh and images of its own, one of which may stand for the actor.
+//! Scanned frames on the device: a few groups, each with a mesh and images of its own. One may stand for the actor, or two that the
+//! registered mesh carries from the one to the other.
 
+use actor::carry::{Carried, Surface};
 use bundle::ScannedHead;
 use glam::Vec3;
 use kernels::align::Placement;
@@ -14,6 +16,8 @@ pub struct Scan {
     /// Over corners.
     triangles: Vec<[u32; 3]>,
     poses: Vec<Vec<Vec3>>,
+    /// How the registered mesh carries the vertices of one frame after the other; less where it does not.
+    carried: Vec<Carried>,
     /// Which image each frame wears; empty where there is none.
     pub worn: Vec<u32>,
     /// Whether it brings colours.
@@ -23,7 +27,7 @@ pub struct Scan {
 impl Scan {
     /// The group of which the index tells `head`, with its parts one after the other; `None` where they do not fit together.
     #[must_use]
-    pub fn new(head: &ScannedHead, corners: &[u8], triangles: &[u32], poses: &[f32]) -> Option<Self> {
+    pub fn new(head: &ScannedHead, corners: &[u8], triangles: &[u32], poses: &[f32], carried: &[u8]) -> Option<Self> {
         let corners: Vec<DrawnCorner> =
             corners.chunks_exact(size_of::<DrawnCorner>()).map(bytemuck::pod_read_unaligned).collect();
         let vertices = head.vertices as usize;
@@ -33,6 +37,7 @@ impl Scan {
             && corners.iter().all(|corner| corner.vertex < head.vertices)
             && triangles.iter().all(|&corner| corner < head.corners);
         fits.then(|| Self {
+            carried: carried.chunks_exact(size_of::<Carried>()).map(bytemuck::pod_read_unaligned).collect(),
             corners,
             triangles: triangles.as_chunks::<3>().0.to_vec(),
             poses: poses
@@ -50,12 +55,23 @@ impl Scan {
 pub struct Wanted {
     /// Group and frame.
     pub place: (u32, u32),
-    /// Equal numbers are equal poses.
-    pub number: u64,
-    /// Where it stands.
-    pub placement: Placement,
-    /// How much of it is seen, from 0 to 1; the rest is the registered mesh.
+    /// The number of its pose, and where it stands, as it was scanned; `None` where the registered mesh carries it.
+    pub stands: Option<(u64, Placement)>,
+    /// How much of it is seen, from 0 to 1.
     pub share: f32,
+}
+
+/// The registered mesh at the moment that is shown.
+#[derive(Clone, Copy)]
+pub struct Carrier<'a> {
+    /// Its triangles.
+    pub triangles: &'a [[u32; 3]],
+    /// The frame before the moment.
+    pub before: Numbered<'a>,
+    /// The frame after it.
+    pub after: Numbered<'a>,
+    /// 0 is the one, 1 the other.
+    pub weight: f32,
 }
 
 /// A group that is here.
@@ -65,34 +81,51 @@ struct Held {
     /// Triangles over vertices.
     triangles: Vec<[u32; 3]>,
     poses: Vec<Vec<Vec3>>,
+    carried: Vec<Carried>,
     /// By frame.
     worn: Vec<u32>,
     looks: Vec<Worn>,
+    /// How much of it may be seen: what comes late comes little by little.
+    risen: f32,
 }
 
-/// All that are here, and the one that is drawn.
+/// Group and frame, and whether the registered mesh carries it.
+type Shown = ((u32, u32), bool);
+
+/// What is drawn of a scanned frame.
 #[derive(Default)]
-pub struct Scans {
-    held: Vec<Held>,
+struct Slot {
     pose: Option<PoseGroup>,
-    /// Group and frame that were written last, and are drawn.
-    shown: Option<(u32, u32)>,
+    /// What was written last.
+    shown: Option<Shown>,
     share: f32,
 }
 
+/// Scanned frames that are drawn at once.
+const SLOTS: usize = 2;
+
+/// All that are here, and those that are drawn.
+#[derive(Default)]
+pub struct Scans {
+    held: Vec<Held>,
+    slots: [Slot; SLOTS],
+}
+
 impl Scans {
-    /// Takes group `ordinal` with a texture for each of its images; those that are not `wanted` go.
+    /// Takes group `ordinal` with a texture for each of its images; those that are not `wanted` go. One that was waited for, as `late` says,
+    /// is seen little by little.
     pub fn take(
         &mut self,
         gpu: &Gpu,
         mesh: &Mesh,
         (ordinal, scan): (u32, Scan),
         mut textures: Vec<wgpu::Texture>,
-        wanted: &[u32],
+        (wanted, late): (&[u32], bool),
     ) {
-        let shown = self.shown.map(|(group, _)| group);
-        self.held
-            .retain(|held| held.ordinal != ordinal && (wanted.contains(&held.ordinal) || shown == Some(held.ordinal)));
+        let shown: Vec<u32> = self.slots.iter().filter_map(|slot| Some(slot.shown?.0.0)).collect();
+        self.held.retain(|held| {
+            held.ordinal != ordinal && (wanted.contains(&held.ordinal) || shown.contains(&held.ordinal))
+        });
         let vertex = |corner: u32| scan.corners[corner as usize].vertex;
         let triangles = scan.triangles.iter().map(|triangle| triangle.map(vertex)).collect();
         if textures.is_empty() {
@@ -100,7 +133,9 @@ impl Scans {
         }
         let looks = textures.into_iter().map(|texture| mesh.worn(gpu, texture, scan.captured)).collect();
         let shape = Shape::new(gpu, &scan.corners, &scan.triangles);
-        self.held.push(Held { ordinal, shape, triangles, poses: scan.poses, worn: scan.worn, looks });
+        let risen = if late { 0.0 } else { 1.0 };
+        let Scan { poses, carried, worn, .. } = scan;
+        self.held.push(Held { ordinal, shape, triangles, poses, carried, worn, looks, risen });
     }
 
     /// Whether group `ordinal` is here.
@@ -109,49 +144,117 @@ impl Scans {
         self.held.iter().any(|held| held.ordinal == ordinal)
     }
 
-    /// Writes the frame that is wanted, if it is here, in place of what was drawn before; `None` draws none. What is written in the world,
-    /// and whether anything changed.
+    /// How much of group `ordinal` may be seen, which comes little by little where it came late; `step` more from now on.
+    pub fn rise(&mut self, ordinal: u32, step: f32) -> f32 {
+        let Some(held) = self.held.iter_mut().find(|held| held.ordinal == ordinal) else { return 0.0 };
+        held.risen = (held.risen + step).min(1.0);
+        held.risen
+    }
+
+    /// Writes the frames that are wanted and here, in place of those before. Where the one is that stands as it was scanned, and whether
+    /// anything changed.
     pub fn show(
         &mut self,
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
-        wanted: Option<Wanted>,
+        wanted: [Option<Wanted>; SLOTS],
+        carrier: Carrier<'_>,
         uniform: ActorUniform,
     ) -> (Option<Vec<Vec3>>, bool) {
-        let before = self.shown.take();
-        let found = wanted.and_then(|Wanted { place, number, placement, share }| {
-            let held = self.held.iter().find(|held| held.ordinal == place.0)?;
-            self.share = share;
-            Some((held, held.poses.get(place.1 as usize)?, place, number, placement))
-        });
-        let Some((held, pose, place, number, placement)) = found else { return (None, before.is_some()) };
-        let mut world = pose.clone();
-        placement.apply_all(&mut world);
-        if self.pose.as_ref().is_none_or(|group| group.room() < world.len()) {
-            self.pose = Some(PoseGroup::new(gpu, layout, world.len()));
+        let (mut stands, mut changed) = (None, false);
+        for (slot, wanted) in self.slots.iter_mut().zip(wanted) {
+            let before = slot.shown.take();
+            let share = std::mem::replace(&mut slot.share, 0.0);
+            let written = wanted.and_then(|wanted| {
+                let held = self.held.iter().find(|held| held.ordinal == wanted.place.0)?;
+                slot.write(gpu, layout, (wanted, before), held, carrier, uniform)
+            });
+            let Some((world, moved)) = written else {
+                changed |= before.is_some();
+                continue;
+            };
+            changed |= moved || before != slot.shown || share != slot.share;
+            stands = stands.or(world);
         }
-        let Some(group) = &mut self.pose else { return (None, before.is_some()) };
-        if before != Some(place) {
-            group.forget();
-        }
-        let numbered = Numbered { number, pose: &world };
-        let changed = group.write(gpu, &held.triangles, numbered, numbered, uniform);
-        self.shown = Some(place);
-        (Some(world), changed || before != Some(place))
+        (stands, changed)
     }
 
     /// How much is seen of what is drawn: 0 where there is nothing.
     #[must_use]
     pub fn share(&self) -> f32 {
-        if self.drawn().is_some() { self.share } else { 0.0 }
+        self.shares().into_iter().sum()
+    }
+
+    /// How much is seen of each frame that may be drawn.
+    #[must_use]
+    pub fn shares(&self) -> [f32; SLOTS] {
+        std::array::from_fn(|number| if self.drawn(number).is_some() { self.slots[number].share } else { 0.0 })
+    }
+
+    /// Whether what is drawn is carried by the registered mesh.
+    #[must_use]
+    pub fn is_carried(&self) -> bool {
+        self.slots.iter().any(|slot| slot.shown.is_some_and(|(_, carried)| carried))
     }
 
     /// What is drawn in place of the actor: its shape, where it is, and what it wears.
     #[must_use]
-    pub fn drawn(&self) -> Option<(&Shape, &wgpu::BindGroup, &Worn)> {
-        let (ordinal, frame) = self.shown?;
+    pub fn drawn(&self, number: usize) -> Option<(&Shape, &wgpu::BindGroup, &Worn)> {
+        let slot = self.slots.get(number)?;
+        let ((ordinal, frame), _) = slot.shown?;
         let held = self.held.iter().find(|held| held.ordinal == ordinal)?;
         let image = held.worn.get(frame as usize).copied().unwrap_or(0);
-        Some((&held.shape, self.pose.as_ref()?.group(), held.looks.get(image as usize)?))
+        Some((&held.shape, slot.pose.as_ref()?.group(), held.looks.get(image as usize)?))
+    }
+}
+
+impl Slot {
+    /// Writes what is `wanted` of `held`, after what was shown `before`; where it stands if not carried, and whether anything changed. `None`
+    /// where it cannot be shown.
+    fn write(
+        &mut self,
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        (wanted, before): (Wanted, Option<Shown>),
+        held: &Held,
+        carrier: Carrier<'_>,
+        uniform: ActorUniform,
+    ) -> Option<(Option<Vec<Vec3>>, bool)> {
+        let frame = wanted.place.1 as usize;
+        let scanned = held.poses.get(frame)?;
+        let shown = (wanted.place, wanted.stands.is_none());
+        if self.pose.as_ref().is_none_or(|group| group.room() < scanned.len()) {
+            self.pose = Some(PoseGroup::new(gpu, layout, scanned.len()));
+        }
+        let group = self.pose.as_mut()?;
+        if before != Some(shown) {
+            group.forget();
+        }
+        let written = match wanted.stands {
+            Some((number, placement)) => {
+                let mut world = scanned.clone();
+                placement.apply_all(&mut world);
+                let numbered = Numbered { number, pose: &world };
+                let changed = group.write(gpu, &held.triangles, numbered, numbered, uniform);
+                (Some(world), changed)
+            }
+            None => {
+                let carried = held.carried.chunks_exact(scanned.len().max(1)).nth(frame)?;
+                let placed = |by: Numbered<'_>| {
+                    // What is there already is not looked at.
+                    if group.has(by.number) {
+                        return Vec::new();
+                    }
+                    let surface = Surface::new(carrier.triangles, by.pose);
+                    carried.iter().map(|one| surface.place(one).unwrap_or_default()).collect::<Vec<_>>()
+                };
+                let poses = [placed(carrier.before), placed(carrier.after)];
+                let [from, to] = [(carrier.before.number, &poses[0]), (carrier.after.number, &poses[1])]
+                    .map(|(number, pose)| Numbered { number, pose });
+                (None, group.write(gpu, &held.triangles, from, to, ActorUniform { weight: carrier.weight, ..uniform }))
+            }
+        };
+        (self.shown, self.share) = (Some(shown), wanted.share);
+        Some(written)
     }
 }

@@ -12,7 +12,7 @@ use super::marks::Marks;
 use super::mesh::Mesh;
 use super::mix::Mix;
 use super::pose::{ActorUniform, Numbered, PoseGroup, pose_layout};
-use super::scans::{Scans, Wanted};
+use super::scans::{Carrier, Scans, Wanted};
 use super::shadow::{Shadow, Square};
 use super::target::Target;
 use super::trail::Trail;
@@ -31,8 +31,8 @@ pub struct Moment<'a> {
     pub synthetic: f32,
     /// Where the actor's centre of mass is on the ground (X, Z).
     pub ground: Vec2,
-    /// The scanned frame that is to be drawn in its place, if it is there.
-    pub scan: Option<Wanted>,
+    /// The scanned frames that are to be drawn in its place, if they are there.
+    pub scans: [Option<Wanted>; 2],
 }
 
 /// The actor's measures, from its first pose.
@@ -149,10 +149,12 @@ impl Scene {
     pub fn show(&mut self, moment: &Moment<'_>) {
         let [tint, parts] = [self.look.tint, self.look.parts].map(|on| f32::from(u8::from(on)));
         let uniform = ActorUniform { tint, synthetic: moment.synthetic, parts, ..Default::default() };
-        let wanted = moment.scan.filter(|_| !self.look.parts);
-        let (scan, changed) = self.scans.show(&self.gpu, &self.pose_layout, wanted, uniform);
+        let wanted = if self.look.parts { [None; 2] } else { moment.scans };
+        let Moment { before, after, weight, .. } = *moment;
+        let carrier = Carrier { triangles: &self.triangles, before, after, weight };
+        let (scan, changed) = self.scans.show(&self.gpu, &self.pose_layout, wanted, carrier, uniform);
         // Beside a scan, which is that of the nearer frame, the mesh stands as that does.
-        let weight = if scan.is_some() { moment.weight.round() } else { moment.weight };
+        let weight = if scan.is_some() { weight.round() } else { weight };
         let uniform = ActorUniform { weight, ..uniform };
         let moved = self.actor.write(&self.gpu, &self.triangles, moment.before, moment.after, uniform);
         if moved || changed {
@@ -177,37 +179,51 @@ impl Scene {
         uniform.shadow_size = self.square.side;
         self.frame.write(&self.gpu, &uniform);
         let mut encoder = self.gpu.encoder("reprise.picture.commands");
-        let share = self.scans.share();
+        let layers = self.layers();
         if std::mem::take(&mut self.shadow_due) {
+            let most = layers.iter().copied().reduce(|most, layer| if layer.1 > most.1 { layer } else { most });
             let own = (self.mesh.shape(), self.actor.group());
-            let (shape, pose) = self.scans.drawn().map_or(own, |(shape, pose, _)| (shape, pose));
+            let scan = most.and_then(|(scan, _)| self.scans.drawn(scan?));
+            let (shape, pose) = scan.map_or(own, |(shape, pose, _)| (shape, pose));
             self.shadow.draw(&self.gpu, &mut encoder, &self.frame, pose, shape, self.square);
         }
-        let mixed = share > 0.0 && share < 1.0;
-        if mixed {
-            let mix = self.mix.take().filter(|mix| mix.fits(target));
-            let mix = mix.unwrap_or_else(|| Mix::new(&self.gpu, target));
-            self.paint(&mut encoder, target, false, None);
-            mix.keep(&mut encoder, target);
-            self.mix = Some(mix);
+        let mix = self.mix.take().filter(|mix| mix.fits(target));
+        self.mix = if layers.len() > 1 { mix.or_else(|| Some(Mix::new(&self.gpu, target))) } else { mix };
+        let mut covered = 0.0;
+        for (number, &(layer, share)) in layers.iter().enumerate() {
+            let over = self.mix.as_ref().filter(|_| number > 0);
+            self.paint(&mut encoder, target, layer, over.map(|mix| (mix, covered / (covered + share))));
+            covered += share;
+            if let Some(mix) = self.mix.as_ref().filter(|_| number + 1 < layers.len()) {
+                mix.keep(&mut encoder, target);
+            }
         }
-        self.paint(
-            &mut encoder,
-            target,
-            share > 0.0,
-            self.mix.as_ref().filter(|_| mixed).map(|mix| (mix, 1.0 - share)),
-        );
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    /// Draws all, with the scanned frame in the actor's place where that is `scanned`, and a share of what was kept over it.
-    fn paint(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, scanned: bool, over: Option<(&Mix, f32)>) {
+    /// What is seen of the actor, and how much of each: the registered mesh (`None`), and scanned frames.
+    fn layers(&self) -> Vec<(Option<usize>, f32)> {
+        let shares = self.scans.shares();
+        let rest = 1.0 - shares.iter().sum::<f32>();
+        let scans = shares.into_iter().enumerate().map(|(number, share)| (Some(number), share));
+        let layers: Vec<_> = std::iter::once((None, rest)).chain(scans).filter(|(_, share)| *share > 1e-3).collect();
+        if layers.is_empty() { vec![(None, 1.0)] } else { layers }
+    }
+
+    /// Draws all, with the actor as `layer` says, and a share of what was kept over it.
+    fn paint(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        layer: Option<usize>,
+        over: Option<(&Mix, f32)>,
+    ) {
         let mut pass = target.begin(&self.gpu, encoder, "reprise.picture.pass", self.look.clear());
         pass.set_bind_group(0, &self.frame.group, &[]);
         self.grid.draw(&mut pass, &self.shadow);
         self.marks.draw(&mut pass);
         self.trail.draw(&mut pass);
-        match self.scans.drawn().filter(|_| scanned) {
+        match layer.and_then(|number| self.scans.drawn(number)) {
             Some((shape, pose, worn)) => {
                 pass.set_bind_group(1, pose, &[]);
                 self.mesh.draw_scan(&mut pass, shape, worn);

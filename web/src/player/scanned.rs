@@ -18,19 +18,28 @@ const ROOM: u64 = 192 << 20;
 /// Groups that are held at least and at most, whatever their size.
 const HELD: (u64, u64) = (3, 16);
 
-/// A scanned frame where it stands.
+/// A scanned frame that is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanShown {
     /// Its group, and which of its frames it is.
     pub place: (u32, u32),
     /// The recorded frame.
     pub frame: u32,
-    /// Equal numbers are equal poses.
-    pub number: u64,
-    /// The world from the scan.
-    pub placement: Placement,
-    /// How much of it is seen, the rest being the registered mesh in the same pose: 1 but near where one gives way to the other.
+    /// The number of its pose and the world from the scan, as it was scanned; `None` where the registered mesh carries it.
+    pub stands: Option<(u64, Placement)>,
+    /// How much of it is seen, the rest being another one or the registered mesh in the same pose.
     pub share: f32,
+}
+
+/// A step that is to come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Coming {
+    /// A recorded frame.
+    Recorded(u32),
+    /// Within a transition of the graph.
+    Node,
+    /// Made elsewhere.
+    Made,
 }
 
 impl Player {
@@ -40,13 +49,43 @@ impl Player {
         self.loading.reader()?.scanned()
     }
 
-    /// The scanned frame that stands for what is shown: that of the nearer frame, where that is a recorded one that was neither edited
-    /// nor varied, nor driven.
+    /// The scanned frames that stand for what is shown: that of the nearer frame, where that is a recorded one that was neither edited
+    /// nor varied, nor driven; within a transition those of its two ends, which the registered mesh carries from the one to the other.
     #[must_use]
-    pub fn scan(&self) -> Option<ScanShown> {
-        let nearer = self.nearer()?;
-        let (frame, place) = self.scan_of(nearer)?;
-        Some(ScanShown { place, frame, number: nearer.number, placement: nearer.placement, share: self.scan_share() })
+    pub fn scan(&self) -> [Option<ScanShown>; 2] {
+        let Some(nearer) = self.nearer() else { return [None; 2] };
+        if let FrameKind::Synthetic { transition, .. } = nearer.kind {
+            return self.carried_scans(transition);
+        }
+        let stands = Some((nearer.number, nearer.placement));
+        let shown = self.scan_of(nearer);
+        [shown.map(|(frame, place)| ScanShown { place, frame, stands, share: self.scan_share() }), None]
+    }
+
+    /// The scans of both ends of `transition`, by as much of each as the blend has of its pose.
+    fn carried_scans(&self, transition: u32) -> [Option<ScanShown>; 2] {
+        let Some(picture) = self.picture() else { return [None; 2] };
+        let lambda = |shown: &ShownFrame, at_end: f32| match shown.kind {
+            FrameKind::Synthetic { transition: of, lambda, .. } if of == transition => lambda,
+            _ => at_end,
+        };
+        let (from, to) = (lambda(picture.before, 0.0), lambda(picture.after, 1.0));
+        let lambda = (to - from).mul_add(picture.weight as f32, from);
+        let Some(ends) = self.ends_of(transition) else { return [None; 2] };
+        let shown =
+            |frame: u32, share: f32| Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share });
+        [shown(ends[0], 1.0 - lambda), shown(ends[1], lambda)]
+    }
+
+    /// The frames that `transition` of the graph leaves and arrives at.
+    fn ends_of(&self, transition: u32) -> Option<[u32; 2]> {
+        let graph = self.loading.graph.as_ref()?;
+        graph.transitions().get(transition as usize).map(|transition| [transition.from, transition.to])
+    }
+
+    /// Where the scan of recorded frame `frame` is, if it has one and is shown as it was recorded.
+    fn scan_at(&self, frame: u32) -> Option<(u32, u32)> {
+        self.scans()?.place_of(frame).filter(|_| self.loading.source.as_recorded(frame))
     }
 
     /// The recorded frame that `shown` is as it was recorded, and where its scan is, where there is one.
@@ -56,29 +95,33 @@ impl Player {
         Some((frame, place))
     }
 
-    /// How much of the scan is seen: less the nearer the frames are that have none, on both sides. What was jumped over does not count,
-    /// and where the actor stands the scan is seen as it is.
+    /// How much of the scan is seen: less the nearer the frames are that have none, on both sides; but a transition carries it. What was
+    /// jumped over does not count, and where the actor stands the scan is seen as it is.
     fn scan_share(&self) -> f32 {
         let Some(picture) = self.picture().filter(|_| self.playing) else { return 1.0 };
-        let has_scan = |frame: &Option<u32>| {
-            frame.is_some_and(|frame| {
-                self.loading.source.as_recorded(frame)
-                    && self.scans().is_some_and(|scans| scans.place_of(frame).is_some())
-            })
-        };
         // The one gives way to the other halfway between two frames.
         let weight = picture.weight as f32;
         let coming = self.coming(FADE as usize + 1);
-        let ahead =
-            coming.iter().position(|frame| !has_scan(frame)).map_or(FADE as f32, |steps| steps as f32 + 0.5 - weight);
+        let gone = |frame: &Coming| !matches!(frame, Coming::Recorded(frame) if self.scan_at(*frame).is_some());
+        let ahead = match coming.iter().position(gone) {
+            Some(steps) if !matches!(coming[steps], Coming::Node) => steps as f32 + 0.5 - weight,
+            _ => FADE as f32,
+        };
         let behind = self.scans_behind as f32 - 0.5 + weight;
         (ahead.min(behind) / FADE as f32).clamp(0.0, 1.0)
     }
 
     /// Takes note that `last` is what the picture comes from now: after what came before it, or jumped to.
     pub(super) fn note_scan(&mut self, jumped: bool) {
-        let scanned = self.last.as_ref().is_some_and(|last| self.scan_of(last).is_some());
-        self.scans_behind = match (scanned, jumped) {
+        let Some(last) = &self.last else { return };
+        let carried = match last.kind {
+            FrameKind::Synthetic { transition, .. } => {
+                self.ends_of(transition).is_some_and(|[_, to]| self.scan_at(to).is_some())
+            }
+            FrameKind::Recorded { .. } => false,
+        };
+        self.scans_behind = match (self.scan_of(last).is_some(), jumped || carried) {
+            (_, true) if carried => FADE + 1,
             (false, _) => 0,
             (true, true) => FADE + 1,
             (true, false) => self.scans_behind.saturating_add(1),
@@ -96,8 +139,13 @@ impl Player {
             groups.extend(group.filter(|group| !groups.contains(group)));
             groups.len() < most
         };
-        let shown = self.nearer().map(|shown| shown.kind.frame());
-        for frame in shown.into_iter().chain(self.coming(AHEAD).into_iter().flatten()) {
+        let carried = self.scan().into_iter().flatten().map(|scan| scan.frame);
+        let shown = carried.chain(self.nearer().map(|shown| shown.kind.frame()));
+        let coming = self.coming(AHEAD).into_iter().filter_map(|frame| match frame {
+            Coming::Recorded(frame) => Some(frame),
+            _ => None,
+        });
+        for frame in shown.chain(coming) {
             if !want(frame) {
                 break;
             }
@@ -105,30 +153,33 @@ impl Player {
         groups
     }
 
-    /// What comes after the frame that the picture comes from, at most `most` steps: recorded frames of the route, nothing where one is made,
-    /// and behind its end those of the recording.
-    fn coming(&self, most: usize) -> Vec<Option<u32>> {
+    /// What comes after the frame that the picture comes from, at most `most` steps: those of the route, and behind its end frames of the
+    /// recording.
+    fn coming(&self, most: usize) -> Vec<Coming> {
         let Some(actor) = &self.loading.actor else { return Vec::new() };
-        let recorded = |kind: FrameKind| (!kind.is_synthetic()).then(|| kind.frame());
-        let mut frames: Vec<Option<u32>> = self.next.iter().map(|shown| recorded(shown.kind)).collect();
-        frames.extend(self.given.iter().map(|shown| recorded(shown.kind).filter(|_| shown.as_recorded)));
+        let told = |shown: &ShownFrame| match shown.kind {
+            FrameKind::Recorded { frame } => Coming::Recorded(frame),
+            FrameKind::Synthetic { transition, .. } if self.ends_of(transition).is_some() => Coming::Node,
+            FrameKind::Synthetic { .. } => Coming::Made,
+        };
+        let mut frames: Vec<Coming> = self.next.iter().map(told).collect();
+        frames.extend(self.given.iter().map(|shown| if shown.as_recorded { told(shown) } else { Coming::Made }));
         let (Some(walker), Some(graph)) = (self.producer.walker(), self.graph(actor)) else { return frames };
         let mut walker = walker.clone();
         while let (Some(step), true) = (walker.next(&actor.timeline), frames.len() < most) {
-            let transitions = graph.transitions();
             walker.take(&graph, &actor.timeline);
             frames.push(match step {
-                Step::Forward(frame) | Step::Back(frame) => Some(frame),
+                Step::Forward(frame) | Step::Back(frame) => Coming::Recorded(frame),
                 // The last node of a transition is the frame that it arrives at.
-                Step::Node { transition, .. } if walker.inside().is_none() => {
-                    transitions.get(transition as usize).map(|transition| transition.to)
-                }
-                Step::Node { .. } => None,
+                Step::Node { transition, .. } => match self.ends_of(transition) {
+                    Some([_, to]) if walker.inside().is_none() => Coming::Recorded(to),
+                    _ => Coming::Node,
+                },
             });
         }
         let end = walker.departure(&graph);
         let on = std::iter::successors(actor.timeline.next(end), |&frame| actor.timeline.next(frame));
-        frames.extend(on.take(most.saturating_sub(frames.len())).map(Some));
+        frames.extend(on.take(most.saturating_sub(frames.len())).map(Coming::Recorded));
         frames
     }
 
@@ -155,9 +206,9 @@ fn held(groups: &[ScannedHead]) -> u64 {
     (ROOM / largest).clamp(HELD.0, HELD.1)
 }
 
-/// Bytes of a group while it is held: its mesh, its poses, its images with their smaller levels.
+/// Bytes of a group while it is held: its mesh, its poses and what carries them, its images with their smaller levels.
 fn bytes_of(head: &ScannedHead) -> u64 {
     let texels: u64 = head.images.iter().map(|&(_, width, height)| u64::from(width) * u64::from(height)).sum();
     let poses = u64::from(head.vertices) * u64::from(head.frames);
-    texels * 16 / 3 + u64::from(head.corners) * 16 + u64::from(head.triangles) * 24 + poses * 12
+    texels * 16 / 3 + u64::from(head.corners) * 16 + u64::from(head.triangles) * 24 + poses * 36
 }

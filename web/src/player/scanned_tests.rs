@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 use synthesis::FrameKind;
 
 use super::loading::{Loading, Phase};
+use super::scanned::ScanShown;
 use super::tests::capture;
 use super::{Player, PlayerError};
 
@@ -53,15 +54,26 @@ fn player() -> (Player, Vec<u8>) {
     (player, bytes)
 }
 
+/// The frame that is shown as it was scanned.
 fn scan_of(player: &Player) -> Option<u32> {
-    player.scan().map(|scan| scan.frame)
+    stands(player).map(|scan| scan.frame)
+}
+
+fn stands(player: &Player) -> Option<ScanShown> {
+    player.scan()[0].filter(|scan| scan.stands.is_some())
+}
+
+/// Frames that the registered mesh carries, and how much is seen of each.
+fn carried(player: &Player) -> Vec<(u32, f32)> {
+    let carried = player.scan().into_iter().flatten().filter(|scan| scan.stands.is_none());
+    carried.map(|scan| (scan.frame, scan.share)).collect()
 }
 
 #[test]
 fn recorded_frames_are_shown_as_scanned_where_they_stand() {
     let (mut player, bytes) = player();
     player.stand(5, Vec2::new(2.0, -1.0), 0.7).unwrap();
-    let scan = player.scan().unwrap();
+    let scan = stands(&player).unwrap();
     assert_eq!((scan.frame, scan.place), (5, (5, 0)));
     // The scan, moved as the registered pose is, lies on it: here both are the same body.
     let (start, length) = player.scan_section(5).unwrap();
@@ -69,7 +81,7 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
     let words: Vec<u32> = player.scans().unwrap().groups[5].words().collect();
     assert_eq!(player.scan_head(5, section).unwrap(), words);
     let mut pose = player.scans().unwrap().read(5, section).unwrap().poses.remove(0);
-    scan.placement.apply_all(&mut pose);
+    scan.stands.unwrap().1.apply_all(&mut pose);
     let shown = player.picture().unwrap().pose();
     let near = |p: &Vec3| shown.iter().any(|q| p.distance(*q) < 5e-4);
     assert!(pose.iter().all(near), "{pose:?} {shown:?}");
@@ -78,7 +90,7 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
     player.seek(7.0).unwrap();
     assert_eq!(scan_of(&player), None);
     player.seek(21.0).unwrap();
-    assert_eq!(player.scan().map(|scan| scan.place), Some((19, 1)));
+    assert_eq!(stands(&player).map(|scan| scan.place), Some((19, 1)));
     // Between two frames the nearer one is shown.
     player.seek(10.25).unwrap();
     assert_eq!(scan_of(&player), Some(10));
@@ -87,7 +99,7 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
 }
 
 #[test]
-fn what_is_edited_driven_or_synthesised_is_shown_on_the_registered_mesh() {
+fn what_is_edited_or_driven_is_shown_on_the_registered_mesh_and_transitions_carry_both_ends() {
     let (mut player, _) = player();
     player.seek(5.0).unwrap();
     let pose = player.recorded_pose(5).unwrap();
@@ -98,7 +110,7 @@ fn what_is_edited_driven_or_synthesised_is_shown_on_the_registered_mesh() {
     // Through the transition: its nodes are made, all frames before and behind are scanned.
     player.seek(0.0).unwrap();
     player.go_to(30).unwrap();
-    let (mut made, mut scanned) = (0, 0);
+    let (mut made, mut scanned, mut lambda) = (0, 0, 0.0);
     while player.playing() {
         player.tick(1.0 / 100.0);
         let picture = player.picture().unwrap();
@@ -106,15 +118,31 @@ fn what_is_edited_driven_or_synthesised_is_shown_on_the_registered_mesh() {
         match nearer.kind {
             FrameKind::Recorded { frame } => {
                 scanned += 1;
-                assert_eq!(scan_of(&player), Some(frame));
+                assert_eq!((scan_of(&player), stands(&player).unwrap().share), (Some(frame), 1.0));
+                assert!(carried(&player).is_empty());
             }
             FrameKind::Synthetic { .. } => {
                 made += 1;
-                assert_eq!(scan_of(&player), None);
+                let [(from, less), (to, more)] = carried(&player)[..] else { panic!("{:?}", player.scan()) };
+                assert!((from, to) == (4, 26) && (less + more - 1.0).abs() < 1e-6 && more >= lambda);
+                lambda = more;
             }
         }
     }
-    assert!(made > 2 && scanned > 10, "{made} {scanned}");
+    assert!(made > 2 && scanned > 10 && lambda > 0.6, "{made} {scanned} {lambda}");
+    // Where an end was edited, the mesh is seen in its place.
+    player.seek(4.0).unwrap();
+    player.set_edited(26, Some(pose.clone())).unwrap();
+    player.go_to(30).unwrap();
+    while !player.nearer().unwrap().kind.is_synthetic() {
+        player.tick(1.0 / 100.0);
+    }
+    assert!(matches!(carried(&player)[..], [(4, share)] if share < 1.0), "{:?}", player.scan());
+    player.set_edited(26, None).unwrap();
+    player.cancel();
+    while player.playing() && player.nearer().unwrap().kind.is_synthetic() {
+        player.tick(1.0 / 100.0);
+    }
     // A clip's frames are none of the actor's own, whatever they look like.
     player.expect(3, kernels::align::Placement::IDENTITY, 1).unwrap();
     player.give(pose, [3, 3], 0.0, 0.0);
@@ -144,42 +172,71 @@ fn what_comes_next_is_fetched_first() {
     assert_eq!(player.seek(3.0), Ok::<(), PlayerError>(()));
 }
 
-#[test]
-fn a_scan_gives_way_little_by_little() {
-    let (mut player, _) = player();
-    player.seek(14.0).unwrap();
-    player.go_to(30).unwrap();
-    player.play();
-    let (mut before, mut least, mut made) = (1.0, 1.0_f32, 0);
+/// All shares while the player plays, a twentieth of a frame's time after the other: of what stands, and of what is carried.
+fn shares(player: &mut Player) -> Vec<[f32; 2]> {
     let mut shares = Vec::new();
     for _ in 0..2000 {
         if !player.playing() {
             break;
         }
-        let share = player.scan().map_or(0.0, |scan| scan.share);
-        made += u32::from(player.scan().is_none());
-        shares.push(share);
-        // A twentieth of a frame's time.
+        let all: f32 = carried(player).iter().map(|(_, share)| share).sum();
+        shares.push([stands(player).map_or(0.0, |scan| scan.share), all]);
         player.tick(1.0 / 25.0 / 20.0);
         let _ = player.take_events();
-        least = least.min(share);
-        assert!((share - before).abs() < 0.02, "{before} and then {share}");
-        before = share;
     }
-    assert!(least == 0.0 && made > 20, "{shares:?}");
-    assert!(shares.contains(&1.0), "{shares:?}");
+    shares
+}
+
+#[test]
+fn a_scan_gives_way_little_by_little() {
+    let (mut player, _) = player();
+    // Frame 7 was lost: the mesh comes before it and goes after it.
+    player.seek(0.0).unwrap();
+    player.play();
+    let mut seen = Vec::new();
+    while player.nearer().unwrap().kind.frame() < 14 {
+        seen.push(stands(&player).map_or(0.0, |scan| scan.share));
+        player.tick(1.0 / 25.0 / 20.0);
+    }
+    assert!(seen.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.02), "{seen:?}");
+    assert!(seen.contains(&0.0) && seen.contains(&1.0), "{seen:?}");
     // Where it stands nothing is mixed, nor where it was set down.
     player.pause();
     player.seek(6.0).unwrap();
-    assert_eq!(player.scan().map(|scan| scan.share), Some(1.0));
+    assert_eq!(stands(&player).map(|scan| scan.share), Some(1.0));
     player.play();
-    assert!(player.scan().unwrap().share < 0.2);
+    assert!(stands(&player).unwrap().share < 0.2);
+}
+
+#[test]
+fn transitions_carry_scans_so_that_nothing_has_to_give_way() {
+    let (mut player, _) = player();
+    // On the way back from 14 to the transition at 4 lies the lost frame; from 0 there is none.
+    player.seek(0.0).unwrap();
+    player.go_to(30).unwrap();
+    let seen = shares(&mut player);
+    assert!(seen.iter().all(|&[stands, carried]| (stands + carried - 1.0).abs() < 1e-5), "{seen:?}");
+    assert!(seen.iter().filter(|[stands, _]| *stands == 0.0).count() > 10, "{seen:?}");
+}
+
+#[test]
+fn nothing_pops_where_nobody_foresaw_the_transition() {
+    let (mut player, _) = player();
+    player.seek(0.0).unwrap();
+    player.play();
+    while player.nearer().unwrap().kind.frame() < 4 {
+        player.tick(1.0 / 100.0);
+    }
+    // It leaves with the very next frame.
+    player.go_to(30).unwrap();
+    let seen = shares(&mut player);
+    assert!(seen.iter().all(|&[stands, carried]| (stands + carried - 1.0).abs() < 1e-5), "{seen:?}");
 }
 
 #[test]
 fn other_actors_have_none() {
     let (capture, graph) = capture(&[(20, false)], &[]);
     let player = Player::of_capture(capture, graph);
-    assert!(player.scans().is_none() && player.scan().is_none() && player.scans_ahead().is_empty());
+    assert!(player.scans().is_none() && player.scan() == [None; 2] && player.scans_ahead().is_empty());
     assert_eq!(player.scan_section(0), None);
 }

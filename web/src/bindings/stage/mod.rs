@@ -51,6 +51,8 @@ pub struct Stage {
     template: bool,
     /// How much of scanned frames is seen, for comparison, in place of what the player says.
     scan_share: Option<f32>,
+    /// Whether the registered mesh carries scanned frames also where they stand, for comparison.
+    scan_carried: bool,
     /// Whether more of a scan is to be seen as time goes on.
     rising: bool,
     /// Images of a group of scanned frames that is to be taken.
@@ -69,8 +71,8 @@ struct Adapter<'a> {
 struct Drawn {
     numbers: [u64; 2],
     weight: f32,
-    /// How much of it was a scan.
-    share: f32,
+    /// How much of it was each of two scans.
+    share: [f32; 2],
 }
 
 /// How fast a scan comes that comes late: how much of it in a second.
@@ -131,12 +133,18 @@ impl Stage {
         let Some(picture) = player.inner.picture() else { return false };
         let numbers = [picture.before.number, picture.after.number];
         let weight = picture.weight as f32;
-        let scan = player.inner.scan().filter(|scan| !self.template && self.scene.scans.holds(scan.place.0));
         let goes_on = self.drawn.is_some_and(|drawn| drawn.numbers.contains(&numbers[0]));
         // A scan that comes late comes little by little, where nobody jumped to it.
-        let most = if goes_on && !self.camera.instant { self.scene.scans.share() + seconds * SCAN_RATE } else { 1.0 };
-        let share = scan.map_or(0.0, |scan| self.scan_share.unwrap_or(scan.share.min(most)));
-        self.rising = scan.is_some_and(|scan| share < scan.share && self.scan_share.is_none());
+        let step = if goes_on && !self.camera.instant { seconds * SCAN_RATE } else { 1.0 };
+        self.rising = false;
+        let scans = player.inner.scan().map(|scan| {
+            let scan = scan.filter(|scan| !self.template && self.scene.scans.holds(scan.place.0))?;
+            let risen = self.scene.scans.rise(scan.place.0, step);
+            self.rising |= risen < 1.0;
+            let stands = scan.stands.filter(|_| !self.scan_carried);
+            Some(Wanted { place: scan.place, stands, share: self.scan_share.unwrap_or(scan.share * risen) })
+        });
+        let share = scans.map(|scan| scan.map_or(0.0, |scan| scan.share));
         let drawn = Drawn { numbers, weight, share };
         if self.drawn != Some(drawn) {
             self.drawn = Some(drawn);
@@ -150,12 +158,7 @@ impl Stage {
                 weight,
                 synthetic: picture.synthetic(),
                 ground: picture.ground(),
-                scan: scan.map(|scan| Wanted {
-                    place: scan.place,
-                    number: scan.number,
-                    placement: scan.placement,
-                    share,
-                }),
+                scans,
             });
             self.scene.show_trail(player.inner.trail(), player.inner.played());
         }
@@ -180,7 +183,7 @@ impl Stage {
         }
     }
 
-    /// Sets what `json` names of theme, tint, parts, grid, path, reduced_motion, scan_share (0 to 1, for tests, or null) and background (sRGB, 0 to 1, or null).
+    /// Sets what `json` names of theme, tint, parts, grid, path, reduced_motion, scan_share (0 to 1, for tests, or null), scan_carried (for tests) and background (sRGB, 0 to 1, or null).
     ///
     /// # Errors
     /// It is no JSON object.
@@ -203,8 +206,13 @@ impl Stage {
         if let Some(share) = given("scan_share") {
             self.scan_share = share.as_f64().map(|share| share as f32);
         }
-        let switches =
-            [("tint", &mut look.tint), ("parts", &mut look.parts), ("grid", &mut look.grid), ("path", &mut look.path)];
+        let switches = [
+            ("scan_carried", &mut self.scan_carried),
+            ("tint", &mut look.tint),
+            ("parts", &mut look.parts),
+            ("grid", &mut look.grid),
+            ("path", &mut look.path),
+        ];
         for (name, switch) in switches.into_iter().chain([("reduced_motion", &mut self.camera.instant)]) {
             if let Some(on) = given(name) {
                 *switch = on.is_truthy();

@@ -48,6 +48,7 @@ pub fn create_stage(canvas: HtmlCanvasElement, player: &Player) -> Result<Promis
             original: false,
             template: false,
             scan_share: None,
+            scan_carried: false,
             rising: false,
             scan_images: Vec::new(),
             textures: Default::default(),

@@ -25,7 +25,8 @@ impl Stage {
         self.scan_images.extend(texture);
     }
 
-    /// Takes group `ordinal` with the images that were added, as the module hands it over that has read it; whether that could be done.
+    /// Takes group `ordinal` with the images that were added, as the module hands it over that has read it, `carried` by the registered
+    /// mesh (24 bytes a vertex, one frame after the other); whether that could be done.
     /// Those that are not wanted any more go.
     pub fn take_scan(
         &mut self,
@@ -34,22 +35,31 @@ impl Stage {
         corners: &[u8],
         triangles: &[u32],
         poses: &[f32],
+        carried: &[u8],
     ) -> bool {
         let textures = std::mem::take(&mut self.scan_images);
         let head = player.inner.scans().and_then(|index| index.groups.get(ordinal as usize));
-        let scan = head.and_then(|head| Scan::new(head, corners, triangles, poses));
+        let scan = head.and_then(|head| Scan::new(head, corners, triangles, poses, carried));
         let Some(scan) = scan.filter(|scan| scan.worn.iter().all(|&image| (image as usize) < textures.len())) else {
             return false;
         };
         let (scene, wanted) = (&mut self.scene, player.inner.scans_ahead());
-        scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, scan), textures, &wanted);
+        // What is shown without it gives way little by little.
+        let late = player.inner.scan().into_iter().flatten().any(|scan| scan.place.0 == ordinal);
+        scene.scans.take(&scene.gpu, &scene.mesh, (ordinal, scan), textures, (&wanted, late));
         self.due = true;
         true
     }
 
-    /// How much of the last picture's actor was a frame as it was scanned, from 0 to 1; the rest was the registered mesh.
+    /// How much of the last picture's actor came from scanned frames, from 0 to 1; the rest was the registered mesh.
     #[must_use]
     pub fn scan_shown(&self) -> f32 {
         self.scene.scans.share()
+    }
+
+    /// Whether the registered mesh carried what came from scanned frames in the last picture.
+    #[must_use]
+    pub fn scan_carried(&self) -> bool {
+        self.scene.scans.is_carried()
     }
 }
