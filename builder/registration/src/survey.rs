@@ -222,6 +222,20 @@ impl Survey {
         wanted.unwrap_or_else(|| choose_root(&self.candidates, &self.dissimilarity))
     }
 
+    /// The same of some of the frames alone, which `which` numbers in order; what was said of single frames is left out.
+    #[must_use]
+    pub fn only(&self, which: &[usize]) -> Self {
+        Self {
+            frames: which.iter().map(|&k| self.frames[k]).collect(),
+            candidates: which.iter().map(|&k| self.candidates[k]).collect(),
+            dissimilarity: self.dissimilarity.only(which),
+            lost: Vec::new(),
+            turned: Vec::new(),
+            littered: Vec::new(),
+            groups: which.iter().map(|&k| self.groups[k]).collect(),
+        }
+    }
+
     /// The order in which frames are tracked.
     #[must_use]
     pub fn tree(&self, wanted: Option<usize>) -> Tree {

@@ -25,6 +25,8 @@ use super::work;
 /// Reads, computes, writes, and says what came out.
 pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure> {
     let options = options(arguments)?;
+    #[cfg(feature = "complete")]
+    let options = PackOptions { others: Some(arguments.output.with_extension("")), ..options };
     pack_into(&arguments.output, (&arguments.inputs, &options), &arguments.work, arguments.json, terminal)?;
     Ok(())
 }
