@@ -4,6 +4,8 @@
 //! Which of both is brought onto frames of the other matters: a template in which an arm is fused to the body covers no raised
 //! arm, but one with a raised arm covers a body that hides it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::Vec3;
 use job::Job;
 use rayon::prelude::*;
@@ -59,8 +61,8 @@ where
         state.iter().map(|state| Known { tracked: state.pose.is_some(), ..Known::default() }).collect();
     let root = survey.frames.iter().position(|&frame| frame == group.root).unwrap_or(0);
     let ways = Ways::new(survey, (root, &[]), |frame| source.sequence(frame));
-    for k in nearest(survey, main, group, &ways) {
-        job.tell("joining templates", 0, 0)?;
+    for (tried, k) in nearest(survey, main, group, &ways).into_iter().enumerate() {
+        job.tell("joining templates", tried as u64, BRIDGES as u64)?;
         let Some(target) = registrar.target(k)? else { continue };
         let parents = ways.nearest(k, &known);
         let tries = parents.len();
@@ -118,8 +120,9 @@ where
     let mut state = states(survey, group);
     state[from].pose = Some(here.to_vec());
     let map = Carried::new((&group.template, here), (&carrier.template, there));
+    let done = AtomicU64::new(0);
     let one = |&frame: &usize| -> Result<Option<Tried>, S::Error> {
-        job.tell("joining templates", 0, 0)?;
+        job.tell("carrying templates", done.fetch_add(1, Ordering::Relaxed), frames.len() as u64)?;
         let Some((k, others)) = number(frame).zip(carrier.registered.poses.get(&frame)) else { return Ok(None) };
         let (Some(near), Some(target)) = (map.pose(others), registrar.target(k)?) else { return Ok(None) };
         let Some(start) = registrar.start(k, from, 0.0, &state, &target) else { return Ok(None) };

@@ -39,4 +39,5 @@ pub mod transport;
 pub mod tree;
 pub mod unite;
 mod ways;
+pub mod windows;
 pub mod written;

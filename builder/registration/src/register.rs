@@ -8,7 +8,7 @@ use job::Job;
 
 use super::detail::DetailError;
 use super::registrar::{Registrar, State};
-pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template};
+pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template, windowed};
 use super::template::Template;
 pub use super::tracked::{Emit, Found, Registered, Tracked};
 use super::tree::Tree;

@@ -65,7 +65,7 @@ pub(crate) struct Registrar<'a, S: Source> {
     neighbours: Vec<Vec<u32>>,
     detail: Detail,
     options: &'a RegisterOptions,
-    job: &'a Job<'a>,
+    pub job: &'a Job<'a>,
     emit: Emit<'a, S>,
 }
 
@@ -205,8 +205,13 @@ where
     /// The pose of `parent`, where frame `k` is, turned by `turn` radians more than the likeness of both says.
     pub fn start(&self, k: usize, parent: usize, turn: f32, state: &[State], target: &Target) -> Option<Vec<Vec3>> {
         let from = state[parent].pose.as_ref()?;
+        Some(self.start_of((parent, from), k, turn, target))
+    }
+
+    /// The same of a pose that is known.
+    pub fn start_of(&self, (parent, pose): (usize, &[Vec3]), k: usize, turn: f32, target: &Target) -> Vec<Vec3> {
         let turn = turn + self.survey.dissimilarity.turn(parent, k);
-        Some(moved(self.template, from, &target.surface, turn))
+        moved(self.template, pose, &target.surface, turn)
     }
 
     /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.

@@ -1,6 +1,7 @@
 //! Frames that were tracked before anyone was there to write them.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use job::Job;
 use rayon::prelude::*;
@@ -27,8 +28,10 @@ where
     S::Error: From<DetailError>,
 {
     let detail = Detail::new(&group.template.surface, group.template.scale)?;
+    let total = group.registered.tracked.iter().filter(|tracked| wanted(tracked.frame)).count() as u64;
+    let done = AtomicU64::new(0);
     let one = |tracked: &&Tracked| -> Result<(), S::Error> {
-        job.tell("writing frames", 0, 0)?;
+        job.tell("writing frames", done.fetch_add(1, Ordering::Relaxed), total)?;
         let (mut scan, extra) = source.read(tracked.frame)?;
         let (Some((cleaned, _)), Some(pose)) = (cleaned(&mut scan), group.registered.poses.get(&tracked.frame)) else {
             return Ok(());

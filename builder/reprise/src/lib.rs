@@ -86,6 +86,8 @@ mod scan_truth;
 #[cfg(feature = "scans")]
 mod scan_warnings;
 #[cfg(feature = "scans")]
+pub mod scan_windows;
+#[cfg(feature = "scans")]
 mod scan_writer;
 #[cfg(feature = "scans")]
 pub mod scans;
