@@ -38,7 +38,7 @@ where
         };
         let Cleaned { surface, uvs, .. } = cleaned;
         let target = Target::new(surface, group.template.scale);
-        let pose = if options.detail > 0.0 && tracked.parent.is_some() {
+        let pose = if options.detail > 0.0 && tracked.frame != group.root {
             detail.add(&group.template.surface, pose, &target, options.detail)?
         } else {
             pose.clone()
