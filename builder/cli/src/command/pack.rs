@@ -25,8 +25,6 @@ use super::work;
 /// Reads, computes, writes, and says what came out.
 pub fn run(arguments: &PackArguments, terminal: &Terminal) -> Result<(), Failure> {
     let options = options(arguments)?;
-    #[cfg(feature = "complete")]
-    let options = PackOptions { others: Some(arguments.output.with_extension("")), ..options };
     pack_into(&arguments.output, (&arguments.inputs, &options), &arguments.work, arguments.json, terminal)?;
     Ok(())
 }
@@ -126,6 +124,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
             Mode::Global => ScanMode::Global,
             Mode::Windows => ScanMode::Windows,
         };
+        options.others = Some(arguments.output.with_extension(""));
     }
     if let Some(file) = &arguments.rig {
         options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);
