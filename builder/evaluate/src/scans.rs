@@ -4,7 +4,7 @@ use capture_io::import::{ImportError, ImportOptions, ScannedFrame, scans};
 use geometry::kd::KdTree;
 use glam::Vec3;
 use image::{ImageError, Rgba, RgbaImage};
-use reprise::scans::{FrameReport, RegisterReport};
+use reprise::scans::{FrameReport, OtherReport, RegisterReport};
 use thiserror::Error;
 
 use crate::clay::{Camera, draw, png};
@@ -122,7 +122,46 @@ fn frames(report: &RegisterReport) -> SectionReport {
         ),
     ];
     section.tables = if report.lost.is_empty() { vec![table] } else { vec![lost, table] };
+    section.tables.extend(joined(report));
+    section.tables.extend((!report.others.is_empty()).then(|| others(report)));
     section
+}
+
+/// Frames that were brought onto the mesh through another template; none where there are none.
+fn joined(report: &RegisterReport) -> Option<Table> {
+    let caption = "Frames that were brought onto the mesh through another template, which they were tracked with";
+    let mut table = Table::new("joined", caption, &["frame", "through the mesh of frame", "carried from frame"]);
+    let row = |frame: &FrameReport| {
+        let (through, parent) = (frame.through?, frame.parent?);
+        Some([frame.frame, through, parent].map(|number| Cell::Count(number as u64)).to_vec())
+    };
+    table.rows = report.registered.iter().filter_map(row).collect();
+    (!table.rows.is_empty()).then_some(table)
+}
+
+/// Frames that have a mesh of their own.
+fn others(report: &RegisterReport) -> Table {
+    let columns = ["template", "vertices", "frames", "first", "last", "most uncovered %", "written as"];
+    let mut table =
+        Table::new("others", "Frames that have a mesh of their own, and are no part of the capture", &columns);
+    let count = |number: usize| Cell::Count(number as u64);
+    let row = |other: &OtherReport| {
+        let frames = &other.registered;
+        let number = |frame: Option<&FrameReport>| frame.map_or(Cell::Empty, |frame| count(frame.frame));
+        let most = frames.iter().map(|frame| frame.uncovered).fold(0.0, f64::max);
+        let folder = other.manifest.as_ref().and_then(|manifest| manifest.parent());
+        vec![
+            count(other.template),
+            count(other.vertices),
+            count(frames.len()),
+            number(frames.first()),
+            number(frames.last()),
+            Cell::Number(100.0 * most, 2),
+            folder.map_or(Cell::Empty, |folder| folder.display().to_string().into()),
+        ]
+    };
+    table.rows = report.others.iter().map(row).collect();
+    table
 }
 
 fn order(report: &RegisterReport) -> Result<SectionReport, ImageError> {

@@ -68,6 +68,15 @@ impl Dissimilarity {
         Self::of_pairs(frames, |s, t| (of(s, t), 0.0))
     }
 
+    /// Of some of the frames alone, in the order in which `frames` names them.
+    #[must_use]
+    pub fn only(&self, frames: &[usize]) -> Self {
+        let of = |values: &[f32]| {
+            frames.iter().flat_map(|s| frames.iter().map(move |t| values[s * self.frames + t])).collect()
+        };
+        Self { frames: frames.len(), values: of(&self.values), turns: of(&self.turns) }
+    }
+
     /// Frames.
     #[must_use]
     pub fn frames(&self) -> usize {

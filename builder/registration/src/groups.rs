@@ -150,7 +150,7 @@ fn places_of_uvs(scan: &Scan, tolerance: f32) -> HashMap<u64, Option<Vec3>> {
 }
 
 /// `places` with the few that are missing between their neighbours; `None` where there are more.
-fn complete(mut places: Vec<Option<Vec3>>, neighbours: &[Vec<u32>]) -> Option<Vec<Vec3>> {
+pub(crate) fn complete(mut places: Vec<Option<Vec3>>, neighbours: &[Vec<u32>]) -> Option<Vec<Vec3>> {
     let missed = places.iter().filter(|place| place.is_none()).count();
     if missed as f32 > MOST_MISSED * places.len() as f32 {
         return None;
@@ -170,12 +170,12 @@ fn complete(mut places: Vec<Option<Vec3>>, neighbours: &[Vec<u32>]) -> Option<Ve
     places.into_iter().collect()
 }
 
-fn at([a, b, c]: [Vec3; 3], weights: Vec3) -> Vec3 {
+pub(crate) fn at([a, b, c]: [Vec3; 3], weights: Vec3) -> Vec3 {
     a * weights.x + b * weights.y + c * weights.z
 }
 
 /// The frame of a triangle: its first edge, what is across it, and its normal.
-fn frame_of([a, b, c]: [Vec3; 3]) -> Option<Mat3> {
+pub(crate) fn frame_of([a, b, c]: [Vec3; 3]) -> Option<Mat3> {
     let along = (b - a).try_normalize()?;
     let normal = along.cross(c - a).try_normalize()?;
     Some(Mat3::from_cols(along, normal.cross(along), normal))

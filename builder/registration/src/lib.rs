@@ -13,7 +13,9 @@
 //! measured by the square root of their area ([`template::Template::scale`]).
 
 pub mod candidates;
+mod carried;
 pub mod checks;
+pub mod cut;
 pub mod descriptor;
 pub mod detail;
 pub mod dissimilarity;
@@ -22,14 +24,20 @@ pub mod far;
 pub mod graph;
 pub mod groups;
 pub mod headings;
+mod join;
 pub mod projection;
 pub mod register;
+mod registrar;
 pub mod scan;
 pub mod slip;
 pub mod surface;
 mod survey;
 pub mod template;
 pub mod track;
+mod tracked;
 pub mod transport;
 pub mod tree;
+pub mod unite;
 mod ways;
+pub mod windows;
+pub mod written;

@@ -1,82 +1,18 @@
 //! All frames of a scan, tracked along the tree: frames whose parents are tracked go side by side; what fails is tried again
 //! from others, and what fails then is lost, with the reason.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicU64;
 
-use glam::{Quat, Vec3};
 use job::Job;
-use job::work::Key;
-use rayon::prelude::*;
 
-use super::checks::{Fault, Fit, fit};
-use super::detail::{Detail, DetailError};
-use super::far::Manner;
-use super::groups::Anchors;
-use super::headings::headings;
-use super::scan::{Cleaned, Scan};
-use super::slip::{SLIPS, roundness, slipped};
-use super::surface::Surface;
-pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template};
+use super::detail::DetailError;
+use super::registrar::{Registrar, State};
+pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template, windowed};
 use super::template::Template;
-use super::track::Target;
+pub use super::tracked::{Emit, Found, Registered, Tracked};
 use super::tree::Tree;
 use super::ways::{Known, Way, Ways};
-
-/// Headings that a far frame is tried with, radians from the one by which it is most alike: a leg that is raised turns that.
-const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
-/// Of the poses that came near so many are refined, and of those so many once more.
-const REFINED: usize = 10;
-const AGAIN: usize = 4;
-/// So often what is round is turned.
-const MOST_SLIPS: usize = 4;
-/// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
-const MOST_FOLLOWED_STRETCH: f64 = 2.0;
-/// Changes whenever tracking finds something else in the same input.
-const VERSION: u32 = 2;
-
-/// A frame that was tracked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tracked {
-    /// The frame.
-    pub frame: usize,
-    /// The frame that it was tracked from; none for the template's own.
-    pub parent: Option<usize>,
-    /// How the template lies on it, without detail.
-    pub fit: Fit,
-    /// From how many frames it was tried.
-    pub tries: usize,
-    /// Whether it followed its parent, of which every point is known, instead of being tracked.
-    pub followed: bool,
-}
-
-/// A frame just tracked, for whoever writes it.
-#[derive(Debug)]
-pub struct Found<'a, X> {
-    /// The template.
-    pub template: &'a Template,
-    /// What was found.
-    pub tracked: &'a Tracked,
-    /// The template's pose on the frame, with detail.
-    pub pose: &'a [Vec3],
-    /// The frame's surface, ready for closest points.
-    pub target: &'a Target,
-    /// Texture coordinates of the corners of its triangles; empty where there are none.
-    pub uvs: &'a [[glam::Vec2; 3]],
-    /// What else it holds.
-    pub extra: X,
-}
-
-/// Who is given every frame that is tracked, from many threads at once.
-pub type Emit<'a, S> = &'a (dyn Fn(Found<'_, <S as Source>::Extra>) -> Result<(), <S as Source>::Error> + Sync);
-
-/// What became of all frames.
-#[derive(Clone, Debug)]
-pub struct Registered {
-    /// The frames that were tracked, in order.
-    pub tracked: Vec<Tracked>,
-    /// The frames that were lost, in order, and why.
-    pub lost: Vec<(usize, Lost)>,
-}
 
 /// Tracks `template` through all frames of `survey` along `tree`. `emit` is given every frame that is tracked, from many threads
 /// at once, a parent always before its children.
@@ -95,10 +31,8 @@ pub fn register<S: Source>(
 where
     S::Error: From<DetailError>,
 {
-    let detail = Detail::new(&template.surface, template.scale)?;
-    let neighbours = template.surface.mesh.neighbours();
     let count = survey.frames.len();
-    let registrar = Registrar { source, survey, template, neighbours, detail, options, job, emit };
+    let registrar = Registrar::new((source, survey), template, options, job, emit)?;
     let ways = Ways::new(survey, (tree.root, &tree.parents), |frame| source.sequence(frame));
     let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
     let mut known = vec![Known::default(); count];
@@ -115,8 +49,9 @@ where
         open = ways.next(&known);
     }
     let mut lost = survey.lost.clone();
-    let mut tracked = Vec::new();
+    let (mut tracked, mut poses) = (Vec::new(), BTreeMap::new());
     for (k, state) in state.into_iter().enumerate() {
+        poses.extend(state.pose.map(|pose| (survey.frames[k], pose)));
         match (state.tracked, state.failed) {
             (Some(found), _) => tracked.push(found),
             (None, Some((fault, fit))) => lost.push((survey.frames[k], Lost::Untracked(fault, fit))),
@@ -124,305 +59,5 @@ where
         }
     }
     lost.sort_by_key(|&(frame, _)| frame);
-    Ok(Registered { tracked, lost })
-}
-
-/// What is known of a frame so far.
-#[derive(Clone, Debug, Default)]
-struct State {
-    /// The template's pose without detail, which children are tracked from.
-    pose: Option<Vec<Vec3>>,
-    /// The template on the frame, without detail and with it, for others of its group.
-    anchors: Option<[Anchors; 2]>,
-    tracked: Option<Tracked>,
-    failed: Option<(Fault, Fit)>,
-}
-
-/// A pose that was found.
-struct Tried {
-    parent: usize,
-    /// What it was held against.
-    start: Vec<Vec3>,
-    pose: Vec<Vec3>,
-    fit: Fit,
-}
-
-/// Where a far frame is tracked from: from which frame, whether by closest points alone, too, and the pose.
-type Start = (usize, bool, Vec<Vec3>);
-
-struct Registrar<'a, S: Source> {
-    source: &'a S,
-    survey: &'a Survey,
-    template: &'a Template,
-    /// Of the template's vertices.
-    neighbours: Vec<Vec<u32>>,
-    detail: Detail,
-    options: &'a RegisterOptions,
-    job: &'a Job<'a>,
-    emit: Emit<'a, S>,
-}
-
-enum Outcome {
-    Good(Box<Good>),
-    Bad(Fault, Fit),
-}
-
-/// A frame that was tracked, for those after it.
-struct Good {
-    pose: Vec<Vec3>,
-    anchors: Option<[Anchors; 2]>,
-    tracked: Tracked,
-}
-
-impl<S: Source> Registrar<'_, S>
-where
-    S::Error: From<DetailError>,
-{
-    /// Tracks frames side by side.
-    fn work(
-        &self,
-        open: &[(usize, Way)],
-        state: &mut [State],
-        known: &[Known],
-        done: &AtomicU64,
-    ) -> Result<(), S::Error> {
-        let total = self.survey.frames.len() as u64;
-        let before: &[State] = state;
-        let one = |(k, way): &(usize, Way)| -> Result<Outcome, S::Error> {
-            let found = self.frame(*k, way, before, known[*k].tried.len())?;
-            if matches!(found, Outcome::Good(..)) {
-                self.job.tell("registering", done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
-            } else {
-                self.job.tell("registering", done.load(Ordering::Relaxed), total)?;
-            }
-            Ok(found)
-        };
-        let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
-        for ((k, _), found) in open.iter().zip(found) {
-            let state = &mut state[*k];
-            match found? {
-                Outcome::Good(good) => {
-                    let Good { pose, anchors, tracked } = *good;
-                    (state.pose, state.anchors, state.tracked) = (Some(pose), anchors, Some(tracked));
-                }
-                // The first failure, along the tree, is the one to tell of.
-                Outcome::Bad(fault, fit) => {
-                    state.failed.get_or_insert((fault, fit));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn frame(&self, k: usize, way: &Way, state: &[State], tried: usize) -> Result<Outcome, S::Error> {
-        let frame = self.survey.frames[k];
-        let (mut scan, extra) = self.source.read(frame)?;
-        let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
-        let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
-        let Cleaned { surface, uvs, kept, .. } = cleaned;
-        let target = Target::new(surface, template.scale);
-        let followed = match way {
-            Way::Near(parent) => self.followed(&state[*parent], &scan, &target),
-            _ => None,
-        };
-        let is_followed = followed.is_some();
-        let found = if is_followed { None } else { self.found(k, way, state, &target) };
-        let (parent, pose, detailed, fit) = match (followed, found) {
-            (Some((pose, detailed, fit)), _) => (way.parents().first().copied(), pose, Some(detailed), fit),
-            (None, Some(tried)) => (Some(tried.parent), tried.pose, None, tried.fit),
-            (None, None) => {
-                let own = template.surface.mesh.positions.clone();
-                let fit = fit(template, &template.surface, &own, &target.surface);
-                (None, own.clone(), Some(own), fit)
-            }
-        };
-        let (limits, scale) = (&self.options.limits, template.scale);
-        let fault = if matches!(way, Way::Far(_)) { fit.far_fault(limits, scale) } else { fit.fault(limits, scale) };
-        if let Some(fault) = fault.filter(|_| parent.is_some()) {
-            return Ok(Outcome::Bad(fault, fit));
-        }
-        let detailed = match detailed {
-            Some(detailed) => detailed,
-            None if self.options.detail > 0.0 => {
-                self.detail.add(&template.surface, &pose, &target, self.options.detail)?
-            }
-            None => pose.clone(),
-        };
-        let anchors = if self.is_followed(k, parent) {
-            let [plain, detailed] = [&pose, &detailed].map(|pose| {
-                let posed = template.surface.posed(pose.clone());
-                Anchors::new((&scan, &kept), &posed, template.scale, |place, normal| target.closest(place, normal))
-            });
-            plain.zip(detailed).map(|(plain, detailed)| [plain, detailed])
-        } else {
-            None
-        };
-        let parent = parent.map(|parent| self.survey.frames[parent]);
-        let tracked = Tracked { frame, parent, fit, tries: tried + way.parents().len().max(1), followed: is_followed };
-        (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &uvs, extra })?;
-        Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
-    }
-
-    /// The parent, the pose that is found from it and how it fits.
-    fn found(&self, k: usize, way: &Way, state: &[State], target: &Target) -> Option<Tried> {
-        match way {
-            Way::Root => None,
-            Way::Near(parent) => {
-                let start = self.start(k, *parent, 0.0, state, target)?;
-                Some(self.tried(*parent, (&start, &start), target, Manner::Near))
-            }
-            Way::Far(parents) => self.found_far(k, parents, state, target),
-        }
-    }
-
-    /// The pose of `parent`, where frame `k` is, turned by `turn` radians more than the likeness of both says.
-    fn start(&self, k: usize, parent: usize, turn: f32, state: &[State], target: &Target) -> Option<Vec<Vec3>> {
-        let from = state[parent].pose.as_ref()?;
-        let turn = turn + self.survey.dissimilarity.turn(parent, k);
-        Some(moved(self.template, from, &target.surface, turn))
-    }
-
-    /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.
-    fn found_far(&self, k: usize, parents: &[usize], state: &[State], target: &Target) -> Option<Tried> {
-        let template = self.template;
-        let starts = parents.iter().flat_map(|&parent| TURNS.map(|turn| (parent, turn)));
-        let starts: Vec<Start> = starts
-            .filter_map(|(parent, turn)| Some((parent, turn == 0.0, self.start(k, parent, turn, state, target)?)))
-            .collect();
-        let found = self.best_of(&starts, target);
-        // What was found may be twisted, for not all of it started with the right heading.
-        let headed: Vec<Start> = found.iter().flat_map(|tried| self.headed(tried, target)).collect();
-        let again = self.best_of(&headed, target);
-        let found: Vec<Tried> = found.into_iter().chain(again).collect();
-        // Once more, held against what was found: what was far from the start may bend now.
-        let found: Vec<Tried> = found.par_iter().map(|tried| self.again(tried, target)).collect();
-        let (good, bad): (Vec<Tried>, Vec<Tried>) =
-            found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
-        let found = self.best(if good.is_empty() { bad } else { good }, 1).pop()?;
-        Some(self.unslipped(found, target))
-    }
-
-    /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
-    fn again(&self, tried: &Tried, target: &Target) -> Tried {
-        let again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
-        let stretch = again.fit.stretch.max(tried.fit.stretch);
-        Tried { start: tried.start.clone(), fit: Fit { stretch, ..again.fit }, ..again }
-    }
-
-    /// `found`, or what is better of it with all that is round turned, as often as that helps.
-    fn unslipped(&self, mut found: Tried, target: &Target) -> Tried {
-        let (template, axis) = (self.template, target.surface.centroid());
-        let limits = &self.options.limits;
-        for _ in 0..MOST_SLIPS {
-            let posed = template.surface.posed(found.pose.clone());
-            let shares = roundness(&posed, target, &self.neighbours, (axis, template.scale));
-            let turned = |turn: &f32| {
-                let pose = slipped(&found.pose, &shares, axis, *turn);
-                let tried = self.tried(found.parent, (&found.start, &pose), target, Manner::Coloured);
-                self.again(&tried, target)
-            };
-            let turned: Vec<Tried> = SLIPS.par_iter().map(turned).collect();
-            let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, template.scale).is_none());
-            let better = |tried: &Tried| tried.fit.badness(template.scale) < found.fit.badness(template.scale);
-            match self.best(sound.filter(better).collect(), 1).pop() {
-                Some(better) => found = better,
-                None => break,
-            }
-        }
-        found
-    }
-
-    /// The best of what is found from `starts`.
-    fn best_of(&self, starts: &[Start], target: &Target) -> Vec<Tried> {
-        let near = |(parent, plain, start): &Start| {
-            let plain = plain.then(|| self.tried(*parent, (start, start), target, Manner::Near));
-            [plain, Some(self.tried(*parent, (start, start), target, Manner::Approach))]
-        };
-        let found: Vec<[Option<Tried>; 2]> = starts.par_iter().map(near).collect();
-        let (plain, near): (Vec<_>, Vec<_>) = found.into_iter().map(|[plain, near]| (plain, near)).unzip();
-        let near = self.best(near.into_iter().flatten().collect(), REFINED);
-        let refined = |tried: &Tried| {
-            [Manner::Refine, Manner::Coloured]
-                .map(|manner| self.tried(tried.parent, (&tried.start, &tried.pose), target, manner))
-        };
-        let refined: Vec<[Tried; 2]> = near.par_iter().map(refined).collect();
-        self.best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN)
-    }
-
-    /// The start of `tried`, turned as parts of the body were.
-    fn headed(&self, tried: &Tried, target: &Target) -> Vec<Start> {
-        let (template, axis) = (self.template, target.surface.centroid());
-        let turns = headings((&tried.start, &tried.pose), &template.surface.areas, axis, template.scale);
-        let start = |turn: f32| {
-            let turn = Quat::from_rotation_y(turn);
-            (tried.parent, true, tried.start.iter().map(|&p| turn * (p - axis) + axis).collect())
-        };
-        turns.into_iter().map(start).collect()
-    }
-
-    /// The best `count` of what was found.
-    fn best(&self, mut found: Vec<Tried>, count: usize) -> Vec<Tried> {
-        let bad = |tried: &Tried| tried.fit.badness(self.template.scale);
-        found.sort_by(|a, b| bad(a).total_cmp(&bad(b)));
-        found.truncate(count);
-        found
-    }
-
-    /// What `manner` finds on `target` from the second pose, held against the first.
-    fn tried(&self, parent: usize, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Tried {
-        let pose = self.tracked((start, near), target, manner);
-        let posed = self.template.surface.posed(pose.clone());
-        let fit = fit(self.template, &posed, start, &target.surface);
-        Tried { parent, start: start.to_vec(), pose, fit }
-    }
-
-    /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
-    fn followed(&self, parent: &State, scan: &Scan, target: &Target) -> Option<(Vec<Vec3>, Vec<Vec3>, Fit)> {
-        let (from, [plain, detailed]) = (parent.pose.as_ref()?, parent.anchors.as_ref()?);
-        let (pose, detailed) = (plain.follow(scan, &self.neighbours)?, detailed.follow(scan, &self.neighbours)?);
-        let template = self.template;
-        let fit = fit(template, &template.surface.posed(pose.clone()), from, &target.surface);
-        let sound = fit.fault(&self.options.limits, template.scale).is_none() && fit.stretch < MOST_FOLLOWED_STRETCH;
-        sound.then_some((pose, detailed, fit))
-    }
-
-    /// Whether others of its group follow a frame: the first of it in the tree.
-    fn is_followed(&self, k: usize, parent: Option<usize>) -> bool {
-        let groups = &self.survey.groups;
-        let others = groups.iter().filter(|&&group| group == groups[k]).nth(1).is_some();
-        others && parent.is_none_or(|parent| groups[parent] != groups[k])
-    }
-
-    /// The pose tracked from `near` and held against `start`, or what the work folder holds of it.
-    fn tracked(&self, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Vec<Vec3> {
-        let find = || manner.track(self.template, (start, near), target, &self.options.track);
-        let Some(work) = self.job.work() else { return find() };
-        let bytes = |surface: &Surface| -> Vec<u8> {
-            let mesh = &surface.mesh;
-            let mut bytes = bytemuck::cast_slice(&mesh.positions).to_vec();
-            bytes.extend_from_slice(bytemuck::cast_slice(&mesh.triangles));
-            bytes.extend_from_slice(bytemuck::cast_slice(surface.colours.as_deref().unwrap_or_default()));
-            bytes
-        };
-        let key = Key::new("registered", VERSION)
-            .told(&(&self.options.track, manner))
-            .of(&bytes(&self.template.surface))
-            .of(&bytes(&target.surface))
-            .of(bytemuck::cast_slice(start))
-            .of(bytemuck::cast_slice(near));
-        if let Some(kept) = work.get(&key).filter(|kept| kept.len() == size_of_val(start)) {
-            return bytemuck::pod_collect_to_vec(&kept);
-        }
-        let pose = find();
-        // A result that cannot be kept is found again another time.
-        let _ = work.put(&key, bytemuck::cast_slice(&pose));
-        pose
-    }
-}
-
-/// `pose` turned about +Y and moved so that its centroid is that of `target`.
-fn moved(template: &Template, pose: &[Vec3], target: &Surface, turn: f32) -> Vec<Vec3> {
-    let mesh = geometry::mesh::Mesh { positions: pose.to_vec(), triangles: template.surface.mesh.triangles.clone() };
-    let (from, to, turn) = (Surface::new(mesh, None).centroid(), target.centroid(), Quat::from_rotation_y(turn));
-    pose.iter().map(|&p| turn * (p - from) + to).collect()
+    Ok(Registered { tracked, lost, poses })
 }

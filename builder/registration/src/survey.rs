@@ -164,9 +164,7 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
     };
     let seen: Vec<Result<Option<Look>, S::Error>> = (0..count).into_par_iter().map(look).collect();
     let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
-    let mut areas: Vec<f32> = seen.iter().flatten().map(|(candidate, ..)| candidate.area).collect();
-    areas.sort_by(f32::total_cmp);
-    let usual = areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12);
+    let usual = usual(seen.iter().flatten().map(|(candidate, ..)| candidate.area));
     let (mut frames, mut candidates, mut lost) = (Vec::new(), Vec::new(), Vec::new());
     let (mut turned, mut littered, mut marks) = (Vec::new(), Vec::new(), Vec::new());
     for (frame, seen) in seen.into_iter().enumerate() {
@@ -184,21 +182,54 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
             }
         }
     }
-    let scale = (usual / 2.2).sqrt();
-    let done = AtomicU64::new(lost.len() as u64);
+    let descriptors = described(source, &frames, &candidates, options, job)?;
+    job.begin("comparing scans")?;
+    let dissimilarity = Dissimilarity::new(&descriptors);
+    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, groups: groups(&marks) })
+}
+
+/// What `frames` of `source` are like; their areas, of `candidates`, say how large the body is.
+fn described<S: Source>(
+    source: &S,
+    frames: &[usize],
+    candidates: &[Candidate],
+    options: &RegisterOptions,
+    job: &Job,
+) -> Result<Vec<Descriptor>, S::Error> {
+    let scale = (usual(candidates.iter().map(|candidate| candidate.area)) / 2.2).sqrt();
+    let (done, total) = (AtomicU64::new(0), frames.len() as u64);
     let describe = |&frame: &usize| -> Result<Option<Descriptor>, S::Error> {
         let mut scan = source.shape(frame)?;
         let found = cleaned(&mut scan);
         let found = found.map(|(cleaned, _)| Descriptor::new(&cleaned.surface, scale, &options.descriptor));
-        looked_at("describing scans", &done)?;
+        job.tell("describing scans", done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
         Ok(found)
     };
-    let described: Vec<Result<Option<Descriptor>, S::Error>> = frames.par_iter().map(describe).collect();
-    let described: Vec<Option<Descriptor>> = described.into_iter().collect::<Result<_, _>>()?;
-    let descriptors: Vec<Descriptor> = described.into_iter().flatten().collect();
-    job.begin("comparing scans")?;
-    let dissimilarity = Dissimilarity::new(&descriptors);
-    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, groups: groups(&marks) })
+    let found: Vec<Result<Option<Descriptor>, S::Error>> = frames.par_iter().map(describe).collect();
+    Ok(found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+/// The middle one of areas.
+fn usual(areas: impl Iterator<Item = f32>) -> f32 {
+    let mut areas: Vec<f32> = areas.collect();
+    areas.sort_by(f32::total_cmp);
+    areas.get(areas.len() / 2).copied().unwrap_or(1.0).max(1e-12)
+}
+
+/// How unlike windows of `reach` frames to both sides about all frames of `survey` are.
+///
+/// # Errors
+/// What `source` says, or being told to stop.
+pub fn windowed<S: Source>(
+    source: &S,
+    survey: &Survey,
+    reach: usize,
+    options: &RegisterOptions,
+    job: &Job,
+) -> Result<Dissimilarity, S::Error> {
+    let descriptors = described(source, &survey.frames, &survey.candidates, options, job)?;
+    let sequences: Vec<usize> = survey.frames.iter().map(|&frame| source.sequence(frame)).collect();
+    Ok(Dissimilarity::windowed(&descriptors, &sequences, reach))
 }
 
 /// Handles by the Euler number, rounded up; what is open counts as handles, too.
@@ -220,6 +251,20 @@ impl Survey {
     pub fn root(&self, wanted: Option<usize>) -> usize {
         let wanted = wanted.and_then(|wanted| self.frames.iter().position(|&frame| frame == wanted));
         wanted.unwrap_or_else(|| choose_root(&self.candidates, &self.dissimilarity))
+    }
+
+    /// The same of some of the frames alone, which `which` numbers in order; what was said of single frames is left out.
+    #[must_use]
+    pub fn only(&self, which: &[usize]) -> Self {
+        Self {
+            frames: which.iter().map(|&k| self.frames[k]).collect(),
+            candidates: which.iter().map(|&k| self.candidates[k]).collect(),
+            dissimilarity: self.dissimilarity.only(which),
+            lost: Vec::new(),
+            turned: Vec::new(),
+            littered: Vec::new(),
+            groups: which.iter().map(|&k| self.groups[k]).collect(),
+        }
     }
 
     /// The order in which frames are tracked.

@@ -131,7 +131,7 @@ impl<'a> Ways<'a> {
 
     /// Tracked frames that are most alike to `k`, and not too much to each other; the template is one of them, for from there
     /// nothing has drifted yet.
-    fn nearest(&self, k: usize, known: &[Known]) -> Vec<usize> {
+    pub fn nearest(&self, k: usize, known: &[Known]) -> Vec<usize> {
         let mut tracked: Vec<usize> = (0..known.len()).filter(|&p| known[p].tracked).collect();
         tracked.sort_by(|&a, &b| self.unlike(k, a).total_cmp(&self.unlike(k, b)).then(a.cmp(&b)));
         let mut apart: Vec<usize> = Vec::new();
@@ -147,13 +147,13 @@ impl<'a> Ways<'a> {
     }
 
     /// Whether frames follow each other in a sequence.
-    fn follow(&self, a: usize, b: usize) -> bool {
+    pub fn follow(&self, a: usize, b: usize) -> bool {
         let frames = &self.survey.frames;
         a.max(b) < frames.len() && frames[a].abs_diff(frames[b]) == 1 && self.sequences[a] == self.sequences[b]
     }
 
     /// Whether frames are near in one sequence.
-    fn near_in_time(&self, a: usize, b: usize) -> bool {
+    pub fn near_in_time(&self, a: usize, b: usize) -> bool {
         let frames = &self.survey.frames;
         frames[a].abs_diff(frames[b]) < APART && self.sequences[a] == self.sequences[b]
     }

@@ -76,9 +76,19 @@ pub mod rigged;
 #[cfg(feature = "scans")]
 pub mod scan_headings;
 #[cfg(feature = "scans")]
+mod scan_others;
+#[cfg(feature = "scans")]
 mod scan_report;
 #[cfg(feature = "scans")]
+mod scan_source;
+#[cfg(feature = "scans")]
 mod scan_truth;
+#[cfg(feature = "scans")]
+mod scan_warnings;
+#[cfg(feature = "scans")]
+pub mod scan_windows;
+#[cfg(feature = "scans")]
+mod scan_writer;
 #[cfg(feature = "scans")]
 pub mod scans;
 #[cfg(feature = "variations")]

@@ -50,7 +50,7 @@ pub fn look(inputs: &[String], options: &ScanOptions, job: &Job) -> Result<ScanL
     check_lost(&scans, &survey.lost, 0, root)?;
     let meshes = survey.groups.iter().max().map_or(0, |last| last + 1);
     warnings.insert(0, registered_first(meshes, scans.frame_count(), root));
-    warnings.extend(told_of_frames(&scans, &survey, &tree, &survey.lost));
+    warnings.extend(told_of_frames(&scans, &survey, root, &survey.lost));
     Ok(ScanLook {
         name: scans.name.clone(),
         fps: scans.fps,

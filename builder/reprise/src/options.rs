@@ -1,5 +1,8 @@
 //! What packing can be told, and why there may be no bundle.
 
+#[cfg(feature = "scans")]
+use std::path::PathBuf;
+
 use appearance::{AppearanceError, AppearanceOptions};
 use bundle::EncodeError;
 use capture_io::import::{ImportError, ImportOptions};
@@ -41,6 +44,9 @@ pub struct PackOptions {
     /// What the page shows of a scan.
     #[cfg(feature = "scans")]
     pub mode: ScanMode,
+    /// What captures are named like that hold frames of a scan which need a mesh of their own; not written where not given.
+    #[cfg(feature = "scans")]
+    pub others: Option<PathBuf>,
     /// Which sequences get variations; none where not given.
     #[cfg(feature = "variations")]
     pub variations: Option<Variations>,

@@ -9,7 +9,7 @@ use job::Job;
 
 use crate::options::{PackError, PackOptions};
 use crate::packed::Spool;
-use crate::scans::{RegisterError, ScanOptions, register};
+use crate::scans::{OtherCaptures, RegisterError, ScanOptions, register};
 use crate::windows::{ScannedSummary, scanned_frames};
 
 /// A scan that was brought onto one mesh, in a folder that vanishes with this.
@@ -27,7 +27,8 @@ impl RegisteredScan {
         let root = job.work().map_or_else(std::env::temp_dir, |work| work.root().to_owned());
         let folder = tempfile::Builder::new().prefix(".registered-").tempdir_in(&root);
         let folder = folder.map_err(|source| ImportError::Io { path: root, source })?;
-        let scan = ScanOptions { import: options.import.clone(), ..ScanOptions::default() };
+        let others = options.others.clone().map_or(OtherCaptures::Nowhere, OtherCaptures::At);
+        let scan = ScanOptions { import: options.import.clone(), others, ..ScanOptions::default() };
         let mut registered = Self { folder, warnings: Vec::new(), inputs: inputs.to_vec(), written: Vec::new() };
         let report = register(inputs, &scan, &registered.path(), job)?;
         registered.written = report.written;

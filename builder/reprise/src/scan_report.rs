@@ -33,6 +33,8 @@ pub struct RegisterReport {
     pub registered: Vec<FrameReport>,
     /// The frames that are not part of the capture.
     pub lost: Vec<LostReport>,
+    /// Those of them that have a mesh of their own.
+    pub others: Vec<OtherReport>,
     /// The scan's frame that each frame of the capture is, in the capture's order.
     #[serde(skip)]
     pub written: Vec<usize>,
@@ -46,6 +48,23 @@ pub struct RegisterReport {
     pub warnings: Vec<Warning>,
     /// Wall-clock seconds: comparing frames, and registering them.
     pub seconds: [f64; 2],
+}
+
+/// Frames that could not be brought onto the capture's mesh, but onto one of their own.
+#[derive(Clone, Debug, Serialize)]
+pub struct OtherReport {
+    /// The manifest of the capture that they became; none where they were not written.
+    pub manifest: Option<PathBuf>,
+    /// The frame whose mesh is their template, counted over all sequences.
+    pub template: usize,
+    /// Vertices of the template.
+    pub vertices: usize,
+    /// Triangles of the template.
+    pub triangles: usize,
+    /// Names of the sequences, with their numbers of frames.
+    pub sequences: Vec<(String, usize)>,
+    /// The frames.
+    pub registered: Vec<FrameReport>,
 }
 
 /// A frame that was registered. Frames are counted over all sequences; lengths are metres.
@@ -75,6 +94,9 @@ pub struct FrameReport {
     pub tries: usize,
     /// Whether it has its parent's mesh and follows it, instead of being tracked.
     pub followed: bool,
+    /// The frame of another template, by which it was brought onto this one; none where it was tracked by itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub through: Option<usize>,
     /// How far it is from the truth, where that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<TruthReport>,
@@ -109,6 +131,7 @@ impl FrameReport {
             colour: fit.colour,
             tries: tracked.tries,
             followed: tracked.followed,
+            through: tracked.through,
             truth,
         }
     }

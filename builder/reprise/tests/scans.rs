@@ -74,6 +74,27 @@ fn whole(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
+/// Something else, of about as much surface.
+fn ring(lean: f32, cell: f32) -> Mesh {
+    polygonise(Vec3::new(-0.7, 0.1, -0.7), Vec3::new(0.7, 0.9, 0.7), cell, |p| {
+        let ring = Vec3::new((p.x * p.x + p.z * p.z).sqrt() - 0.42, p.y - 0.5 - lean * p.x, 0.0).length() - 0.13;
+        ring.min(p.distance(Vec3::new(0.0, 0.5, 0.0)) - 0.1)
+    })
+}
+
+/// A take of a body, and one of something that is none.
+fn two_takes(folder: &Path) -> Vec<String> {
+    for (take, count) in [("body", 3), ("ring", 2)] {
+        fs::create_dir_all(folder.join(take)).unwrap();
+        for k in 0..count {
+            let (turn, cell) = (0.1 * k as f32, 0.07 + 0.001 * k as f32);
+            let mesh = if take == "body" { body(turn - 0.3, cell, 1.0) } else { ring(turn, 0.8 * cell) };
+            write(&folder.join(format!("{take}/frame_{k:03}.ply")), &mesh, 1.0);
+        }
+    }
+    ["body", "ring"].map(|take| folder.join(take).to_string_lossy().into_owned()).to_vec()
+}
+
 fn registered(inputs: &[String], out: &Path) -> RegisterReport {
     register(inputs, &ScanOptions::default(), out, &Job::silent()).unwrap()
 }
@@ -141,6 +162,55 @@ fn what_is_no_frame_of_the_body_is_named_and_left_out() {
     let refused = register(&inputs, &ScanOptions::default(), &out, &Job::silent()).unwrap_err();
     assert!(matches!(refused, RegisterError::MostLost { .. }), "{refused}");
     assert!(!out.exists());
+}
+
+#[test]
+fn what_fits_another_mesh_only_becomes_a_capture_of_its_own_beside() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = two_takes(&folder.path().join("scan"));
+    let out = |name: &str| folder.path().join(name).join("capture");
+    // Stopped when the second take is brought onto a mesh of its own: the bar begins again there.
+    let begun = std::sync::atomic::AtomicUsize::new(0);
+    let report = |progress: Progress| {
+        let again = progress.what == "registering" && progress.done == 0;
+        let before = begun.fetch_add(usize::from(again), std::sync::atomic::Ordering::Relaxed);
+        if again && progress.total == 2 && before > 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let work = WorkFolder::open(&folder.path().join("work")).unwrap();
+    let on = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let options = ScanOptions::default();
+    let stopped =
+        on(2).install(|| register(&inputs, &options, &out("resumed"), &Job::new(&report).with_work(Some(&work))));
+    assert!(stopped.unwrap_err().is_stopped());
+    assert_eq!(fs::read_dir(folder.path().join("resumed")).unwrap().count(), 0, "something was left behind");
+    let resumed =
+        on(2).install(|| register(&inputs, &options, &out("resumed"), &Job::silent().with_work(Some(&work))).unwrap());
+    let report = on(1).install(|| registered(&inputs, &out("one")));
+    for report in [&resumed, &report] {
+        assert_eq!(report.lost.iter().map(|lost| lost.frame).collect::<Vec<_>>(), [3, 4]);
+        let [other] = &report.others[..] else { panic!("{:?}", report.others) };
+        assert_eq!(other.registered.iter().map(|frame| frame.frame).collect::<Vec<_>>(), [3, 4]);
+        assert_eq!(other.sequences, [("ring".to_owned(), 2)]);
+        let told = report.warnings.iter().find(|warning| warning.code == "W_SCAN_OTHER").unwrap().to_string();
+        assert!(told.contains("capture-2") && told.contains("frame 0 of sequence \"ring\""), "{told}");
+    }
+    let [one, resumed] = ["one", "resumed"].map(|name| whole(&folder.path().join(name)));
+    assert!(one.keys().any(|file| file.starts_with("capture-2/")), "{:?}", one.keys());
+    assert!(one == resumed, "bytes differ with the number of threads, or when it was stopped");
+    // It is a capture as any other.
+    let own = capture_io::import::import(
+        &[out("one").with_file_name("capture-2").to_string_lossy().into_owned()],
+        &capture_io::import::ImportOptions::default(),
+        &Job::silent(),
+    );
+    assert_eq!(own.unwrap().capture.timeline.frame_count(), 2);
+    // Where a folder has the name already, it stays as it is, and the next name is taken.
+    let kept = Job::silent().with_work(Some(&work));
+    fs::remove_dir_all(out("resumed")).unwrap();
+    let third = register(&inputs, &options, &out("resumed"), &kept).unwrap();
+    let manifest = third.others[0].manifest.clone().unwrap();
+    assert!(manifest.parent().unwrap().ends_with("capture-3"), "{manifest:?}");
+    assert!(whole(&out("resumed").with_file_name("capture-2")) == whole(manifest.parent().unwrap()));
 }
 
 #[test]

@@ -124,6 +124,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
             Mode::Global => ScanMode::Global,
             Mode::Windows => ScanMode::Windows,
         };
+        options.others = Some(arguments.output.with_extension(""));
     }
     if let Some(file) = &arguments.rig {
         options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);

@@ -33,6 +33,12 @@ pub fn run(arguments: &RegisterArguments, terminal: &Terminal) -> Result<(), Fai
         terminal.log(&format!("warning: {warning}"));
     }
     terminal.log(&summary(&found));
+    for other in &found.others {
+        let folder = other.manifest.as_ref().and_then(|manifest| manifest.parent());
+        let folder = folder.map_or_else(|| "not written".into(), |folder| folder.display().to_string());
+        let (frames, root) = (other.registered.len(), other.template);
+        terminal.log(&format!("{folder}: {frames} of the frames that were lost, on the mesh of frame {root}"));
+    }
     if arguments.json { print_json(&found) } else { Ok(()) }
 }
 

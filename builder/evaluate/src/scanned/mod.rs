@@ -11,7 +11,9 @@ use std::path::{Path, PathBuf};
 use capture_io::import::{ImportOptions, ScannedFrame, Scans, scans};
 use image::{RgbaImage, imageops};
 use job::Job;
+use registration::candidates::CandidateOptions;
 use reprise::scan_headings::wrong_headings;
+use reprise::scan_windows::scan_windows;
 use reprise::scans::{FrameReport, RegisterReport, ScanOptions, register};
 
 use self::views::{Difference, HEADINGS, SIZE, Worn};
@@ -25,6 +27,11 @@ const COMPARED: usize = 12;
 const TURNED: usize = 4;
 /// Frames that are shown.
 const SHOWN: usize = 6;
+
+/// Thresholds of candidate windows, in dissimilarities of consecutive frames: the paper's, and others for scans that have none by it.
+const THRESHOLDS: [f32; 5] = [3.0, 4.5, 6.0, 9.0, 12.0];
+/// Candidate windows that are tracked.
+const WINDOWS: usize = 8;
 
 /// What pictures of a frame say.
 struct Seen {
@@ -47,6 +54,7 @@ pub fn evaluate_scan(inputs: &[String], import: &ImportOptions, job: &Job) -> Re
     options.truth = truth_beside(inputs);
     let report = register(inputs, &options, &folder.path().join("capture"), job)?;
     let trials = wrong_headings(inputs, &options, TURNED, job)?;
+    let windows = scan_windows(inputs, &options, (&CandidateOptions::default(), &THRESHOLDS, WINDOWS), job)?;
     let before = scans(inputs, import)?;
     let after = scans(&[report.manifest.to_string_lossy().into_owned()], &ImportOptions::default())?;
     let seen = seen(&report, (&before, &after), job)?;
@@ -57,6 +65,9 @@ pub fn evaluate_scan(inputs: &[String], import: &ImportOptions, job: &Job) -> Re
     section.tables.extend([
         tables::views(&seen),
         tables::headings(&trials),
+        tables::candidates(&windows),
+        tables::windows(&windows),
+        tables::window_times(&windows),
         tables::lost(&report),
         tables::times(&report),
     ]);

@@ -2,6 +2,7 @@
 
 use capture_io::import::Scans;
 use reprise::scan_headings::HeadingTrial;
+use reprise::scan_windows::{WindowTrial, WindowTrials};
 use reprise::scans::{FrameReport, RegisterReport};
 
 use super::Seen;
@@ -160,6 +161,62 @@ pub fn headings(trials: &[HeadingTrial]) -> Table {
         ]
     };
     table.rows = trials.iter().map(row).collect();
+    table
+}
+
+/// How many candidate windows there are (Prada 2016, table 1), and how many of those that were tracked succeed.
+pub fn candidates(windows: &WindowTrials) -> Table {
+    let caption = "Candidate windows up to so many times as unlike as consecutive frames (3 in the paper), and what became of those \
+                   that were tracked; the paper had 53, of which 38 succeeded; asked is 90 %";
+    let columns = ["threshold", "candidates", "tracked", "in full"];
+    let mut table = Table::new("scan_candidates", caption, &columns);
+    let good = windows.trials.iter().filter(|trial| trial.is_whole()).count();
+    let row = |&(threshold, candidates): &(f32, usize)| {
+        let own = candidates > 0 && threshold == windows.threshold;
+        let count = |count: usize| if own { Cell::Count(count as u64) } else { Cell::Empty };
+        let threshold = Cell::Number(f64::from(threshold), 1);
+        vec![threshold, Cell::Count(candidates as u64), count(windows.trials.len()), count(good)]
+    };
+    table.rows = windows.thresholds.iter().map(row).collect();
+    table
+}
+
+/// The candidate windows that were tracked.
+pub fn windows(windows: &WindowTrials) -> Table {
+    let caption = "Candidate windows, each with a template that was tracked through both of its windows";
+    let columns =
+        ["source", "target", "unlike", "template", "tracked", "lost", "uncovered %", "scan off mm", "both ends tried"];
+    let mut table = Table::new("scan_windows", caption, &columns);
+    let count = |number: usize| Cell::Count(number as u64);
+    let row = |trial: &WindowTrial| {
+        vec![
+            count(trial.pair[0]),
+            count(trial.pair[1]),
+            Cell::Number(f64::from(trial.unlike), 1),
+            count(trial.template),
+            count(trial.tracked),
+            count(trial.lost),
+            Cell::Number(100.0 * trial.uncovered, 2),
+            Cell::Number(1000.0 * trial.rms_backward, 1),
+            if trial.again { "yes" } else { "no" }.into(),
+        ]
+    };
+    table.rows = windows.trials.iter().map(row).collect();
+    table
+}
+
+/// What tracking windows takes (Prada 2016, table 2).
+pub fn window_times(windows: &WindowTrials) -> Table {
+    let caption = "Seconds a candidate window, of one processor and of wall time; the paper took about 9 minutes, asked are 40 s of one \
+                   processor";
+    let columns = ["source", "target", "processor s", "wall s"];
+    let mut table = Table::new("scan_window_times", caption, &columns);
+    table.timed = true;
+    let row = |trial: &WindowTrial| {
+        let [source, target] = trial.pair.map(|frame| Cell::Count(frame as u64));
+        vec![source, target, number(trial.work, 1), Cell::Number(trial.seconds, 1)]
+    };
+    table.rows = windows.trials.iter().map(row).collect();
     table
 }
 
