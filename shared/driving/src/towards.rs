@@ -16,11 +16,14 @@ use kernels::scalar::atan2;
 
 use crate::body::Body;
 use crate::contacts::Contacts;
+use crate::join::{Look, apart};
 use crate::pose::Pose;
 use crate::smooth::ease;
 
 /// Time that a leg's edit takes after its foot has left the ground, and before it comes back, in seconds.
-const SWING: f32 = 0.2;
+const SWING: f32 = 0.5;
+/// How much longer an edit takes to fade than a blend of the two postures.
+const FADES: f32 = 1.6;
 
 /// A recorded posture that the body is to have in one frame of a clip.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,11 +41,19 @@ pub struct Aim {
 }
 
 impl Aim {
-    /// In the clip's frame `frame` the body is to stand as where its bones have moved from the rest pose by `motions`.
+    /// In the clip's frame `frame` the body is to stand as where its bones have moved from the rest pose by `recorded`, in place of
+    /// `driven`.
     #[must_use]
-    pub fn new(body: &Body, motions: &[Rigid], frame: usize, fades: usize, inwards: bool) -> Self {
-        let turns = motions.iter().map(|motion| motion.rotation).collect();
-        Self { frame, fades, inwards, turns, height: motions[0].apply(body.middle).y }
+    pub fn new(
+        body: &Body,
+        [recorded, driven]: [&[Rigid]; 2],
+        (frame, fps): (usize, f32),
+        inwards: bool,
+    ) -> Self {
+        let [a, b] = [recorded, driven].map(|motions| Look::new(body, motions));
+        let fades = (FADES * apart([[&a; 2], [&b; 2]], 1.0).blend(fps) as f32).round() as usize;
+        let turns = recorded.iter().map(|motion| motion.rotation).collect();
+        Self { frame, fades, inwards, turns, height: recorded[0].apply(body.middle).y }
     }
 
     /// How much of the edit a frame has: 1 at the aim and beyond it, 0 where it has faded.
@@ -142,5 +153,40 @@ impl Swing {
         let since = if swing.start == 0 { 1.0 } else { ease((frame + 1 - swing.start) as f32 / ramp) };
         let until = if swing.end == self.count { 1.0 } else { ease((swing.end - frame) as f32 / ramp) };
         since.min(until)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A foot that stands but for some frames.
+    fn swinging(count: usize, swing: Range<usize>) -> Contacts {
+        let stands: Vec<bool> = (0..count).map(|frame| !swing.contains(&frame)).collect();
+        Contacts { heel: stands.clone(), ball: stands }
+    }
+
+    #[test]
+    fn a_leg_is_edited_within_its_swing_alone() {
+        let contacts = swinging(40, 10..30);
+        let swing = Swing::around(20, &contacts);
+        let shares: Vec<f32> = (0..40).map(|frame| swing.share(frame, 10.0)).collect();
+        assert!(shares[..10].iter().chain(&shares[30..]).all(|&share| share == 0.0));
+        assert!((shares[20] - 1.0).abs() < 1e-6 && shares[10] > 0.0 && shares[10] < 0.2);
+        assert!(shares.windows(2).all(|two| (two[1] - two[0]).abs() < 0.35));
+        // One that stands is not edited at all.
+        assert!((0..40).all(|frame| Swing::around(5, &contacts).share(frame, 10.0) == 0.0));
+        // What is in the air at the clip's beginning is edited from there.
+        assert_eq!(Swing::around(0, &swinging(40, 0..9)).share(0, 10.0), 1.0);
+    }
+
+    #[test]
+    fn an_edit_is_whole_beyond_its_frame_and_fades_to_the_other_side() {
+        let aim = |inwards| Aim { frame: 10, fades: 5, inwards, turns: Vec::new(), height: 0.0 };
+        let (inwards, out) = (aim(true), aim(false));
+        assert_eq!([0, 10, 15, 30].map(|frame| inwards.share(frame)), [1.0, 1.0, 0.0, 0.0]);
+        assert_eq!([0, 5, 10, 30].map(|frame| out.share(frame)), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!((reached(&inwards, 40), reached(&out, 40)), (0..15, 6..40));
+        assert!(inwards.share(12) > 0.0 && inwards.share(12) < 1.0);
     }
 }

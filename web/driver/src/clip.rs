@@ -94,13 +94,11 @@ impl DrivenClip {
         measured.collect()
     }
 
-    /// The edit of one of its ends: in `frame` the body is to stand as in `recorded`. It fades over as long as a blend of these postures
-    /// takes.
+    /// The edit of one of its ends: in `frame` the body is to stand as in `recorded`.
     #[must_use]
     pub fn aim(&self, actor: &DrivenActor, recorded: &[Rigid], frame: usize, inwards: bool) -> Aim {
-        let [a, b] = [recorded, &self.motions[frame]].map(|motions| Look::new(&actor.body, motions));
-        let fades = driving::join::apart([[&a; 2], [&b; 2]], 1.0).blend(actor.known.timeline.fps());
-        Aim::new(&actor.body, recorded, frame, fades, inwards)
+        let fps = actor.known.timeline.fps();
+        Aim::new(&actor.body, [recorded, &self.motions[frame]], (frame, fps), inwards)
     }
 
     /// Frames.
