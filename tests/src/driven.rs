@@ -4,8 +4,8 @@ use actor::capture::Poses;
 use actor::pose_source::PoseSource;
 use anyhow::{Result, bail};
 use bundle::BundleReader;
-use driver::session::Session;
 use drive::{Driven, Mapping, MappingFile, body, retarget};
+use driver::session::Session;
 use editor::scene::{Known, words};
 use glam::Vec3;
 

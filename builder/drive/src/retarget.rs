@@ -2,7 +2,9 @@
 
 use actor::capture::Poses;
 use driving::plant::{Free, Planted, bones};
-use driving::{Aim, Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError};
+use driving::{
+    Aim, Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError,
+};
 use editing::Rig;
 use glam::Vec3;
 use kernels::cholesky::elimination_order;

@@ -44,12 +44,7 @@ impl Aim {
     /// In the clip's frame `frame` the body is to stand as where its bones have moved from the rest pose by `recorded`, in place of
     /// `driven`.
     #[must_use]
-    pub fn new(
-        body: &Body,
-        [recorded, driven]: [&[Rigid]; 2],
-        (frame, fps): (usize, f32),
-        inwards: bool,
-    ) -> Self {
+    pub fn new(body: &Body, [recorded, driven]: [&[Rigid]; 2], (frame, fps): (usize, f32), inwards: bool) -> Self {
         let [a, b] = [recorded, driven].map(|motions| Look::new(body, motions));
         let fades = (FADES * apart([[&a; 2], [&b; 2]], 1.0).blend(fps) as f32).round() as usize;
         let turns = recorded.iter().map(|motion| motion.rotation).collect();

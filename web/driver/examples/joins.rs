@@ -67,7 +67,8 @@ fn main() {
         // By half of the starts, by join, as driven and edited.
         let mut all: [[[Vec<Measured>; 2]; 2]; 2] = Default::default();
         for start in 0..STARTS {
-            let from = (u64::from(timeline.frame_count() - 1) * u64::from(2 * start + 1) / u64::from(2 * STARTS)) as u32;
+            let from =
+                (u64::from(timeline.frame_count() - 1) * u64::from(2 * start + 1) / u64::from(2 * STARTS)) as u32;
             for edited in [false, true] {
                 session.as_driven = !edited;
                 let joins = performed(&mut session, &poses, &timeline, topology.weights(), from, fps);
@@ -79,7 +80,9 @@ fn main() {
         for (half, joins) in ["chosen by", "held out"].iter().zip(&all) {
             for (name, [before, after]) in ["in", "back"].iter().zip(joins) {
                 // Where the clip ends is the same from everywhere.
-                let mean = |of: &dyn Fn(&Measured) -> f32, list: &[Measured]| list.iter().map(of).sum::<f32>() / list.len() as f32;
+                let mean = |of: &dyn Fn(&Measured) -> f32, list: &[Measured]| {
+                    list.iter().map(of).sum::<f32>() / list.len() as f32
+                };
                 let both = |of: &dyn Fn(&Measured) -> f32, digits: usize| {
                     let better = before.iter().zip(after).filter(|(b, a)| of(a) < of(b)).count();
                     format!("{:.digits$} -> {:.digits$} ({better} better)", mean(of, before), mean(of, after))

@@ -6,8 +6,8 @@ use kernels::align::Placement;
 
 use crate::actor::{Coming, DrivenActor};
 use crate::clip::DrivenClip;
-use crate::joins::{Wanted, aims, middles};
 use crate::error::DriverError;
+use crate::joins::{Wanted, aims, middles};
 use crate::perform::{Performance, Performed, Window, windows};
 
 /// How far the actor is known.
@@ -153,7 +153,9 @@ impl Session {
     /// What is blended in the middle of the way in, and of the way back, as prepared: the recorded frame, and the clip's.
     #[must_use]
     pub fn keys(&self) -> Option<[[u32; 2]; 2]> {
-        let (Stage::Ready(actor), Some(clip), Some(wanted)) = (&self.stage, &self.clip, &self.wanted) else { return None };
+        let (Stage::Ready(actor), Some(clip), Some(wanted)) = (&self.stage, &self.clip, &self.wanted) else {
+            return None;
+        };
         let [before, after] = middles(wanted, clip.count());
         let of = |window: usize, [step, frame]: [usize; 2]| {
             let first = wanted.windows[window].first;

@@ -189,7 +189,11 @@ fn a_clips_ends_are_edited_towards_the_recording_as_the_builder_edits_them() {
         assert!((0..poses.len()).any(|frame| poses[frame] != native.poses[frame]));
         let faded = aims[0].frame + aims[0].fades..aims[1].frame.saturating_sub(aims[1].fades);
         let far = |frame: &usize| faded.clone().nth(10).is_some_and(|first| *frame >= first && frame + 10 < faded.end);
-        assert!((0..poses.len()).filter(far).all(|frame| planted.frames[frame].pose.turns[0] == native.planted.frames[frame].pose.turns[0]));
+        assert!(
+            (0..poses.len())
+                .filter(far)
+                .all(|frame| planted.frames[frame].pose.turns[0] == native.planted.frames[frame].pose.turns[0])
+        );
         // Soles that stand are as near to the floor as before, and stay where they are.
         let soles = |poses: &[Vec<Vec3>], planted| {
             drive::measure::measure(&body, &actor.topology, &actor.poses, poses, planted)

@@ -140,21 +140,16 @@ fn beside(
 ) -> Result<(Vec<Vec<Cell>>, Picture), EvaluateError> {
     let number = |value: f32, decimals| Cell::Number(value.into(), decimals);
     let measures = &driven.measures;
-    let feet = [
-        number(measures.sole_off_mm[0], 1),
-        number(measures.slide_mm[0], 2),
-        number(100.0 * measures.standing, 0),
-    ];
+    let feet =
+        [number(measures.sole_off_mm[0], 1), number(measures.slide_mm[0], 2), number(100.0 * measures.standing, 0)];
     let mut rows = vec![measure.row(name.into(), &driven.poses, feet)];
     let every = driven.poses.len().div_ceil(SAMPLES).max(1);
     let frames: Vec<usize> = (0..driven.poses.len()).step_by(every).collect();
     let ours: Vec<Vec<Vec3>> = frames.iter().map(|&frame| driven.poses[frame].clone()).collect();
     let linear: Vec<Vec<Vec3>> = frames.iter().map(|&frame| skinned(body, &driven.planted.frames[frame])).collect();
     let mut laplacian = Laplacian::new(body, topology)?;
-    let differential: Vec<Vec<Vec3>> = frames
-        .iter()
-        .map(|&frame| laplacian.frame(body, &driven.planted.frames[frame]))
-        .collect::<Result<_, _>>()?;
+    let differential: Vec<Vec<Vec3>> =
+        frames.iter().map(|&frame| laplacian.frame(body, &driven.planted.frames[frame])).collect::<Result<_, _>>()?;
     for (way, poses) in [("ours", &ours), ("linear blend", &linear), ("Laplacian", &differential)] {
         let none = [Cell::Empty, Cell::Empty, Cell::Empty];
         rows.push(measure.row(format!("{name}, every {every}: {way}"), poses, none));
@@ -173,7 +168,12 @@ fn beside(
         "Fig. 10: {name}; rows: linear blend skinning, Laplacian, ours, and ours again, red where it is {RED} m from linear blend skinning"
     );
     let rows_shown = [plain(&linear), plain(&differential), plain(&ours), differs];
-    let picture =
-        strip(topology.triangles(), topology.weights(), &rows_shown, (std::f32::consts::FRAC_PI_2, body.floor), caption)?;
+    let picture = strip(
+        topology.triangles(),
+        topology.weights(),
+        &rows_shown,
+        (std::f32::consts::FRAC_PI_2, body.floor),
+        caption,
+    )?;
     Ok((rows, picture))
 }

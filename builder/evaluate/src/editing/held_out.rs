@@ -143,7 +143,8 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
 /// Figure 2: some tasks, method beside method.
 fn picture(capture: &Capture, shown: &[Vec<Vec<Vec3>>]) -> Result<Picture, EvaluateError> {
     let colours = [RECORDED, CLAY, CLAY, EDITED, EDITED, RECORDED];
-    let row = |poses: &Vec<Vec<Vec3>>| poses.iter().zip(colours).map(|(pose, colour)| Shown::plain(pose, colour)).collect();
+    let row =
+        |poses: &Vec<Vec<Vec3>>| poses.iter().zip(colours).map(|(pose, colour)| Shown::plain(pose, colour)).collect();
     let rows: Vec<Vec<Shown>> = shown.iter().map(row).collect();
     let caption = "Fig. 2: held-out reconstruction; the frame that is edited (blue), its patches put where the wanted frame has them: Laplacian, as \
                    rigid as possible, learned (the product\u{2019}s), rig; and the wanted frame (blue)";
@@ -239,11 +240,7 @@ impl<'a> Scene<'a> {
     }
 
     /// By method how far the free vertices are off, in millimetres, and the stretch of edges, in percent; and the poses of the picture.
-    fn run(
-        &self,
-        deformer: &mut Deformer,
-        priors: &mut [Vec<f64>; LAMBDAS.len()],
-    ) -> Result<Ran, EvaluateError> {
+    fn run(&self, deformer: &mut Deformer, priors: &mut [Vec<f64>; LAMBDAS.len()]) -> Result<Ran, EvaluateError> {
         let mut held: Vec<u32> = self.patches.iter().flatten().copied().collect();
         held.sort_unstable();
         held.dedup();

@@ -92,7 +92,8 @@ fn picture(
     end: &EndReport,
 ) -> Result<Picture, EvaluateError> {
     let weights = capture.topology.weights();
-    let first = capture.timeline.sequences().iter().find(|one| one.name == end.sequence).map_or(0, |one| one.first_frame);
+    let first =
+        capture.timeline.sequences().iter().find(|one| one.name == end.sequence).map_or(0, |one| one.first_frame);
     let way = end.after.as_ref().unwrap_or(&end.before);
     // The way begins in the recorded frame; what is blended in its middle lies half of it later.
     let at = first + way.frames[0] + u32::from(way.duration) / 2;

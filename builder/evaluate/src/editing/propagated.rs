@@ -56,14 +56,21 @@ pub fn propagated(capture: &Capture, rig: &Rig, job: &Job) -> Result<Propagated,
     );
     let mut table = Table::new("editing_propagation", caption, &columns);
     let (mut notes, mut nonlinear) = (Vec::new(), None);
-    let shown: Vec<u32> = (0..SHOWN as u32).map(|k| window[0] + (window[1] - window[0]) * k / (SHOWN as u32 - 1)).collect();
-    let mut rows = vec![shown.iter().map(|&frame| Shown::plain(capture.poses.frame(frame), RECORDED)).collect::<Vec<_>>()];
+    let shown: Vec<u32> =
+        (0..SHOWN as u32).map(|k| window[0] + (window[1] - window[0]) * k / (SHOWN as u32 - 1)).collect();
+    let mut rows =
+        vec![shown.iter().map(|&frame| Shown::plain(capture.poses.frame(frame), RECORDED)).collect::<Vec<_>>()];
     for (way, words) in
         [("nonlinear", "non-linear"), ("linear", "linear"), ("constraint", "interpolation of constraints")]
     {
         job.begin("propagation")?;
         let (row, marks, told, made) = one(capture, rig, (hand, key, window), (way, words))?;
-        rows.push(shown.iter().filter_map(|&frame| Some(Shown::plain(made.get((frame - window[0]) as usize)?, EDITED))).collect());
+        rows.push(
+            shown
+                .iter()
+                .filter_map(|&frame| Some(Shown::plain(made.get((frame - window[0]) as usize)?, EDITED)))
+                .collect(),
+        );
         notes.extend(told.into_iter().map(|note| format!("{words}: {note}")));
         table.rows.push(row);
         if way == "nonlinear" {

@@ -51,8 +51,7 @@ impl Laplacian {
         let rest = body.rig.rest();
         let pelvis: Rigid = body.motions(&frame.pose)[0];
         let skinned = skinned(body, frame);
-        let wanted: Vec<Vec3> =
-            self.held.vertices().iter().map(|&v| skinned[v as usize] - rest[v as usize]).collect();
+        let wanted: Vec<Vec3> = self.held.vertices().iter().map(|&v| skinned[v as usize] - rest[v as usize]).collect();
         let told: Vec<Vec3> = rest.iter().map(|&point| pelvis.apply(point) - point).collect();
         let turns = vec![pelvis.rotation; rest.len()];
         let moved = self.deformer.solve(&self.held, rest, &turns, &told, &wanted)?;

@@ -43,8 +43,17 @@ struct Times {
 
 /// Makes the table.
 pub fn times(capture: &Capture, rig: &Rig, job: &Job) -> Result<Table, EvaluateError> {
-    let columns =
-        ["edits of", "vertices", "constraints", "grab ms", "move ms", "slowest move ms", "rest ms", "whole edit ms", "a frame around ms"];
+    let columns = [
+        "edits of",
+        "vertices",
+        "constraints",
+        "grab ms",
+        "move ms",
+        "slowest move ms",
+        "rest ms",
+        "whole edit ms",
+        "a frame around ms",
+    ];
     let caption = format!(
         "Table I: times of single-frame edits, one processor; ours are medians (whole edit: least to most) of {EDITS} edits, a hand raised by {RAISED} of the body's \
          height in {MOVES} moves, standing soles held. Whole edit: grab, and come to rest at the end of the move; a frame around: \
@@ -64,9 +73,12 @@ pub fn times(capture: &Capture, rig: &Rig, job: &Job) -> Result<Table, EvaluateE
             Cell::Empty,
         ]);
     }
-    for (name, method) in
-        [("rig", Method::Rig), ("learned", Method::Learned), ("as rigid as possible", Method::Arap), ("Laplacian", Method::Laplace)]
-    {
+    for (name, method) in [
+        ("rig", Method::Rig),
+        ("learned", Method::Learned),
+        ("as rigid as possible", Method::Arap),
+        ("Laplacian", Method::Laplace),
+    ] {
         job.begin("times")?;
         let times = of_method(capture, rig, method).map_err(EvaluateError::Edit)?;
         let number = |values: &[f64], digits| Cell::Number(middle(values), digits);
@@ -163,10 +175,8 @@ fn spread(
     let wrong = |error: &dyn std::fmt::Display| error.to_string();
     let Some(sequence) = timeline.sequence_of(frame) else { return Ok(f64::NAN) };
     let reach = (WINDOW * timeline.fps()).round() as u32;
-    let (first, last) = (
-        frame.saturating_sub(reach).max(sequence.first_frame),
-        (frame + reach).min(sequence.end_frame() - 1),
-    );
+    let (first, last) =
+        (frame.saturating_sub(reach).max(sequence.first_frame), (frame + reach).min(sequence.end_frame() - 1));
     let local = |frame: u32| i64::from(frame - sequence.first_frame);
     let document = json!({"version": 1, "edits": [{
         "sequence": sequence.name,

@@ -105,7 +105,8 @@ pub struct Hybrid {
 /// # Errors
 /// Frames of another mesh; what cannot be measured; being stopped.
 pub fn join(capture: &Capture, driven: DrivenFrames<'_>, job: &Job) -> Result<Hybrid, HybridError> {
-    let mut joined = Joining { both: beside(capture, driven.name, driven.poses)?, driven, aims: Vec::new(), solved: 0..0 };
+    let mut joined =
+        Joining { both: beside(capture, driven.name, driven.poses)?, driven, aims: Vec::new(), solved: 0..0 };
     let mut ends = Vec::new();
     for inwards in [true, false] {
         job.begin(if inwards { "the way in" } else { "the way out" })?;
