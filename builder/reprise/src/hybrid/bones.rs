@@ -6,7 +6,7 @@ use actor::capture::Capture;
 use driving::Aim;
 
 use super::seam::Way;
-use super::{DrivenFrames, EditedBy, Tried};
+use super::tried::{DrivenFrames, EditedBy, Tried};
 
 /// The driven frame in the middle of `way` as the recorded one that it is blended with, beside the edits `aims`; nothing where that would
 /// change frames whose surface was edited, `solved`, or none.

@@ -14,7 +14,7 @@ use pipeline::feet::feet;
 use super::error::HybridError;
 use super::places::laid;
 use super::seam::Way;
-use super::{EditedBy, Tried};
+use super::tried::{EditedBy, Tried};
 
 /// Handles of each bone at most: enough to say where it is.
 const HANDLES: usize = 5;

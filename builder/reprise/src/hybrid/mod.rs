@@ -11,23 +11,26 @@ mod edit;
 mod error;
 mod places;
 mod seam;
+mod tried;
 
 use std::ops::Range;
 
 use actor::capture::{Capture, Poses};
 use actor::graph::DEFAULT_ALPHA;
 use actor::timeline::{Sequence, Timeline};
-use driving::{Aim, Body};
+use driving::Aim;
 use glam::Vec3;
 use job::Job;
 use serde::Serialize;
 
 pub use self::error::HybridError;
+pub use self::tried::{DrivenFrames, EditedBy};
 
 use self::bones::by_bones;
 use self::edit::by_surface;
 use self::places::places;
 use self::seam::{Way, best_way};
+use self::tried::Tried;
 
 /// Seconds of the recording around a place, and of the driven sequence from its end, that ways are looked for in.
 const AROUND: f32 = 1.2;
@@ -49,16 +52,6 @@ pub struct WayReport {
     pub acceleration: [f32; 2],
 }
 
-/// What an end was edited by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EditedBy {
-    /// The clip's bones, before feet were planted.
-    Bones,
-    /// The surface, by the rig.
-    Surface,
-}
-
 /// One end of a driven sequence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EndReport {
@@ -74,19 +67,6 @@ pub struct EndReport {
     pub by: Option<EditedBy>,
     /// How many frames of the driven sequence were changed.
     pub changed: u32,
-}
-
-/// Frames that are joined to a recording, and how they are made again.
-#[derive(Clone, Copy)]
-pub struct DrivenFrames<'a> {
-    /// What they are called.
-    pub name: &'a str,
-    /// The actor.
-    pub body: &'a Body,
-    /// The frames as they were driven.
-    pub poses: &'a [Vec<Vec3>],
-    /// The same frames with their ends edited towards recorded postures; nothing where they cannot be made.
-    pub remade: &'a dyn Fn(&[Aim]) -> Option<Vec<Vec<Vec3>>>,
 }
 
 /// A driven sequence that was joined to the recording.
@@ -129,14 +109,6 @@ struct Joining<'a> {
     aims: Vec<Aim>,
     /// Frames of the whole capture whose surface was edited.
     solved: Range<u32>,
-}
-
-/// An edit that was tried: its frames from the first one on, and what it is.
-struct Tried {
-    first: u32,
-    poses: Vec<Vec<Vec3>>,
-    by: EditedBy,
-    aim: Option<Aim>,
 }
 
 /// `capture` with one sequence more, the last one.
