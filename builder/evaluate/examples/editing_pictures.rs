@@ -5,7 +5,11 @@
 //! ```
 //!
 //! What `builder evaluate CAPTURE --sections editing --clips ...` puts into its page.
-#![allow(clippy::unwrap_used, reason = "a tool for measuring may stop at what is amiss")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a tool for measuring: it prints, and may stop at what is amiss"
+)]
 
 use std::path::PathBuf;
 

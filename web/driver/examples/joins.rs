@@ -9,7 +9,11 @@
 //! one of those that constants were chosen by. How far apart: the poses that are blended in the middle, mean distance of vertices once
 //! laid on one another over the ground. Speed and acceleration: means over the vertices, the largest of any frame of the blend and of the
 //! 1.2 s beside it, within which the longest edit fades; feet below the floor and soles that slide are measured over the same frames.
-#![allow(clippy::unwrap_used, reason = "an example whose input is wrong may stop")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a tool for measuring: it prints, and may stop at what is amiss"
+)]
 
 use std::fs;
 
