@@ -24,7 +24,7 @@ use job::Job;
 use serde::Serialize;
 
 pub use self::error::HybridError;
-pub use self::tried::{DrivenFrames, EditedBy};
+pub use self::tried::{DrivenFrames, EditedBy, Remake};
 
 use self::bones::by_bones;
 use self::edit::by_surface;

@@ -14,6 +14,9 @@ pub enum EditedBy {
     Surface,
 }
 
+/// Makes driven frames with their ends edited towards recorded postures; nothing where they cannot be made.
+pub type Remake<'a> = dyn Fn(&[Aim]) -> Option<Vec<Vec<Vec3>>> + 'a;
+
 /// Frames that are joined to a recording, and how they are made again.
 #[derive(Clone, Copy)]
 pub struct DrivenFrames<'a> {
@@ -24,7 +27,7 @@ pub struct DrivenFrames<'a> {
     /// The frames as they were driven.
     pub poses: &'a [Vec<Vec3>],
     /// The same frames with their ends edited towards recorded postures; nothing where they cannot be made.
-    pub remade: &'a dyn Fn(&[Aim]) -> Option<Vec<Vec<Vec3>>>,
+    pub remade: &'a Remake<'a>,
 }
 
 /// An edit that was tried: its frames from the first one on, and what it is.
