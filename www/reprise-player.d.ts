@@ -417,7 +417,7 @@ export interface ReprisePlayerEventMap {
   /** Recorded frames are edited otherwise than before; they are made in the next display frames. */
   editchange: CustomEvent<{ edits: EditDocument }>;
   /** The actor begins to perform a clip of motion capture of so many frames. */
-  drivestart: CustomEvent<{ name: string; frames: number }>;
+  drivestart: CustomEvent<{ name: string; frames: number; apart: [[number, number], [number, number]] }>;
   /** It is back in what was recorded, in this frame, or was sent elsewhere. */
   driveend: CustomEvent<{ name: string; frame: number }>;
   /** The search has found a walk, or a better one. */

@@ -12,7 +12,7 @@ use kernels::align::Placement;
 use search::cheapest_walk;
 use synthesis::Synthesiser;
 
-pub use self::driven::drive;
+pub use self::driven::{aimed, drive};
 
 /// Every frame of the cheapest walk between two frames of a bundle, synthesised natively, from where `from` was recorded.
 ///

@@ -1,8 +1,10 @@
 //! From a clip to poses of the actor: the whole way. The number of threads changes nothing.
 
 use actor::capture::Poses;
-use driving::plant::{Planted, bones};
-use driving::{Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError};
+use driving::plant::{Free, Planted, bones};
+use driving::{
+    Aim, Body, BodyError, Clip, ClipError, Likeness, Looker, Mapping, Plan, Seen, Solver, Surface, SurfaceError,
+};
 use editing::Rig;
 use glam::Vec3;
 use kernels::cholesky::elimination_order;
@@ -28,6 +30,32 @@ pub struct Driven {
     pub measures: Measures,
     /// When and where their feet stand.
     pub planted: Planted,
+    /// What they do before the feet are planted.
+    pub free: Free,
+}
+
+impl Driven {
+    /// The frames with their ends edited towards the recorded postures of `aims`, and where feet stand then. Frames that no edit changes
+    /// stay as they are, bit for bit.
+    ///
+    /// # Errors
+    /// A surface that cannot be solved for.
+    pub fn towards(
+        &self,
+        aims: &[Aim],
+        body: &Body,
+        (topology, order): (&Topology, Option<&[u32]>),
+    ) -> Result<(Planted, Vec<Vec<Vec3>>), SurfaceError> {
+        let planted = self.free.planted(body, aims);
+        let changes = |&frame: &usize| planted.frames[frame] != self.planted.frames[frame];
+        let changed: Vec<usize> = (0..planted.frames.len()).filter(changes).collect();
+        let frames = changed.iter().map(|&frame| planted.frames[frame].clone()).collect();
+        let mut poses = self.poses.clone();
+        for (frame, pose) in changed.into_iter().zip(deform(body, &Planted { frames }, topology, order)?) {
+            poses[frame] = pose;
+        }
+        Ok((planted, poses))
+    }
 }
 
 /// Why an actor cannot be driven.
@@ -63,10 +91,10 @@ pub fn retarget(
     (topology, order): (&Topology, Option<&[u32]>),
     (poses, fps): (&Poses, f32),
 ) -> Result<Driven, DriveError> {
-    let Plan { planted, stands } = Plan::new((clip, mapping), body, fps)?;
+    let Plan { free, planted, stands } = Plan::new((clip, mapping), body, fps)?;
     let driven = deform(body, &planted, topology, order)?;
     let measures = measure(body, topology, poses, &driven, &planted);
-    Ok(Driven { poses: driven, nearest: nearest(body, poses, &planted), stands, measures, planted })
+    Ok(Driven { poses: driven, nearest: nearest(body, poses, &planted), stands, measures, planted, free })
 }
 
 /// Vertex positions of all frames in metres.

@@ -6,6 +6,8 @@
 //! Rig, recorded poses -> Body (what its parts look like upright, how its joints bend) --/
 //! ```
 //!
+//! Where a clip joins the recording its ends are edited [`towards`] recorded postures, between the two.
+//!
 //! Motion goes over by directions and by turns against the upright body, never by local rotations, so that neither the clip's
 //! rest pose nor its conventions matter. Knows no file and no thread: frames are made one by one, by the builder and by the
 //! page alike; a clip comes from whoever reads it.
@@ -35,6 +37,7 @@ pub mod smooth;
 pub mod source;
 pub mod steps;
 pub mod surface;
+pub mod towards;
 mod tree;
 
 pub use self::body::Body;
@@ -47,3 +50,4 @@ pub use self::plan::Plan;
 pub use self::role::Role;
 pub use self::seen::{Looker, Seen};
 pub use self::surface::{Solver, Surface, SurfaceError};
+pub use self::towards::Aim;

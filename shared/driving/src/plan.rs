@@ -6,13 +6,15 @@ use crate::body::Body;
 use crate::clip::{Clip, ClipError};
 use crate::contacts::Contacts;
 use crate::mapping::Mapping;
-use crate::plant::{Planted, ever_stands, plant};
+use crate::plant::{Free, Planted, ever_stands};
 use crate::posture::Posture;
 use crate::source::Source;
 
 /// What an actor's bones do in a clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
+    /// What they do before the feet are planted: what an edit towards the recording begins with.
+    pub free: Free,
     /// Its frames, at the actor's rate.
     pub planted: Planted,
     /// Whether a foot stands in any of them: in walks on the spot none does.
@@ -32,6 +34,8 @@ impl Plan {
             let way = |of: fn(&Posture, usize) -> Vec3| postures.iter().map(|p| of(p, side)).collect::<Vec<_>>();
             Contacts::find(&way(|p, side| p.legs[side].ankle), &way(|p, side| p.legs[side].ball), fps)
         });
-        Ok(Self { planted: plant(body, &postures, &contacts, fps), stands: ever_stands(&contacts) })
+        let stands = ever_stands(&contacts);
+        let free = Free::new(body, &postures, contacts, fps);
+        Ok(Self { planted: free.planted(body, &[]), free, stands })
     }
 }

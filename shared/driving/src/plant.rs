@@ -11,9 +11,9 @@ use crate::contacts::Contacts;
 use crate::foot::Foot;
 use crate::pose::{Pose, farthest, reach};
 use crate::posture::Posture;
-
 use crate::smooth::{dilated, ease, gaussian, quantile};
 use crate::steps::{Print, Step, steps};
+use crate::towards::{Aim, towards};
 
 /// How the pitch of a standing foot is smoothed, in seconds.
 const PITCH: f32 = 0.035;
@@ -77,14 +77,55 @@ struct Goal {
     ankle: Vec3,
 }
 
-/// The body does what `postures` say, its feet standing as `contacts` say.
-#[must_use]
-pub fn plant(body: &Body, postures: &[Posture], contacts: &[Contacts; 2], fps: f32) -> Planted {
-    let mut poses: Vec<Pose> = postures
-        .iter()
-        .map(|posture| Pose { root: posture.root + body.floor * Vec3::Y, turns: body.turns(posture) })
-        .collect();
-    settle(body, &mut poses, contacts);
+/// What a body does before its feet are planted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Free {
+    poses: Vec<Pose>,
+    /// What both knees bend about, in the world, where that is known.
+    hinges: Vec<[Option<Vec3>; 2]>,
+    contacts: [Contacts; 2],
+    fps: f32,
+}
+
+impl Free {
+    /// The body does what `postures` say; in the middle of all frames the soles that stand are on the floor.
+    #[must_use]
+    pub fn new(body: &Body, postures: &[Posture], contacts: [Contacts; 2], fps: f32) -> Self {
+        let mut poses: Vec<Pose> = postures
+            .iter()
+            .map(|posture| Pose { root: posture.root + body.floor * Vec3::Y, turns: body.turns(posture) })
+            .collect();
+        settle(body, &mut poses, &contacts);
+        let hinges = postures.iter().map(|posture| posture.legs.map(|leg| leg.bent.hinge)).collect();
+        Self { poses, hinges, contacts, fps }
+    }
+
+    /// All frames with their feet planted, edited towards the recorded postures of `aims` before.
+    #[must_use]
+    pub fn planted(&self, body: &Body, aims: &[Aim]) -> Planted {
+        if aims.is_empty() {
+            return plant(body, self.poses.clone(), &self.hinges, (&self.contacts, self.fps));
+        }
+        let (mut poses, mut hinges) = (self.poses.clone(), self.hinges.clone());
+        towards(body, &mut poses, &self.contacts, aims, self.fps);
+        for (frame, hinges) in hinges.iter_mut().enumerate() {
+            for (side, hinge) in hinges.iter_mut().enumerate() {
+                let thigh = body.legs[side].bones.bones[0];
+                let turned = poses[frame].turns[thigh] * self.poses[frame].turns[thigh].conjugate();
+                *hinge = hinge.map(|hinge| turned * hinge);
+            }
+        }
+        plant(body, poses, &hinges, (&self.contacts, self.fps))
+    }
+}
+
+/// The body goes through `poses`, its feet standing as `contacts` say, its knees bending about `hinges`.
+fn plant(
+    body: &Body,
+    mut poses: Vec<Pose>,
+    hinges: &[[Option<Vec3>; 2]],
+    (contacts, fps): (&[Contacts; 2], f32),
+) -> Planted {
     let mut feet = vec![[Standing::default(); 2]; poses.len()];
     let mut goals: [Vec<Goal>; 2] = [Vec::new(), Vec::new()];
     for side in 0..2 {
@@ -93,7 +134,7 @@ pub fn plant(body: &Body, postures: &[Posture], contacts: &[Contacts; 2], fps: f
     sink(body, &mut poses, &goals, fps);
     for (frame, pose) in poses.iter_mut().enumerate() {
         for (side, leg) in body.legs.iter().enumerate() {
-            bend(body, leg, pose, &goals[side][frame], postures[frame].legs[side].bent.hinge);
+            bend(body, leg, pose, &goals[side][frame], hinges[frame][side]);
         }
     }
     Planted { frames: poses.into_iter().zip(feet).map(|(pose, feet)| PlantedFrame { pose, feet }).collect() }

@@ -42,21 +42,29 @@ async function compareEdited({ frames, from, to, file }) {
   return { edited, walk: farthest(walk, at), lengths: [at + walk.length, theirs.length] };
 }
 
-/** Runs in the page: how many frames the actor has in a clip, and how far some of them are from the native ones at most. */
-async function compareDriven({ clip, frames, file }) {
+/**
+ * Runs in the page: how many frames the actor has in a clip, and how far some of them are from the native ones at most: as they are driven, and
+ * with their ends edited.
+ */
+async function compareDriven({ clip, frames, file, from, aimed }) {
   const { testing } = document.querySelector('reprise-player');
-  const theirs = new Float32Array(await (await fetch(`native/${file}`)).arrayBuffer());
-  const driver = await testing.driving();
+  const floats = async (name) => new Float32Array(await (await fetch(`native/${name}`)).arrayBuffer());
+  const [driver, { drives }] = [await testing.driving(), testing.core.toolbox.kit];
   const count = driver.begin(['clip.bvh'], [new TextEncoder().encode(clip)]);
-  let [at, farthest] = [0, 0];
-  for (const frame of frames) {
-    const ours = driver.make(frame);
-    for (let index = 0; index < ours.length; index += 1, at += 1) {
-      const difference = Math.abs(ours[index] - theirs[at]);
-      if (!(difference <= farthest)) farthest = difference;
+  const compare = (theirs) => {
+    let [at, farthest] = [0, 0];
+    for (const frame of frames) {
+      const ours = driver.make(frame);
+      for (let index = 0; index < ours.length; index += 1, at += 1) {
+        const difference = Math.abs(ours[index] - theirs[at]);
+        if (!(difference <= farthest)) farthest = difference;
+      }
     }
-  }
-  return { count, farthest, lengths: [at, theirs.length] };
+    return [farthest, at - theirs.length];
+  };
+  const driven = compare(await floats(file));
+  const apart = [...driver.aim(...drives.windows(from))];
+  return { count, driven, apart, edited: compare(await floats(aimed)) };
 }
 
 export const tests = {
@@ -130,9 +138,14 @@ export const tests = {
     const clip = await readFile(join(folder, 'clip.bvh'), 'utf8');
     const player = await browser.open();
     await player.loaded();
-    const { count, farthest, lengths } = await player.page.evaluate(compareDriven, { ...wanted, clip });
-    assert.deepEqual([count, lengths[0]], [wanted.count, lengths[1]]);
-    assert.ok(farthest <= NEAR, `${farthest} m apart`);
+    const { count, driven, apart, edited } = await player.page.evaluate(compareDriven, { ...wanted, clip });
+    assert.equal(count, wanted.count);
+    for (const [farthest, longer] of [driven, edited]) {
+      assert.equal(longer, 0);
+      assert.ok(farthest <= NEAR, `${farthest} m apart`);
+    }
+    // Both ends are nearer to the recording than they were driven.
+    assert.ok(apart[1] < apart[0] && apart[3] < apart[2], apart.join(' '));
     await player.close();
   },
 };

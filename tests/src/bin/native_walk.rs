@@ -3,7 +3,8 @@
 //! `native_walk BUNDLE FOLDER`: `walks.json` lists them as objects with `from`, `to`, `transitions` and `file`; a file
 //! holds three little-endian 32-bit floats per vertex, vertex after vertex, frame after frame. `edited.json` is the same for edits
 //! (`document`): some of the `frames` that they reach, and a walk that passes them. `driven.json` is a clip (`clip.bvh`) that the actor
-//! performs, where it has the bones of a human: some of its `frames`.
+//! performs, where it has the bones of a human: some of its `frames`, as they are driven and as they are where the actor goes into it `from` a
+//! frame (`aimed`).
 
 use std::fs;
 use std::path::Path;
@@ -42,7 +43,10 @@ fn main() -> Result<()> {
     driven(&bytes, folder)
 }
 
-/// Every fifth frame of what the actor does where a stick figure squats.
+/// The frame from which the actor goes into the clip whose ends are edited.
+const FROM: u32 = 20;
+
+/// Every fifth frame of what the actor does where a stick figure squats: as it is driven, and with its ends edited towards the recording.
 fn driven(bundle: &[u8], folder: &Path) -> Result<()> {
     let clip = fixtures::squat();
     write(&folder.join("clip.bvh"), clip.as_bytes())?;
@@ -50,7 +54,13 @@ fn driven(bundle: &[u8], folder: &Path) -> Result<()> {
     let frames: Vec<usize> = (0..driven.poses.len()).step_by(5).collect();
     let floats = frames.iter().flat_map(|&frame| &driven.poses[frame]).flat_map(|point| point.to_array());
     write(&folder.join("driven.f32"), &floats.flat_map(f32::to_le_bytes).collect::<Vec<_>>())?;
-    let about = json!({ "count": driven.poses.len(), "frames": frames, "like": driven.nearest, "file": "driven.f32" });
+    let aimed = tests::aimed(bundle, &clip, FROM)?;
+    let floats = frames.iter().flat_map(|&frame| &aimed[frame]).flat_map(|point| point.to_array());
+    write(&folder.join("aimed.f32"), &floats.flat_map(f32::to_le_bytes).collect::<Vec<_>>())?;
+    let about = json!({
+        "count": driven.poses.len(), "frames": frames, "like": driven.nearest, "file": "driven.f32",
+        "from": FROM, "aimed": "aimed.f32",
+    });
     write(&folder.join("driven.json"), about.to_string().as_bytes())
 }
 

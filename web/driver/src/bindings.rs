@@ -98,6 +98,15 @@ impl Driver {
         Ok(windows.into_iter().flat_map(|window| [window.first, window.count]).collect())
     }
 
+    /// Edits the clip's ends towards the recorded frames that they are blended with; takes the poses of both windows that were prepared. How
+    /// far postures in the middle of the way in and of the way back are apart, as driven and now, in metres.
+    ///
+    /// # Errors
+    /// It was not prepared, or the poses do not fit.
+    pub fn aim(&mut self, before: &[f32], after: &[f32]) -> Result<Vec<f32>, JsValue> {
+        Ok(self.inner.aim(&[points(before), points(after)])?.concat())
+    }
+
     /// Makes one more frame that the blends at the clip's ends need; whether there was one to be made.
     ///
     /// # Errors
@@ -106,7 +115,8 @@ impl Driver {
         Ok(self.inner.make_ahead()?)
     }
 
-    /// Begins to perform where the actor stands, at heading, x and z; with the poses of both windows. The frame that it ends with,
+    /// Begins to perform where the actor stands, at heading, x and z; with the poses of both windows. A clip that was not aimed is aimed
+    /// now. The frame that it ends with,
     /// heading, x and z of that, and how many frames lead there.
     ///
     /// # Errors

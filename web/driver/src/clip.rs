@@ -1,7 +1,7 @@
 //! A clip as the actor does it: what its frames are made of, and where it joins the recording.
 
-use driving::plant::{Planted, bones};
-use driving::{Apart, Likeness, Look, Mapping, MappingFile, Plan, Role};
+use driving::plant::{Free, Planted, bones};
+use driving::{Aim, Apart, Likeness, Look, Mapping, MappingFile, Plan, Role};
 use editing::Rigid;
 use glam::Vec3;
 use mocap::Options;
@@ -30,9 +30,12 @@ pub struct Exit {
 
 /// A clip that is being made.
 pub struct DrivenClip {
+    free: Free,
+    /// As it is performed.
     planted: Planted,
+    /// Its bones as it was driven, before any edit.
     motions: Vec<Vec<Rigid>>,
-    /// Frames at its ends that were made ahead of time.
+    /// Frames at its ends that were made ahead of time, as they are performed.
     made: Vec<Option<Vec<Vec3>>>,
     /// Sentences for whoever dropped it.
     pub notes: Vec<String>,
@@ -61,14 +64,41 @@ impl DrivenClip {
             return Err(DriverError::Long { file: file(), seconds, most: MOST_SECONDS });
         }
         let plan = Plan::new((&clip, &mapping), &actor.body, fps);
-        let Plan { planted, stands } = plan.map_err(|cause| DriverError::Clip { file: file(), cause })?;
+        let Plan { free, planted, stands } = plan.map_err(|cause| DriverError::Clip { file: file(), cause })?;
         if !stands {
             notes.push("no foot ever stands, as in a walk on the spot: nothing is planted".into());
         }
         let motions = bones(&actor.body, &planted);
         let like = like(actor, &motions);
         let made = vec![None; motions.len()];
-        Ok(Self { planted, motions, made, notes, like })
+        Ok(Self { free, planted, motions, made, notes, like })
+    }
+
+    /// Edits the clip's ends towards recorded postures, in place of those before; none takes it back to how it was driven. How far the body
+    /// is from each posture as it was driven, and now, in metres: means over its joints, as seen from the body.
+    pub fn edit(&mut self, actor: &DrivenActor, aims: &[Aim], recorded: &[Vec<Rigid>]) -> Vec<[f32; 2]> {
+        let planted = self.free.planted(&actor.body, aims);
+        for (frame, made) in self.made.iter_mut().enumerate() {
+            if planted.frames[frame] != self.planted.frames[frame] {
+                *made = None;
+            }
+        }
+        self.planted = planted;
+        let look = |motions: &[Rigid]| Look::new(&actor.body, motions);
+        let apart = |a: &Look, b: &Look| driving::join::apart([[a; 2], [b; 2]], 1.0).metres;
+        let measured = aims.iter().zip(recorded).map(|(aim, recorded)| {
+            let (wanted, driven) = (look(recorded), look(&self.motions[aim.frame]));
+            let edited = look(&actor.body.motions(&self.planted.frames[aim.frame].pose));
+            [apart(&driven, &wanted), apart(&edited, &wanted)]
+        });
+        measured.collect()
+    }
+
+    /// The edit of one of its ends: in `frame` the body is to stand as in `recorded`.
+    #[must_use]
+    pub fn aim(&self, actor: &DrivenActor, recorded: &[Rigid], frame: usize, inwards: bool) -> Aim {
+        let fps = actor.known.timeline.fps();
+        Aim::new(&actor.body, [recorded, &self.motions[frame]], (frame, fps), inwards)
     }
 
     /// Frames.

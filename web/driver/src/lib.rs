@@ -12,5 +12,6 @@ pub mod actor;
 pub mod bindings;
 pub mod clip;
 pub mod error;
+pub mod joins;
 pub mod perform;
 pub mod session;

@@ -5,8 +5,9 @@ use glam::Vec3;
 use kernels::align::Placement;
 
 use crate::actor::{Coming, DrivenActor};
-use crate::clip::{DrivenClip, Exit};
+use crate::clip::DrivenClip;
 use crate::error::DriverError;
+use crate::joins::{Wanted, aims, middles};
 use crate::perform::{Performance, Performed, Window, windows};
 
 /// How far the actor is known.
@@ -23,9 +24,11 @@ enum Stage {
 pub struct Session {
     stage: Stage,
     clip: Option<DrivenClip>,
-    /// How the clip is to be performed: windows, nodes of the way in, and where the actor goes on.
-    wanted: Option<([Window; 2], usize, Exit)>,
+    /// How the clip is to be performed.
+    wanted: Option<Wanted>,
     performance: Option<Performance>,
+    /// Whether clips are performed as they were driven, their ends not edited towards the recording.
+    pub as_driven: bool,
 }
 
 /// What is known of a clip before its first frame.
@@ -44,7 +47,7 @@ impl Session {
     /// The actor has no rig, or one that cannot be used.
     pub fn new(known: Known, rig: &[u8]) -> Result<Self, DriverError> {
         let stage = Stage::Coming(Box::new(Coming::new(known, rig)?));
-        Ok(Self { stage, clip: None, wanted: None, performance: None })
+        Ok(Self { stage, clip: None, wanted: None, performance: None, as_driven: false })
     }
 
     /// Frames whose recorded poses have to be given next, in this order; none once the actor can be driven, or never can.
@@ -96,6 +99,7 @@ impl Session {
         let began = Began { count: new.count(), notes: new.notes.clone() };
         *clip = Some(new);
         self.performance = None;
+        self.wanted = None;
         Ok(began)
     }
 
@@ -109,19 +113,55 @@ impl Session {
         clip.make(actor, frame)?.ok_or(DriverError::Misfit)
     }
 
-    /// Prepares to perform the clip from `frame`, of which `pose` is what was recorded: the recorded frames whose poses are needed.
+    /// Prepares to perform the clip from `frame`, of which `pose` is what was recorded: the recorded frames whose poses are needed. Where
+    /// the clip was aimed from a frame or two before, it stays so.
     ///
     /// # Errors
     /// There is no clip, the pose is none of this mesh, or nothing recorded is long enough to go on in.
     pub fn prepare(&mut self, frame: u32, pose: &[Vec3]) -> Result<[Window; 2], DriverError> {
+        let before = self.wanted.take();
         let (actor, clip) = self.ready()?;
         let fits = pose.len() == actor.known.topology.vertex_count();
         let clip = clip.as_ref().filter(|_| fits).ok_or(DriverError::Misfit)?;
         let exit = clip.exit(actor).ok_or(DriverError::NoWayBack)?;
-        let nodes = clip.entry(actor, pose);
+        let kept = before.filter(|before| before.holds(&actor.known.timeline, frame, exit));
+        let nodes = kept.as_ref().map_or_else(|| clip.entry(actor, pose), |kept| kept.nodes);
         let windows = windows(actor, clip.count(), frame, nodes, exit);
-        self.wanted = Some((windows, nodes, exit));
+        self.wanted = Some(Wanted { windows, nodes, exit, aimed: kept.and_then(|kept| kept.aimed) });
         Ok(windows)
+    }
+
+    /// Edits the clip's ends towards the recorded frames that they are blended with: paper V-C. `recorded` are the poses of both windows
+    /// that were prepared. How far the postures in the middle of the way in and of the way back are from each other, as driven and now, in
+    /// metres; nothing where clips are performed as driven.
+    ///
+    /// # Errors
+    /// It was not prepared, or the poses do not fit.
+    pub fn aim(&mut self, recorded: &[Vec<Vec3>; 2]) -> Result<Vec<[f32; 2]>, DriverError> {
+        let as_driven = self.as_driven;
+        self.performance = None;
+        let mut wanted = self.wanted.take().ok_or(DriverError::Misfit)?;
+        let (actor, clip) = self.ready()?;
+        let clip = clip.as_mut().ok_or(DriverError::Misfit)?;
+        let (aims, motions) = aims(actor, clip, &wanted, recorded).ok_or(DriverError::Misfit)?;
+        let apart = if as_driven { clip.edit(actor, &[], &[]) } else { clip.edit(actor, &aims, &motions) };
+        wanted.aimed = Some(wanted.windows[0].first);
+        self.wanted = Some(wanted);
+        Ok(apart)
+    }
+
+    /// What is blended in the middle of the way in, and of the way back, as prepared: the recorded frame, and the clip's.
+    #[must_use]
+    pub fn keys(&self) -> Option<[[u32; 2]; 2]> {
+        let (Stage::Ready(actor), Some(clip), Some(wanted)) = (&self.stage, &self.clip, &self.wanted) else {
+            return None;
+        };
+        let [before, after] = middles(wanted, clip.count());
+        let of = |window: usize, [step, frame]: [usize; 2]| {
+            let first = wanted.windows[window].first;
+            [actor.known.timeline.offset(first, step as i64).unwrap_or(first), frame as u32]
+        };
+        Some([of(0, before), of(1, after)])
     }
 
     /// Makes one more frame that the blends at the clip's ends need, so that [`Self::perform`] has less to do; whether there was one to be
@@ -130,13 +170,14 @@ impl Session {
     /// # Errors
     /// A frame that cannot be made.
     pub fn make_ahead(&mut self) -> Result<bool, DriverError> {
-        let Some((_, nodes, exit)) = self.wanted else { return Ok(false) };
+        let Some(Wanted { nodes, exit, .. }) = self.wanted else { return Ok(false) };
         let (actor, clip) = self.ready()?;
         clip.as_mut().map_or(Ok(false), |clip| clip.make_ahead(actor, [nodes, exit.nodes]))
     }
 
     /// Begins to perform the clip where the actor stands, in the frame that it was prepared for, at `placement`; `recorded` are the
-    /// poses of both windows. The frame that it ends with, where that stands, and how many frames lead there.
+    /// poses of both windows. A clip that was not aimed is aimed now. The frame that it ends with, where that stands, and how many frames
+    /// lead there.
     ///
     /// # Errors
     /// It was not prepared, or the poses do not fit.
@@ -145,7 +186,10 @@ impl Session {
         recorded: [Vec<Vec3>; 2],
         placement: Placement,
     ) -> Result<(u32, Placement, u32), DriverError> {
-        let (windows, nodes, exit) = self.wanted.take().ok_or(DriverError::Misfit)?;
+        if self.wanted.as_ref().is_some_and(|wanted| wanted.aimed.is_none()) {
+            self.aim(&recorded)?;
+        }
+        let Wanted { windows, nodes, exit, .. } = self.wanted.take().ok_or(DriverError::Misfit)?;
         let (actor, clip) = self.ready()?;
         let clip = clip.as_ref().ok_or(DriverError::Misfit)?;
         let performance = Performance::begin((actor, clip), windows, recorded, (nodes, exit), placement)?;

@@ -16,6 +16,7 @@ use drive::{Driven, Mapping, MappingFile, body, retarget};
 use driver::error::DriverError;
 use driver::perform::Performed;
 use driver::session::Session;
+use driving::Aim;
 use editing::{Rig, StoredRig};
 use editor::scene::{Known, words};
 use fixtures::squat;
@@ -147,6 +148,70 @@ impl Actor {
         assert_eq!(frames.len(), length as usize);
         (to, home, frames)
     }
+}
+
+/// What `Session::aim` asks of the builder's code, and the poses of both windows.
+fn aimed(actor: &Actor, session: &mut Session, native: &Driven, from: u32) -> (Vec<Aim>, [Vec<Vec3>; 2]) {
+    let windows = session.prepare(from, actor.poses.frame(from)).unwrap();
+    let recorded = windows.map(|window| {
+        (window.first..window.first + window.count).flat_map(|f| actor.poses.frame(f)).copied().collect()
+    });
+    let body = body(&actor.rig, &actor.poses).unwrap();
+    let motions = driving::plant::bones(&body, &native.planted);
+    let mut inwards = false;
+    let aims = session.keys().unwrap().map(|[of_recorded, of_clip]| {
+        inwards = !inwards;
+        let wanted = body.rig.fit(actor.poses.frame(of_recorded));
+        Aim::new(&body, [&wanted, &motions[of_clip as usize]], (of_clip as usize, FPS), inwards)
+    });
+    let mut aims = aims.to_vec();
+    let between = aims[1].frame - aims[0].frame;
+    aims.iter_mut().for_each(|aim| aim.fades = aim.fades.min(between));
+    (aims, recorded)
+}
+
+#[test]
+fn a_clips_ends_are_edited_towards_the_recording_as_the_builder_edits_them() {
+    let actor = &*ACTOR;
+    let mut session = actor.session();
+    let clip = squat();
+    session.begin(&[("squat.bvh", clip.as_bytes())]).unwrap();
+    let native = actor.native(&clip);
+    let body = body(&actor.rig, &actor.poses).unwrap();
+    for from in [10, 40] {
+        let (aims, recorded) = aimed(actor, &mut session, &native, from);
+        let apart = session.aim(&recorded).unwrap();
+        assert!(apart.iter().all(|[driven, edited]| edited < driven), "{apart:?}");
+        assert!(apart[0][1] < 0.8 * apart[0][0], "{apart:?}");
+        // To the bit, and nothing but what the edits reach.
+        let (planted, poses) = native.towards(&aims, &body, (&actor.topology, None)).unwrap();
+        assert!((0..poses.len()).all(|frame| session.make(frame).unwrap() == poses[frame]));
+        assert!((0..poses.len()).any(|frame| poses[frame] != native.poses[frame]));
+        let faded = aims[0].frame + aims[0].fades..aims[1].frame.saturating_sub(aims[1].fades);
+        let far = |frame: &usize| faded.clone().nth(10).is_some_and(|first| *frame >= first && frame + 10 < faded.end);
+        assert!(
+            (0..poses.len())
+                .filter(far)
+                .all(|frame| planted.frames[frame].pose.turns[0] == native.planted.frames[frame].pose.turns[0])
+        );
+        // Soles that stand are as near to the floor as before, and stay where they are.
+        let soles = |poses: &[Vec<Vec3>], planted| {
+            drive::measure::measure(&body, &actor.topology, &actor.poses, poses, planted)
+        };
+        let (before, after) = (soles(&native.poses, &native.planted), soles(&poses, &planted));
+        assert!(after.sole_off_mm[0] < before.sole_off_mm[0] + 0.5 && after.slide_mm[0] < 0.1, "{after:?}");
+        // An edit is good for a frame or two later, and none for one farther away.
+        session.prepare(from + 2, actor.poses.frame(from + 2)).unwrap();
+        assert!((0..poses.len()).all(|frame| session.make(frame).unwrap() == poses[frame]));
+        while session.make_ahead().unwrap() {}
+        // As it was driven, it is the builder's as it was driven.
+        session.as_driven = true;
+        let (_, recorded) = aimed(actor, &mut session, &native, from + 30);
+        assert!(session.aim(&recorded).unwrap().is_empty());
+        assert!((0..poses.len()).all(|frame| session.make(frame).unwrap() == native.poses[frame]));
+        session.as_driven = false;
+    }
+    assert!(session.aim(&[Vec::new(), Vec::new()]).is_err(), "poses that do not fit");
 }
 
 fn largest_step(a: &[Vec3], b: &[Vec3]) -> f32 {

@@ -13,6 +13,12 @@ const SLICE = 6;
 const REST = 4;
 /** Frames that wait to be shown at most: others are made when these have been shown. */
 const AHEAD = 60;
+/** The actor leaves for a clip so many seconds later, so often at most, and so many frames after that at most: `LATE` of the driver. */
+const AHEAD_SECONDS = 0.5;
+const ROUNDS = 3;
+const LATE = 3;
+/** Nobody waits for more frames than these. */
+const MOST_LEFT = 400;
 /** Files of more bytes are no clips for a page. */
 const MOST_BYTES = 64 << 20;
 
@@ -164,23 +170,16 @@ export class DriveDriver {
   async perform(clip, going) {
     const { core, director } = this.box;
     const { player, driver } = this;
-    // What the blends need is made while the actor goes on.
-    const here = Math.floor(director.state.frame);
-    driver.prepare(here, player.pose_of(here));
-    await this.inSlices(going, () => driver.make_ahead());
+    let apart = await this.approach(going);
     while (director.state.transition && player.playing()) {
       await rest(16);
       going();
     }
     if (director.state.transition) director.tell('seek', Math.floor(director.state.frame));
     const [frame, ...place] = player.leaves();
-    const poses = ([first, count]) => {
-      const { cyclic, first: begin, count: all } = director.timeline.sequenceOf(first);
-      const at = (step) => (cyclic ? begin + ((first - begin + step) % all) : first + step);
-      return concat(Array.from({ length: count }, (_, step) => player.pose_of(at(step))));
-    };
-    const windows = driver.prepare(frame, player.pose_of(frame));
-    const [home, heading, x, z, count] = driver.perform(poses(windows.slice(0, 2)), poses(windows.slice(2)), ...place);
+    const poses = this.windows(frame);
+    apart ??= driver.aim(...poses);
+    const [home, heading, x, z, count] = driver.perform(...poses, ...place);
     core.queue.clear();
     this.box.left();
     director.tell('expect', home, heading, x, z, count);
@@ -188,8 +187,63 @@ export class DriveDriver {
     this.performed = { clip, home, count };
     core.view.score.setFlag(null);
     core.say(`performs ${clip.name}, then goes on`, 'going');
-    core.dispatch('drivestart', { name: clip.name, frames: clip.frames });
+    core.dispatch('drivestart', { name: clip.name, frames: clip.frames, apart: [[...apart.slice(0, 2)], [...apart.slice(2)]] });
     core.redraw();
+  }
+
+  /** The recorded poses of both blends, where the actor leaves from `frame`. */
+  windows(frame) {
+    const { player, driver } = this;
+    const windows = driver.prepare(frame, player.pose_of(frame));
+    const poses = ([first, count]) => concat(Array.from({ length: count }, (_, step) => player.pose_of(this.after(first, step))));
+    return [poses(windows.slice(0, 2)), poses(windows.slice(2))];
+  }
+
+  /** The frame so many steps after another, at most the last one of its sequence. */
+  after(frame, steps) {
+    const { cyclic, first, count } = this.box.director.timeline.sequenceOf(frame);
+    const at = frame - first + steps;
+    return first + (cyclic ? at % count : Math.min(at, count - 1));
+  }
+
+  /**
+   * Edits the clip's ends towards where the actor will be in a moment, makes what the blends need while the actor goes on, and waits until it
+   * is there: some times, where it goes elsewhere meanwhile, each from a little farther ahead. How far apart the ends are; nothing where
+   * the actor never came there.
+   */
+  async approach(going) {
+    const { director } = this.box;
+    const { player, driver } = this;
+    for (let round = 1; round <= ROUNDS; round += 1) {
+      const { frame, transition } = director.state;
+      const here = Math.floor(frame);
+      const goes = player.playing() && !transition;
+      const to = goes ? this.after(here, Math.ceil(AHEAD_SECONDS * round * director.timeline.fps)) : player.leaves()[0];
+      const apart = driver.aim(...this.windows(to));
+      await this.inSlices(going, () => driver.make_ahead());
+      if (await this.comes(to, going)) return apart;
+    }
+    return undefined;
+  }
+
+  /** Waits while the actor is on its way to a frame; whether it is there, or has just passed it. */
+  async comes(to, going) {
+    const { director } = this.box;
+    const { player } = this;
+    for (let least = Infinity; ; ) {
+      const { frame, transition } = director.state;
+      const here = Math.floor(frame);
+      if (transition) {
+        if (!player.playing() || player.leaves()[0] !== to) return false;
+      } else {
+        if (Array.from({ length: LATE + 1 }, (_, late) => this.after(to, late)).includes(here)) return true;
+        const left = Array.from({ length: MOST_LEFT }, (_, steps) => this.after(here, steps)).indexOf(to);
+        if (left < 0 || left > least || !player.playing()) return false;
+        least = left;
+      }
+      await rest();
+      going();
+    }
   }
 
   /** Makes the frames of the performance, some ahead of those that are shown; ends early where the actor is gone. */

@@ -11,7 +11,7 @@ use drive::measure::measure;
 use drive::retarget::Driven;
 use drive::{Body, Mapping, MappingFile, Measures, Role, retarget};
 use job::{Job, Progress};
-use reprise::hybrid::{EndReport, Hybrid, HybridError, WayReport, join};
+use reprise::hybrid::{DrivenFrames, EditedBy, EndReport, Hybrid, HybridError, WayReport, join};
 use reprise::pack::PackOptions;
 use serde::Serialize;
 
@@ -160,12 +160,16 @@ fn joined(
 ) -> Result<Vec<EndReport>, Failure> {
     let Origin::Capture(imported) = &actor.origin else { return Ok(Vec::new()) };
     let report = |step: Progress| terminal.progress(step);
-    let joined = join(&imported.capture, &body.rig, (name, &driven.poses), &Job::new(&report));
-    let Hybrid { poses, ends } = joined.map_err(|error| match error {
+    let mesh = (&actor.topology, actor.order.as_deref());
+    let remade = |aims: &[_]| driven.towards(aims, body, mesh).ok().map(|(_, poses)| poses);
+    let frames = DrivenFrames { name, body, poses: &driven.poses, remade: &remade };
+    let joined = join(&imported.capture, frames, &Job::new(&report));
+    let Hybrid { poses, ends, aims } = joined.map_err(|error| match error {
         HybridError::Stopped(_) => Failure::StoppedReading,
         error => input(error),
     })?;
     driven.poses = poses;
+    driven.planted = driven.free.planted(body, &aims);
     driven.measures = measure(body, &actor.topology, &actor.poses, &driven.poses, &driven.planted);
     for end in &ends {
         terminal.log(&said(end));
@@ -183,7 +187,10 @@ fn said(end: &EndReport) -> String {
     let (name, sequence) = (if end.inwards { "in from" } else { "out to" }, &end.sequence);
     let before = format!("best way {name} {sequence}, frame {}: {}", end.before.frames[0], way(&end.before));
     match &end.after {
-        Some(after) => format!("{before}\n  with {} frames edited: {}", end.changed, way(after)),
+        Some(after) => {
+            let by = if end.by == Some(EditedBy::Bones) { "by their bones" } else { "on their surface" };
+            format!("{before}\n  with {} frames edited {by}: {}", end.changed, way(after))
+        }
         None => format!("{before}; an edit would not make it cheaper"),
     }
 }

@@ -10,9 +10,10 @@ use rig::{RigOptions, SpaceOptions, estimate, learn_space};
 
 use super::basis::{Basis, aligned, apart};
 use super::shape::{stretch, tall};
+use super::strip::{CLAY, EDITED, RECORDED, Shown, strip};
 use super::surface::Surface;
 use crate::EvaluateError;
-use crate::document::{Cell, Table};
+use crate::document::{Cell, Picture, Table};
 
 /// Modes of the whole body, and of each of its parts (the paper's option).
 const MODES: usize = 48;
@@ -32,6 +33,8 @@ const EACH: usize = 4;
 /// Patches, and how far they reach, as a share of the body's height.
 const PATCHES: usize = 6;
 const PATCH: f32 = 0.03;
+/// Tasks of the picture.
+const SHOWN: usize = 3;
 
 /// The methods, in the order of their rows.
 pub const METHODS: [&str; 8] = [
@@ -63,6 +66,8 @@ pub struct HeldOut {
     /// By [`METHODS`].
     pub off: Vec<f64>,
     pub tasks: usize,
+    /// Some of the tasks, where there are any.
+    pub picture: Option<Picture>,
 }
 
 /// A frame that is wanted, of a sequence that is held out.
@@ -78,12 +83,15 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
     let tasks = tasks(capture);
     let mut found: Vec<Found> = METHODS.iter().map(|_| Found::default()).collect();
     let mut priors = [const { Vec::new() }; LAMBDAS.len()];
-    let mut rows = Vec::new();
+    let (mut rows, mut shown) = (Vec::new(), Vec::new());
     let mut deformer = Deformer::new(&capture.topology, None)?;
     for (k, task) in tasks.iter().enumerate() {
         job.tell("held-out edits", k as u64, tasks.len() as u64)?;
         let name = &capture.timeline.sequences()[task.sequence].name;
-        let one = Scene::new(capture, &mut deformer, task).run(&mut deformer, &mut priors)?;
+        let (one, poses) = Scene::new(capture, &mut deformer, task).run(&mut deformer, &mut priors)?;
+        if k.is_multiple_of(tasks.len().div_ceil(SHOWN).max(1)) {
+            shown.push(poses);
+        }
         let mut row: Vec<Cell> = vec![name.as_str().into(), Cell::Count(task.frame.into())];
         for (all, measured) in found.iter_mut().zip(&one) {
             row.push(measured.map_or(Cell::Empty, |(off, _)| Cell::Number(off, 1)));
@@ -128,7 +136,20 @@ pub fn held_out(capture: &Capture, job: &Job) -> Result<HeldOut, EvaluateError> 
         prior.rows.push(std::iter::once(format!("{lambda}").into()).chain(both(off)).collect());
     }
     prior.rows.push(std::iter::once("as rigid as possible".into()).chain(both(&found[RIGID].off)).collect());
-    Ok(HeldOut { tables: vec![table, each, prior], off, tasks: tasks.len() })
+    let picture = if shown.is_empty() { None } else { Some(picture(capture, &shown)?) };
+    Ok(HeldOut { tables: vec![table, each, prior], off, tasks: tasks.len(), picture })
+}
+
+/// Figure 2: some tasks, method beside method.
+fn picture(capture: &Capture, shown: &[Vec<Vec<Vec3>>]) -> Result<Picture, EvaluateError> {
+    let colours = [RECORDED, CLAY, CLAY, EDITED, EDITED, RECORDED];
+    let row =
+        |poses: &Vec<Vec<Vec3>>| poses.iter().zip(colours).map(|(pose, colour)| Shown::plain(pose, colour)).collect();
+    let rows: Vec<Vec<Shown>> = shown.iter().map(row).collect();
+    let caption = "Fig. 2: held-out reconstruction; the frame that is edited (blue), its patches put where the wanted frame has them: Laplacian, as \
+                   rigid as possible, learned (the product\u{2019}s), rig; and the wanted frame (blue)";
+    let floor = shown.iter().flatten().flatten().map(|point| point.y).fold(f32::INFINITY, f32::min);
+    strip(capture.topology.triangles(), capture.topology.weights(), &rows, (0.4, floor), caption.into())
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {
@@ -162,6 +183,9 @@ fn tasks(capture: &Capture) -> Vec<Task> {
     }
     tasks
 }
+
+/// What the methods came to in one task, and the poses that are shown of it.
+type Ran = (Vec<Option<(f64, f64)>>, Vec<Vec<Vec3>>);
 
 /// A task with what its methods need.
 struct Scene<'a> {
@@ -215,12 +239,8 @@ impl<'a> Scene<'a> {
         Self { capture, reference, wanted, others, learned, rig, patches, part, free }
     }
 
-    /// By method how far the free vertices are off, in millimetres, and the stretch of edges, in percent.
-    fn run(
-        &self,
-        deformer: &mut Deformer,
-        priors: &mut [Vec<f64>; LAMBDAS.len()],
-    ) -> Result<Vec<Option<(f64, f64)>>, EvaluateError> {
+    /// By method how far the free vertices are off, in millimetres, and the stretch of edges, in percent; and the poses of the picture.
+    fn run(&self, deformer: &mut Deformer, priors: &mut [Vec<f64>; LAMBDAS.len()]) -> Result<Ran, EvaluateError> {
         let mut held: Vec<u32> = self.patches.iter().flatten().copied().collect();
         held.sort_unstable();
         held.dedup();
@@ -233,9 +253,12 @@ impl<'a> Scene<'a> {
         for (lambda, prior) in LAMBDAS.iter().zip(priors) {
             prior.extend(self.by_product(space.as_ref(), Some(*lambda)).map(|pose| self.measure(&pose).0));
         }
-        measured.push(self.by_product(space.as_ref(), None).map(|pose| self.measure(&pose)));
-        measured.push(self.by_rig().map(|pose| self.measure(&pose)));
-        Ok(measured)
+        let last = [self.by_product(space.as_ref(), None), self.by_rig()];
+        measured.extend(last.iter().map(measure));
+        let or_edited = |pose: Option<Vec<Vec3>>| pose.unwrap_or_else(|| self.reference.clone());
+        let [product, rig] = last.map(or_edited);
+        let [laplacian, rigid] = [1, RIGID].map(|k| or_edited(found[k].take()));
+        Ok((measured, vec![self.reference.clone(), laplacian, rigid, product, rig, self.wanted.clone()]))
     }
 
     /// The learned methods that are here alone; nothing where they would take too long.

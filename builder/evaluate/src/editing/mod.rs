@@ -4,18 +4,23 @@
 mod basis;
 mod driven;
 mod held_out;
+mod joined;
 mod joints;
 mod propagated;
 mod shape;
+mod skinned;
+mod strip;
 mod surface;
+mod times;
 
 use job::Job;
 use rig::{RigOptions, estimate};
 
-use self::driven::driven;
+use self::driven::{Clips, driven};
 use self::held_out::{HeldOut, PRODUCT, RIGID, held_out};
 use self::joints::against_truth;
 use self::propagated::{Propagated, propagated};
+use self::times::times;
 use super::EvaluateError;
 use super::document::{Agreement, SectionReport, Verdict};
 use super::subject::Subject;
@@ -41,8 +46,9 @@ pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateEr
     if capture.timeline.sequences().len() < 2 {
         section.text.push("Held-out reconstruction is missing: there is one sequence alone.".into());
     } else {
-        let HeldOut { tables, off, tasks } = held_out(capture, job)?;
+        let HeldOut { tables, off, tasks, picture } = held_out(capture, job)?;
         section.tables.extend(tables);
+        section.pictures.extend(picture);
         let ratio = off[PRODUCT] / off[RIGID];
         section.agreements.push(agreement(
             "Mark: learned is never above 1.1 times as rigid as possible",
@@ -56,7 +62,8 @@ pub fn section(subject: &Subject, job: &Job) -> Result<SectionReport, EvaluateEr
         Err(error) => section.text.push(format!("Propagation, joints and driven sequences are missing: {error}.")),
     }
     section.text.push(
-        "Missing: linear blend skinning beside driven sequences; the paper\u{2019}s Table I and pictures of its figures. The table of families is section 12."
+        "Missing: the paper\u{2019}s Figs. 3, 12, 13, 15 and 16 (a horse, a platform, cones). The table of families and their pictures (Figs. 7 and 8) \
+         are section 12."
             .into(),
     );
     Ok(section)
@@ -70,8 +77,10 @@ fn with_rig(
     job: &Job,
 ) -> Result<(), EvaluateError> {
     let capture = &subject.capture;
-    let Propagated { table, notes, nonlinear } = propagated(capture, rig, job)?;
+    let Propagated { table, notes, nonlinear, picture } = propagated(capture, rig, job)?;
     section.tables.push(table);
+    section.tables.push(times(capture, rig, job)?);
+    section.pictures.push(picture);
     section.text.extend(notes);
     if let Some([volume, limbs, slide]) = nonlinear {
         let holds = volume <= PROPAGATED[0] && (limbs.is_nan() || limbs <= PROPAGATED[1]) && slide <= PROPAGATED[2];
@@ -94,8 +103,9 @@ fn with_rig(
         section.text.push("Driven sequences are missing: no clip was given (--clips).".into());
         return Ok(());
     }
-    let (table, notes) = driven(capture, rig, &subject.options.clips, job)?;
-    section.tables.push(table);
+    let Clips { tables, pictures, notes } = driven(capture, rig, &subject.options.clips, job)?;
+    section.tables.extend(tables);
+    section.pictures.extend(pictures);
     section.text.extend(notes);
     Ok(())
 }

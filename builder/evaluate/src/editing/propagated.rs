@@ -10,13 +10,16 @@ use kernels::align::centre_of_mass;
 use serde_json::json;
 
 use super::shape::{Limbs, stretch, tall, volume};
+use super::strip::{EDITED, RECORDED, Shown, strip};
 use crate::EvaluateError;
-use crate::document::{Cell, Table};
+use crate::document::{Cell, Picture, Table};
 
 /// How far the hand is raised, as a share of the body's height.
 const RAISED: f32 = 0.35;
 /// Seconds to both sides that the edit reaches.
 const WINDOW: f32 = 0.28;
+/// Frames of the picture.
+const SHOWN: usize = 8;
 
 /// The table, and of the non-linear way the volume's and the limbs' largest change and how much more feet slide, in millimetres.
 pub struct Propagated {
@@ -24,6 +27,8 @@ pub struct Propagated {
     /// What is not as it was wanted, in sentences.
     pub notes: Vec<String>,
     pub nonlinear: Option<[f64; 3]>,
+    /// The frames around, as recorded and by each way.
+    pub picture: Picture,
 }
 
 /// Makes the table.
@@ -51,18 +56,35 @@ pub fn propagated(capture: &Capture, rig: &Rig, job: &Job) -> Result<Propagated,
     );
     let mut table = Table::new("editing_propagation", caption, &columns);
     let (mut notes, mut nonlinear) = (Vec::new(), None);
+    let shown: Vec<u32> =
+        (0..SHOWN as u32).map(|k| window[0] + (window[1] - window[0]) * k / (SHOWN as u32 - 1)).collect();
+    let mut rows =
+        vec![shown.iter().map(|&frame| Shown::plain(capture.poses.frame(frame), RECORDED)).collect::<Vec<_>>()];
     for (way, words) in
         [("nonlinear", "non-linear"), ("linear", "linear"), ("constraint", "interpolation of constraints")]
     {
         job.begin("propagation")?;
-        let (row, marks, told) = one(capture, rig, (hand, key, window), (way, words))?;
+        let (row, marks, told, made) = one(capture, rig, (hand, key, window), (way, words))?;
+        rows.push(
+            shown
+                .iter()
+                .filter_map(|&frame| Some(Shown::plain(made.get((frame - window[0]) as usize)?, EDITED)))
+                .collect(),
+        );
         notes.extend(told.into_iter().map(|note| format!("{words}: {note}")));
         table.rows.push(row);
         if way == "nonlinear" {
             nonlinear = Some(marks);
         }
     }
-    Ok(Propagated { table, notes, nonlinear })
+    let caption = format!(
+        "Figs. 4 to 6: a hand raised in {name}, frames {} to {}; rows: recorded (blue), non-linear, linear, interpolation of constraints",
+        window[0], window[1]
+    );
+    let floor = capture.poses.frame(key).iter().map(|point| point.y).fold(f32::INFINITY, f32::min);
+    let Capture { topology, .. } = capture;
+    let picture = strip(topology.triangles(), topology.weights(), &rows, (0.6, floor), caption)?;
+    Ok(Propagated { table, notes, nonlinear, picture })
 }
 
 /// The hand, the frame in which it is raised, and the window: the middle of a walk, or of the sequence that leads farthest.
@@ -81,7 +103,7 @@ fn task(capture: &Capture, rig: &Rig) -> (u32, u32, [u32; 2]) {
 }
 
 /// Of a human's left forearm the vertex that is farthest from the elbow; else what is farthest from the root.
-fn hand(rig: &Rig, pose: &[Vec3]) -> u32 {
+pub fn hand(rig: &Rig, pose: &[Vec3]) -> u32 {
     let joints = rig.joints(&rig.fit(pose));
     let forearm = rig.bones().iter().position(|bone| bone.name == "forearm_l");
     let joint = joints[forearm.unwrap_or(0)];
@@ -92,7 +114,7 @@ fn hand(rig: &Rig, pose: &[Vec3]) -> u32 {
     own.reduce(farther).unwrap_or(0)
 }
 
-type Row = (Vec<Cell>, [f64; 3], Vec<String>);
+type Row = (Vec<Cell>, [f64; 3], Vec<String>, Vec<Vec<Vec3>>);
 
 fn one(
     capture: &Capture,
@@ -103,7 +125,7 @@ fn one(
     let Capture { topology, timeline, poses, .. } = capture;
     let feet = pipeline::feet::feet(topology, timeline, poses);
     let recorded = |frame: u32| poses.frame(frame);
-    let Some(sequence) = timeline.sequence_of(key) else { return Ok((Vec::new(), [0.0; 3], Vec::new())) };
+    let Some(sequence) = timeline.sequence_of(key) else { return Ok((Vec::new(), [0.0; 3], Vec::new(), Vec::new())) };
     let local = |frame: u32| i64::from(frame) - i64::from(sequence.first_frame);
     let to = recorded(key)[hand as usize] + Vec3::Y * RAISED * tall(recorded(key));
     let document = json!({"version": 1, "edits": [{
@@ -176,5 +198,5 @@ fn one(
         Cell::Number(1e3 * mean(&bends), 1),
     ];
     let off = 100.0 * (most(&volumes) - 1.0).max(1.0 - least(&volumes));
-    Ok((row, [off, limbs, slides[1] - slides[0]], notes))
+    Ok((row, [off, limbs, slides[1] - slides[0]], notes, made))
 }

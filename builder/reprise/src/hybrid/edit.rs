@@ -9,9 +9,12 @@ use editing::PreparedError;
 use editing::soles::sole;
 use editing::{Edit, EditDocument, EditedPoses, Editor, Handle, Method, Pins, Propagation, Rig, Scope};
 use glam::Vec3;
+use pipeline::feet::feet;
 
+use super::error::HybridError;
 use super::places::laid;
 use super::seam::Way;
+use super::tried::{EditedBy, Tried};
 
 /// Handles of each bone at most: enough to say where it is.
 const HANDLES: usize = 5;
@@ -26,14 +29,22 @@ const LONGEST: f32 = 1.6;
 const SPREAD: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
 
 /// An edit of the last sequence, and the frames that it reaches, over the whole capture.
-pub(super) struct Towards {
-    pub document: EditDocument,
-    pub frames: Range<u32>,
+struct Towards {
+    document: EditDocument,
+    frames: Range<u32>,
+}
+
+/// The driven frame in the middle of `way` as the recorded one that it is blended with, by the rig.
+pub(super) fn by_surface(both: &Capture, rig: &Rig, way: &Way, inwards: bool) -> Result<Tried, HybridError> {
+    let standing = feet(&both.topology, &both.timeline, &both.poses);
+    let Towards { document, frames } = towards(both, (rig, &standing), way, inwards);
+    let poses = edited(both, (rig, &standing), document, frames.clone())?;
+    Ok(Tried { first: frames.start, poses, by: EditedBy::Surface, aim: None })
 }
 
 /// The edit that takes the driven frame in the middle of `way` to the recorded one. Legs that stand there stay as they are, but for
 /// what the body above asks of them.
-pub(super) fn towards(both: &Capture, (rig, feet): (&Rig, &Feet), way: &Way, inwards: bool) -> Towards {
+fn towards(both: &Capture, (rig, feet): (&Rig, &Feet), way: &Way, inwards: bool) -> Towards {
     let [source, destination] = way.middle();
     let (recorded, key) = if inwards { (source, destination) } else { (destination, source) };
     let own = both.timeline.sequences().last();
@@ -97,7 +108,7 @@ fn handles(rig: &Rig, pose: &[Vec3], but: &[u32]) -> Vec<u32> {
 }
 
 /// These frames of `both` with the edits of `document`.
-pub(super) fn edited(
+fn edited(
     both: &Capture,
     (rig, feet): (&Rig, &Feet),
     document: EditDocument,

@@ -3,27 +3,34 @@
 //!
 //! Tejera, Casas and Hilton (2013), V-B and V-C. What differs: places are told by what a transition costs in the graph, from the best
 //! matches by the paper's measure on; what is edited is the frame in the middle of the transition, towards the recorded frame that is blended
-//! with it, and by the rig, whose rotations fade over a window. An edit that does not make the way cheaper is not kept.
+//! with it: the clip's bones before feet are planted (`driving::towards`, as the page does), and the surface by the rig, whose rotations
+//! fade over a window. Of these the one that makes the way cheaper is kept; none where neither does.
 
+mod bones;
 mod edit;
 mod error;
 mod places;
 mod seam;
+mod tried;
+
+use std::ops::Range;
 
 use actor::capture::{Capture, Poses};
 use actor::graph::DEFAULT_ALPHA;
 use actor::timeline::{Sequence, Timeline};
-use editing::Rig;
+use driving::Aim;
 use glam::Vec3;
 use job::Job;
-use pipeline::feet::feet;
 use serde::Serialize;
 
 pub use self::error::HybridError;
+pub use self::tried::{DrivenFrames, EditedBy, Remake};
 
-use self::edit::{Towards, edited, towards};
+use self::bones::by_bones;
+use self::edit::by_surface;
 use self::places::places;
 use self::seam::{Way, best_way};
+use self::tried::Tried;
 
 /// Seconds of the recording around a place, and of the driven sequence from its end, that ways are looked for in.
 const AROUND: f32 = 1.2;
@@ -56,6 +63,8 @@ pub struct EndReport {
     pub before: WayReport,
     /// The best way once they are edited; nothing where an edit would not make it cheaper.
     pub after: Option<WayReport>,
+    /// What they are edited by.
+    pub by: Option<EditedBy>,
     /// How many frames of the driven sequence were changed.
     pub changed: u32,
 }
@@ -67,29 +76,39 @@ pub struct Hybrid {
     pub poses: Vec<Vec<Vec3>>,
     /// Its ends, where there is a way at all.
     pub ends: Vec<EndReport>,
+    /// The edits of the clip's bones that its frames have.
+    pub aims: Vec<Aim>,
 }
 
-/// Joins `driven`, frames that are called `name`, to the recording `capture`, whose bones are those of `rig`.
+/// Joins driven frames to the recording `capture`.
 ///
 /// # Errors
 /// Frames of another mesh; what cannot be measured; being stopped.
-pub fn join(
-    capture: &Capture,
-    rig: &Rig,
-    (name, driven): (&str, &[Vec<Vec3>]),
-    job: &Job,
-) -> Result<Hybrid, HybridError> {
-    let mut both = beside(capture, name, driven)?;
+pub fn join(capture: &Capture, driven: DrivenFrames<'_>, job: &Job) -> Result<Hybrid, HybridError> {
+    let mut joined =
+        Joining { both: beside(capture, driven.name, driven.poses)?, driven, aims: Vec::new(), solved: 0..0 };
     let mut ends = Vec::new();
     for inwards in [true, false] {
         job.begin(if inwards { "the way in" } else { "the way out" })?;
-        if let Some(report) = join_end(&mut both, rig, inwards, job)? {
+        if let Some(report) = joined.end(inwards, job)? {
             ends.push(report);
         }
     }
+    let Joining { both, aims, .. } = joined;
     let first = capture.timeline.frame_count();
     let poses = (first..both.timeline.frame_count()).map(|frame| both.poses.frame(frame).to_vec()).collect();
-    Ok(Hybrid { poses, ends })
+    Ok(Hybrid { poses, ends, aims })
+}
+
+/// A driven sequence that is being joined.
+struct Joining<'a> {
+    /// The recording, and the driven frames as its last sequence.
+    both: Capture,
+    driven: DrivenFrames<'a>,
+    /// Edits of bones that are kept.
+    aims: Vec<Aim>,
+    /// Frames of the whole capture whose surface was edited.
+    solved: Range<u32>,
 }
 
 /// `capture` with one sequence more, the last one.
@@ -120,45 +139,65 @@ fn beside(capture: &Capture, name: &str, driven: &[Vec<Vec3>]) -> Result<Capture
         .map_err(|error| misfit(&error))
 }
 
-/// One end of the last sequence of `both`.
-fn join_end(both: &mut Capture, rig: &Rig, inwards: bool, job: &Job) -> Result<Option<EndReport>, HybridError> {
+impl Joining<'_> {
+    /// One end of the driven sequence.
+    fn end(&mut self, inwards: bool, job: &Job) -> Result<Option<EndReport>, HybridError> {
+        let Some(before) = best_place(&self.both, inwards, job)? else { return Ok(None) };
+        let recorded = if inwards { before.from } else { before.to };
+        let Some(sequence) = self.both.timeline.sequence_of(recorded).cloned() else { return Ok(None) };
+        let driven = self.both.timeline.sequences().last().map_or(0, |own| own.first_frame);
+        let said = |way: &Way| {
+            let [recorded, of_driven] = if inwards { [way.from, way.to] } else { [way.to, way.from] };
+            WayReport {
+                frames: [recorded - sequence.first_frame, of_driven - driven],
+                cost: way.cost.cost(DEFAULT_ALPHA),
+                duration: way.cost.duration,
+                apart_mm: way.apart_mm,
+                acceleration: way.acceleration,
+            }
+        };
+        let kept = self.both.poses.clone();
+        let mut best: Option<(Way, Tried)> = None;
+        let solved = by_surface(&self.both, &self.driven.body.rig, &before, inwards)?;
+        let turned = by_bones(&self.both, self.driven, (&self.aims, &self.solved), &before, inwards);
+        for tried in turned.into_iter().chain([solved]) {
+            replace(&mut self.both, tried.first, &tried.poses);
+            let way = best_way(&self.both, before.recorded.clone(), before.driven.clone(), inwards, job)?;
+            self.both.poses = kept.clone();
+            let least = best.as_ref().map_or(&before, |(way, _)| way).cost.cost(DEFAULT_ALPHA);
+            if let Some(way) = way.filter(|way| way.cost.cost(DEFAULT_ALPHA) < least) {
+                best = Some((way, tried));
+            }
+        }
+        let changed = best.as_ref().map_or(0, |(_, tried)| tried.poses.len() as u32);
+        let (by, after) = (best.as_ref().map(|(_, tried)| tried.by), best.as_ref().map(|(way, _)| said(way)));
+        if let Some((_, tried)) = best {
+            self.keep(tried);
+        }
+        Ok(Some(EndReport { inwards, before: said(&before), sequence: sequence.name, after, by, changed }))
+    }
+
+    fn keep(&mut self, tried: Tried) {
+        replace(&mut self.both, tried.first, &tried.poses);
+        match tried.aim {
+            Some(aim) => self.aims.push(aim),
+            None => self.solved = tried.first..tried.first + tried.poses.len() as u32,
+        }
+    }
+}
+
+/// The cheapest way between the recording and one end of the last sequence of `both`, of those around the places that match best.
+fn best_place(both: &Capture, inwards: bool, job: &Job) -> Result<Option<Way>, HybridError> {
     let around = (AROUND * both.timeline.fps()).ceil() as u32;
+    let cost = |way: &Way| way.cost.cost(DEFAULT_ALPHA);
     let mut found: Option<Way> = None;
     for place in places(both, inwards) {
         let way = best_way(both, place.stretch(both, around), place.of_driven(both, around), inwards, job)?;
-        let cost = |way: &Way| way.cost.cost(DEFAULT_ALPHA);
         if let Some(way) = way.filter(|way| found.as_ref().is_none_or(|best| cost(way) < cost(best))) {
             found = Some(way);
         }
     }
-    let Some(before) = found else { return Ok(None) };
-    let recorded = if inwards { before.from } else { before.to };
-    let Some(sequence) = both.timeline.sequence_of(recorded).cloned() else { return Ok(None) };
-    let driven = both.timeline.sequences().last().map_or(0, |own| own.first_frame);
-    let said = |way: &Way| {
-        let [recorded, of_driven] = if inwards { [way.from, way.to] } else { [way.to, way.from] };
-        WayReport {
-            frames: [recorded - sequence.first_frame, of_driven - driven],
-            cost: way.cost.cost(DEFAULT_ALPHA),
-            duration: way.cost.duration,
-            apart_mm: way.apart_mm,
-            acceleration: way.acceleration,
-        }
-    };
-    let standing = feet(&both.topology, &both.timeline, &both.poses);
-    let Towards { document, frames } = towards(both, (rig, &standing), &before, inwards);
-    let changed = edited(both, (rig, &standing), document, frames.clone())?;
-    let kept: Vec<Vec<Vec3>> = frames.clone().map(|frame| both.poses.frame(frame).to_vec()).collect();
-    replace(both, frames.start, &changed);
-    let after = best_way(both, before.recorded.clone(), before.driven.clone(), inwards, job)?;
-    let is_cheaper = |way: &Way| way.cost.cost(DEFAULT_ALPHA) < before.cost.cost(DEFAULT_ALPHA);
-    let after = after.filter(is_cheaper);
-    if after.is_none() {
-        replace(both, frames.start, &kept);
-    }
-    let changed = if after.is_some() { changed.len() as u32 } else { 0 };
-    let (before, after) = (said(&before), after.as_ref().map(said));
-    Ok(Some(EndReport { inwards, sequence: sequence.name, before, after, changed }))
+    Ok(found)
 }
 
 /// Puts `poses` in place of the frames of `both` from `first` on.

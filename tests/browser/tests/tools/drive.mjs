@@ -54,8 +54,9 @@ export const tests = {
     const player = await standing(browser);
     await drop(player, [['squat.bvh', await clip()]]);
     await player.until('the performance', () => window.heard.some(({ type }) => type === 'drivestart'));
-    const [{ name, frames }] = await player.heard('drivestart');
+    const [{ name, frames, apart }] = await player.heard('drivestart');
     assert.equal(name, 'squat');
+    for (const [driven, edited] of apart) assert.ok(edited < driven && edited >= 0, JSON.stringify(apart));
     assert.equal(await player.part('.clip .chip').first().textContent(), 'squat');
     await player.until('half of the frames', (element) => element.testing.core.toolbox.kit.drives.slices.frames > 38);
     await player.run((element) => {
@@ -96,6 +97,20 @@ export const tests = {
     assert.equal((await player.heard('driveend')).length, 1);
     await player.part('.clip .chip').nth(1).click();
     assert.equal(await player.part('.clip').count(), 0);
+    await player.close();
+  },
+
+  'an actor that walks goes into a clip from where it will be, without waiting for frames': async (browser) => {
+    const player = await browser.open(WIDE);
+    await player.loaded();
+    await player.run((element, text) => {
+      element.seek(element.info.sequences[1].first + 20);
+      element.play();
+      element.drive(text, { name: 'squat' });
+    }, await clip());
+    await player.until('the performance', () => window.heard.some(({ type }) => type === 'drivestart'));
+    const [{ apart }] = await player.heard('drivestart');
+    assert.ok(apart.flat().length === 4 && apart.every(([driven, edited]) => edited < driven), JSON.stringify(apart));
     await player.close();
   },
 
