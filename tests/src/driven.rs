@@ -39,7 +39,7 @@ pub fn drive(bundle: &[u8], clip: &str) -> Result<Option<Driven>> {
 /// has no rig.
 ///
 /// # Errors
-/// As [`drive`].
+/// As [`drive()`].
 pub fn aimed(bundle: &[u8], clip: &str, from: u32) -> Result<Vec<Vec<Vec3>>> {
     let mut reader = BundleReader::from_bytes(bundle)?;
     let (Some(topology), Some(timeline)) = (reader.topology().cloned(), reader.timeline().cloned()) else {
