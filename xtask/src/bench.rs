@@ -99,7 +99,7 @@ fn page(dist: &Path, figures: &mut Figures) -> Result<()> {
     run("the page", browser::node("bench.mjs", dist)?.env("REPRISE_FIGURES", &found))?;
     let found = read_json(&found)?;
     let mut add = |name: &str, what: &str, unit, mark| figures.add(what, number(&found[name]), unit, mark);
-    add("synthetic_frame", "page: frame of a transition", "ms", Mark::AtMost(6.0, Some(3.0)));
+    add("synthetic_frame", "page: frame of a transition", "ms", Mark::AtMost(4.0, Some(3.0)));
     add("synthetic_frame_first", "page: first frame of a transition", "ms", Mark::None);
     add("synthetic_frame_worst", "page: frame of a transition, slowest", "ms", Mark::None);
     add("plan", "page: cheapest walk", "ms", Mark::AtMost(5.0, Some(1.0)));
