@@ -92,7 +92,7 @@ impl fmt::Display for Lost {
         match self {
             Self::Empty => write!(f, "no surface is left without crumbs"),
             Self::Size(times) => {
-                write!(f, "its surface is {times:.2} times that of most frames (is it in the same unit?)")
+                write!(f, "its surface is {times:.2} times that of most frames (another unit, or noise?)")
             }
             Self::Untracked(Fault::Uncovered, fit) => {
                 write!(f, "the template leaves {:.1} % of it uncovered", 100.0 * fit.uncovered)

@@ -163,7 +163,7 @@ fn a_frame_of_noise_is_lost() {
         }
     })
     .unwrap();
-    assert_lost(&report, 2, "template", "--template-frame");
+    assert_lost(&report, 2, "or noise", "leave it out");
 }
 
 /// One capture with all of it: nothing is lost.
