@@ -15,6 +15,7 @@
 use glam::Vec3;
 
 use crate::timeline::Timeline;
+use kernels::modes;
 use kernels::scalar::sin_cos;
 
 /// Modes at most.
@@ -142,23 +143,19 @@ impl Alternatives {
         let Some(&heading) = stretch.headings.get(between) else { return };
         let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
         let row = self.smooth_row(stretch, between, shares);
-        let own: Vec<(f32, &[[i8; 3]])> = row
+        let own: Vec<(f32, &[i8])> = row
             .iter()
             .zip(&self.modes)
             .filter(|(coefficient, _)| **coefficient != 0.0)
-            .map(|(coefficient, mode)| (coefficient * (COEFFICIENT_STEP / MODE_STEPS), mode.as_slice()))
+            .map(|(coefficient, mode)| (coefficient * (COEFFICIENT_STEP / MODE_STEPS), mode.as_flattened()))
             .collect();
-        if own.is_empty() {
-            return;
-        }
-        for (vertex, place) in pose.iter_mut().enumerate() {
-            let mut moved = Vec3::ZERO;
-            for &(coefficient, mode) in &own {
-                // A bundle's mesh and modes have as many vertices; any other pose is left as far as it goes.
-                let Some(part) = mode.get(vertex) else { return };
-                moved += coefficient * Vec3::from(part.map(f32::from));
-            }
-            *place += Vec3::new(cos * moved.x + sin * moved.z, moved.y, cos * moved.z - sin * moved.x);
+        // A bundle's mesh and modes have as many vertices; any other pose is left as far as it goes.
+        let Some(vertices) = own.first().map(|(_, mode)| pose.len().min(mode.len() / 3)) else { return };
+        let mut sums = vec![0.0; 3 * vertices];
+        modes::sum_up(&own, &mut sums);
+        for (place, moved) in pose.iter_mut().zip(sums.as_chunks::<3>().0) {
+            let [x, y, z] = *moved;
+            *place += Vec3::new(cos * x + sin * z, y, cos * z - sin * x);
         }
     }
 }

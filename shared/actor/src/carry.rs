@@ -11,7 +11,7 @@ pub struct Carried {
     pub triangle: u32,
     /// Barycentric coordinates of the foot: those of the second and third corner.
     pub foot: [f32; 2],
-    /// From the foot to the point in the [frame](Surface::frame) there, metres.
+    /// From the foot to the point in a frame of its triangle there, metres.
     pub offset: [f32; 3],
 }
 

@@ -18,6 +18,7 @@ pub mod gradients;
 pub mod lanes;
 pub mod laplacian;
 pub mod lru;
+pub mod modes;
 pub mod number;
 pub mod poisson;
 pub mod random;

@@ -88,15 +88,26 @@ pub fn sqrt(numbers: Vec4) -> Vec4 {
     four::sqrt(numbers)
 }
 
+/// Whole numbers that are read at once.
+pub const BYTES: usize = 16;
+
+/// Sixteen small whole numbers, in fours.
+#[inline(always)]
+#[must_use]
+pub fn of_bytes(bytes: &[i8; BYTES]) -> [Vec4; 4] {
+    four::of_bytes(bytes)
+}
+
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod four {
     use core::arch::wasm32::{
-        f32x4_convert_i32x4, f32x4_sqrt, i32x4_shr, u32x4_add, u32x4_shl, u32x4_splat, u32x4_sub, v128, v128_and,
+        f32x4_convert_i32x4, f32x4_sqrt, i16x8_extend_high_i8x16, i16x8_extend_low_i8x16, i32x4_extend_high_i16x8,
+        i32x4_extend_low_i16x8, i32x4_shr, i64x2, u32x4_add, u32x4_shl, u32x4_splat, u32x4_sub, v128, v128_and,
     };
 
     use glam::Vec4;
 
-    use super::{BIAS, MANTISSA, MANTISSA_BITS, ROOT_HALF};
+    use super::{BIAS, BYTES, MANTISSA, MANTISSA_BITS, ROOT_HALF};
 
     #[inline(always)]
     pub fn power_of_two(numbers: Vec4) -> Vec4 {
@@ -114,13 +125,27 @@ mod four {
     pub fn sqrt(numbers: Vec4) -> Vec4 {
         f32x4_sqrt(numbers.into()).into()
     }
+
+    #[inline(always)]
+    pub fn of_bytes(bytes: &[i8; BYTES]) -> [Vec4; 4] {
+        let [low, high]: [i64; 2] = bytemuck::pod_read_unaligned(bytemuck::bytes_of(bytes));
+        let all = i64x2(low, high);
+        let (low, high) = (i16x8_extend_low_i8x16(all), i16x8_extend_high_i8x16(all));
+        [
+            i32x4_extend_low_i16x8(low),
+            i32x4_extend_high_i16x8(low),
+            i32x4_extend_low_i16x8(high),
+            i32x4_extend_high_i16x8(high),
+        ]
+        .map(|four| f32x4_convert_i32x4(four).into())
+    }
 }
 
 #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
 mod four {
     use glam::Vec4;
 
-    use super::Number;
+    use super::{BYTES, Number};
 
     #[inline(always)]
     pub fn power_of_two(numbers: Vec4) -> Vec4 {
@@ -136,5 +161,10 @@ mod four {
     #[inline(always)]
     pub fn sqrt(numbers: Vec4) -> Vec4 {
         numbers.to_array().map(f32::sqrt).into()
+    }
+
+    #[inline(always)]
+    pub fn of_bytes(bytes: &[i8; BYTES]) -> [Vec4; 4] {
+        std::array::from_fn(|four| Vec4::from_array(std::array::from_fn(|at| f32::from(bytes[4 * four + at]))))
     }
 }
