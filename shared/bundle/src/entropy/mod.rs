@@ -2,8 +2,8 @@
 //!
 //! [`binary`] adapts while it codes and serves the sections that are read once, [`mixing`] guesses from several contexts for
 //! those whose bytes count most; [`kernels::codec::rans`] works from tables that are
-//! known beforehand, which is what makes a single frame of geometry quick to decode: it lies among the kernels.
+//! known beforehand, which is what makes a single frame of geometry quick to decode. What decides most lies among the kernels.
 
-pub mod binary;
 pub mod mixing;
-pub mod numbers;
+
+pub use kernels::codec::{binary, numbers};

@@ -1,10 +1,13 @@
-//! The parts of the codecs that run most: for every vertex of every frame that is shown, and for every decision about a mode.
+//! The parts of the codecs that run most: for every vertex of every frame that is shown, and for every decision that
+//! stands in a bundle.
 //!
 //! What they mean is told in the modules `geometry` and `appearance` of the crate `bundle`, which read and write
 //! sections around them.
 
+pub mod binary;
 pub mod frame;
 pub mod mixing;
+pub mod numbers;
 pub mod rans;
 pub mod residual;
 pub mod zigzag;

@@ -1,7 +1,7 @@
 //! Whole numbers as adaptive decisions: how long the number is, its two highest bits, then the rest as it is.
 
 use super::binary::{Bit, Decoder, Encoder};
-use kernels::codec::zigzag::{unzigzag, zigzag};
+use crate::codec::zigzag::{unzigzag, zigzag};
 
 /// What has been learnt about one kind of number from 0 to 2^32 - 2.
 #[derive(Clone, Debug, Default)]
