@@ -142,7 +142,8 @@ export const tests = {
     await player.run((element) => element.seek(25));
     await shows(player, 'scan');
     const shares = await player.run(async (element) => {
-      element.speed = 0.1;
+      // So slowly that a machine which draws in software sees what is between.
+      element.speed = 0.05;
       element.play();
       const seen = [];
       while (element.state.frame < 31) {
@@ -151,9 +152,9 @@ export const tests = {
       }
       return seen;
     });
-    const least = shares.indexOf(0);
+    const least = shares.indexOf(Math.min(...shares));
     const between = [shares.slice(0, least), shares.slice(least)].map((side) => side.filter((share) => share > 0 && share < 0.7).length);
-    assert.ok(least > 0 && Math.min(...between) > 0, shares.join());
+    assert.ok(least > 0 && shares[least] < 0.1 && Math.min(...between) > 0, shares.join());
     await player.close();
   },
 
