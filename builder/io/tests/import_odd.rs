@@ -351,7 +351,6 @@ fn formats_that_are_not_read_are_named_with_a_way_to_go() {
         ("usdz", "USD"),
         ("fbx", "FBX2glTF"),
         ("4ds", "4DViews"),
-        ("vols", "vol2obj"),
         ("mp4", "ffmpeg"),
         ("stl", "Blender"),
         ("zip", "unpack"),

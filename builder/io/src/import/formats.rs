@@ -62,11 +62,6 @@ const MESHES: &[Format] = &[
                4DViews, in parts that keep one mesh",
     },
     Format {
-        endings: &["vols", "vol", "volo"],
-        told: "a sequence of Volograms, which is not read: write every frame as OBJ with its texture, with vol2obj of \
-               Volograms, in parts that keep one mesh",
-    },
-    Format {
         endings: &["splat", "spz", "ksplat", "sog"],
         told: "a cloud of splats without a surface, which is not read: a tracked mesh is needed",
     },
@@ -161,7 +156,10 @@ mod tests {
         endings.dedup();
         assert_eq!(endings.len(), count);
         let others = if cfg!(feature = "gltf") { &["drc"][..] } else { &[] };
-        let read = ["obj", "ply", "glb", "gltf", "toml", "png", "jpg", "jpeg", "webp", "reprise", "json", "manifest"];
+        let read = [
+            "obj", "ply", "glb", "gltf", "toml", "png", "jpg", "jpeg", "webp", "reprise", "json", "manifest", "vols",
+            "vol",
+        ];
         for read in read.iter().chain(others) {
             assert!(!endings.contains(read));
         }

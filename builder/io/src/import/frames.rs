@@ -17,7 +17,7 @@ use super::mesh::{FaceList, FileMesh, MeshFile};
 use super::paths::ending;
 use super::warning::Note;
 use super::worn::NamedTexture;
-use super::{obj, ply};
+use super::{obj, ply, vologram};
 
 /// Turns positions of the input into metres, +Y up, near the origin.
 #[derive(Clone, Copy, Debug)]
@@ -106,8 +106,11 @@ pub(super) struct Seen {
     pub notes: Vec<Note>,
 }
 
-/// Reads one OBJ, PLY or Draco file.
+/// Reads one OBJ, PLY or Draco file, or a frame of a vologram.
 pub(super) fn read_frame(path: &Path) -> Result<MeshFile, ImportError> {
+    if let Some((file, number)) = vologram::frame_at(path) {
+        return vologram::read_frame(file, number);
+    }
     let bytes = read_file(path)?;
     if let Some(told) = disguised(&bytes, path) {
         return Err(ImportError::UnknownFormat { path: path.to_owned(), told });

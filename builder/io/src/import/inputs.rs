@@ -15,6 +15,7 @@ use super::paths::{ending, name_of_folder, stem};
 use super::pattern::Pattern;
 #[cfg(feature = "gltf")]
 use super::uvol::{self, Uvol};
+use super::vologram::{self, Vologram};
 use super::warning::Warning;
 
 /// Name of the manifest within a folder.
@@ -25,7 +26,7 @@ const MANY_STILLS: usize = 3;
 /// Where the frames of a sequence come from.
 #[derive(Clone)]
 pub(super) enum Source {
-    /// OBJ, PLY or Draco files, one a frame.
+    /// OBJ, PLY or Draco files, one a frame, or the frames of a vologram.
     Files(Vec<PathBuf>),
     /// glTF files, one a frame.
     Stills(Vec<PathBuf>),
@@ -124,6 +125,7 @@ impl Finder {
     fn file(&mut self, path: &Path) -> Result<Vec<Found>, ImportError> {
         match ending(path).as_str() {
             "glb" | "gltf" => self.clips(path),
+            _ if vologram::may_be(path) => self.vologram(path).map(|found| vec![found]),
             "obj" | "ply" | "drc" => Ok(vec![Found::new(stem(path), Source::Files(vec![path.to_owned()]))]),
             #[cfg(feature = "gltf")]
             _ if uvol::may_be(path) => self.uvol(path).map(|found| vec![found]),
@@ -138,6 +140,18 @@ impl Finder {
         self.warnings.extend(warnings);
         let source = if stills { Source::Stills(files) } else { Source::Files(files) };
         Ok(Found { name, source, described: Described { fps: Some(fps), unit, layers } })
+    }
+
+    /// The frames of a vologram.
+    fn vologram(&mut self, path: &Path) -> Result<Found, ImportError> {
+        let Vologram { name, frames, fps, layers, warnings } = Vologram::read(path)?;
+        self.warnings.extend(warnings);
+        Ok(Found { name, source: Source::Files(frames), described: Described { fps, unit: None, layers } })
+    }
+
+    /// The volograms whose headers are among `files`.
+    fn volograms(&mut self, files: &[PathBuf]) -> Result<Vec<Found>, ImportError> {
+        files.iter().filter(|path| vologram::is_header(path)).map(|path| self.vologram(path)).collect()
     }
 
     /// All clips of a glTF file.
@@ -196,6 +210,10 @@ impl Finder {
                 return manifests.into_iter().map(|manifest| self.uvol(manifest)).collect();
             }
         }
+        let volograms = self.volograms(&entries)?;
+        if !volograms.is_empty() {
+            return Ok(volograms);
+        }
         let meshes = files_of(&entries, is_mesh);
         let scenes = files_of(&entries, is_gltf);
         let folders: Vec<PathBuf> = entries.iter().filter(|p| p.is_dir()).cloned().collect();
@@ -209,9 +227,10 @@ impl Finder {
 
     /// A folder of folders: each of them that holds meshes is a sequence, or each is a frame.
     fn folders(&mut self, path: &Path, folders: &[PathBuf]) -> Result<Vec<Found>, ImportError> {
-        let (mut lists, mut scenes) = (Vec::new(), Vec::new());
+        let (mut lists, mut scenes, mut volograms) = (Vec::new(), Vec::new(), Vec::new());
         for folder in folders {
             let entries = list(folder)?;
+            volograms.extend(self.volograms(&entries)?);
             let meshes = files_of(&entries, is_mesh);
             if meshes.is_empty() {
                 scenes.extend(files_of(&entries, is_gltf));
@@ -221,13 +240,13 @@ impl Finder {
             }
         }
         let all: Vec<PathBuf> = lists.iter().flat_map(|(_, meshes)| meshes.iter().cloned()).collect();
-        if lists.is_empty() && !scenes.is_empty() {
+        if lists.is_empty() && volograms.is_empty() && !scenes.is_empty() {
             return self.gltf_files(path, &scenes);
         }
         if run_of_folders(&all).is_some() {
             return self.mesh_runs(path, all);
         }
-        let mut found = Vec::new();
+        let mut found = volograms;
         for (folder, meshes) in lists {
             found.extend(self.mesh_runs(folder, meshes)?);
         }
@@ -240,6 +259,7 @@ impl Finder {
         let mut found = if meshes.is_empty() { Vec::new() } else { self.mesh_runs(path, meshes)? };
         let scenes = files_of(&matches, is_gltf);
         found.extend(self.gltf_files(path, &scenes)?);
+        found.extend(self.volograms(&matches)?);
         for folder in matches.iter().filter(|p| p.is_dir()) {
             self.warn_about_manifest(folder);
             found.extend(self.folder(folder)?);

@@ -86,6 +86,32 @@ pub(super) fn decode_ktx2(bytes: &[u8]) -> Result<RgbaImage, Ktx2Error> {
     ktx2.images(0)?.next().unwrap_or(Err(Ktx2Error::NoImage { layer: 0, level: 0 }))
 }
 
+/// Whether bytes begin like a `.basis` file, the format's older container.
+pub(super) fn is_basis(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"sB")
+}
+
+/// The first picture of a `.basis` file in full size, as [`decode_ktx2`] gives it: rows as they are stored.
+///
+/// # Errors
+/// See [`Ktx2Error`].
+pub(super) fn decode_basis(bytes: &[u8]) -> Result<RgbaImage, Ktx2Error> {
+    let transcoder = guarded(|| Transcoder::new(bytes))?;
+    if !matches!(transcoder.source_format(), SourceFormat::Etc1s | SourceFormat::UastcLdr) {
+        return Err(Ktx2Error::Damaged);
+    }
+    let (width, height) = transcoder.base_dimensions();
+    if width > MAX_SIDE || height > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(Ktx2Error::TooLarge(width, height, 1));
+    }
+    let (target, flags) = (TargetFormat::Rgba32, DecodeFlags::NONE);
+    let pixels = guarded(|| {
+        let mut state = VideoState::default();
+        transcoder.transcode_video_frame(&mut state, 0, 0, target, flags)
+    })?;
+    RgbaImage::from_raw(width, height, pixels).ok_or(Ktx2Error::Damaged)
+}
+
 impl<'a> Ktx2<'a> {
     /// Reads the header and prepares for decoding.
     ///
@@ -289,6 +315,28 @@ mod tests {
             assert!(expected.is_empty() && file.images(levels).is_err());
             let single = decode_ktx2(&bytes);
             assert!(if layers > 1 { single.is_err() } else { single.unwrap().dimensions() == (32, 24) });
+        }
+    }
+
+    #[test]
+    fn the_older_container_holds_the_same() {
+        for name in ["basis-etc1s", "basis-uastc"] {
+            let read = |ending: &str| std::fs::read(format!("{FOLDER}{name}.{ending}")).unwrap();
+            let (mut bytes, expected) = (read("basis"), read("rgba"));
+            let image = decode_basis(&bytes).unwrap();
+            assert_eq!((image.dimensions(), is_basis(&bytes)), ((32, 24), true), "{name}");
+            assert_eq!(*image.as_raw(), expected, "{name}");
+            for length in 0..bytes.len() {
+                assert!(decode_basis(&bytes[..length]).is_err() || length > 77);
+            }
+            for at in 0..bytes.len() {
+                let whole = bytes[at];
+                for flip in [1, 0x80, 0xff] {
+                    bytes[at] ^= flip;
+                    let _ = decode_basis(&bytes).map(|image| assert!(image.width() > 0));
+                    bytes[at] = whole;
+                }
+            }
         }
     }
 

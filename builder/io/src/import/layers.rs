@@ -1,4 +1,4 @@
-//! Pictures among many of one KTX2 file: the textures of frames, some of them a file.
+//! Pictures among many of one KTX2 file, or within the frames of a vologram: the textures of frames.
 
 use std::path::{Path, PathBuf};
 
@@ -6,12 +6,13 @@ use image::RgbaImage;
 
 use super::error::ImportError;
 use super::images::read_file;
-use super::ktx2::{Ktx2, Ktx2Error};
+use super::ktx2::{Ktx2, Ktx2Error, decode_basis, is_basis};
 use super::scratch::Scratch;
+use super::vologram;
 use super::worn::NamedTexture;
 use crate::png::encode_lean;
 
-/// A picture of a KTX2 file.
+/// A picture of a KTX2 file, or of a frame of a vologram.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct TextureLayer {
     pub path: PathBuf,
@@ -26,9 +27,20 @@ impl TextureLayer {
         &self.path
     }
 
+    /// What [`Self::decoded`] decodes.
+    pub fn bytes(&self) -> Result<Vec<u8>, ImportError> {
+        match vologram::frame_at(&self.path) {
+            Some((file, number)) => vologram::texture_bytes(file, number),
+            None => read_file(&self.path),
+        }
+    }
+
     /// The picture, the highest row first.
     pub fn decoded(&self, bytes: &[u8]) -> Result<RgbaImage, ImportError> {
         let wrong = |error: Ktx2Error| image_error(&self.path, &error);
+        if is_basis(bytes) {
+            return decode_basis(bytes).map_err(wrong);
+        }
         let file = Ktx2::open(bytes).map_err(wrong)?;
         let mut image = file.image(self.layer).map_err(wrong)?;
         // A file that says that its lowest row is the first is turned over already.
@@ -62,7 +74,7 @@ pub(super) fn unpacked(
             continue;
         }
         if file.0 != layer.path {
-            file = (layer.path.clone(), read_file(&layer.path)?);
+            file = (layer.path.clone(), layer.bytes()?);
         }
         let wrong = |error: image::ImageError| image_error(&layer.path, &error);
         let png = encode_lean(&layer.decoded(&file.1)?).map_err(wrong)?;

@@ -90,6 +90,7 @@ mod textures;
 mod topologies;
 #[cfg(feature = "gltf")]
 mod uvol;
+mod vologram;
 mod warning;
 mod weld;
 mod worn;

@@ -12,6 +12,7 @@ use super::images::is_image;
 use super::numbered::{Run, numbers_of, runs};
 use super::paths::folder_of;
 use super::plan::PlannedSequence;
+use super::vologram::folder_of_frame;
 use super::warning::Warning;
 
 /// Parts of names of images that are no colours.
@@ -39,8 +40,8 @@ pub(super) fn images(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Option<PathBuf>>, ImportError> {
     let Some(first) = frames.first() else { return Ok(Vec::new()) };
-    let folder = folder_of(first);
-    if frames.iter().any(|frame| folder_of(frame) != folder) {
+    let folder = folder_of_frame(first);
+    if frames.iter().any(|frame| folder_of_frame(frame) != folder) {
         return in_own_folders(frames);
     }
     let images = images_in(folder)?;

@@ -17,6 +17,10 @@ impl TextureLayer {
         match *self {}
     }
 
+    pub fn bytes(&self) -> Result<Vec<u8>, ImportError> {
+        match *self {}
+    }
+
     pub fn decoded(&self, _bytes: &[u8]) -> Result<RgbaImage, ImportError> {
         match *self {}
     }

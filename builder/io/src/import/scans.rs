@@ -9,7 +9,6 @@ use super::ImportOptions;
 use super::error::ImportError;
 use super::frames::{Axes, First, check_area, place, shared_mesh};
 use super::gltf::GltfFile;
-use super::images::read_file;
 use super::inputs::Source;
 use super::layers::TextureLayer;
 use super::mesh::{FileMesh, FileTriangle};
@@ -67,8 +66,8 @@ impl Outside {
         match self {
             Self::Image(path) => Ok(Picture::read(path)?.into()),
             Self::Layer(layer) => {
-                let (path, layer) = (layer.path().to_owned(), Some(layer).cloned());
-                Ok(Picture { bytes: read_file(&path)?, path, layer }.into())
+                let (path, bytes, layer) = (layer.path().to_owned(), layer.bytes()?, Some(layer).cloned());
+                Ok(Picture { path, bytes, layer }.into())
             }
         }
     }
