@@ -91,7 +91,7 @@ async function searching(element) {
   const [searcher, taken] = timed(() => new Searcher(known, '[]'));
   figures.search_prepared += taken;
   while (!ready) {
-    const [done, taken] = timed(() => searcher.prepare(4));
+    const [done, taken] = timed(() => searcher.read(4) && searcher.prepare(4));
     ready = done;
     figures.search_prepared += taken;
   }

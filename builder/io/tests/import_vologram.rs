@@ -219,6 +219,7 @@ fn header_and_frames_may_be_files_of_their_own() {
         let scan = found(&f.join(named));
         assert_frames(&scan, &take);
         assert_eq!((scan.sequences.len(), scan.sequences[0].name.as_str()), (1, "dance"), "{named}");
+        assert_eq!(scan.name, "dance", "{named}");
         assert!(scan.warnings.iter().any(|warning| warning.message.contains("moves, turns and scales")));
     }
     // Several takes in a folder are told apart by their names.

@@ -92,26 +92,12 @@ impl EssentialGraph {
     /// # Errors
     /// Anything that a walk through the graph could stumble over; see [`GraphError`].
     pub fn new(alpha: f64, transitions: Vec<Transition>, timeline: &Timeline) -> Result<Self, GraphError> {
-        if !(0.0..=1000.0).contains(&alpha) {
-            return Err(GraphError::Alpha(alpha));
-        }
-        let frame_count = timeline.frame_count() as usize;
-        let mut first_transition = vec![0; frame_count + 1];
-        let mut before = None;
+        let mut builder = EssentialGraphBuilder::new(alpha, timeline)?;
         for (index, transition) in transitions.iter().enumerate() {
-            check(index, transition, timeline)?;
-            let ends = (transition.from, transition.to);
-            if before.is_some_and(|before| before >= ends) {
-                return Err(GraphError::Order(index));
-            }
-            before = Some(ends);
-            first_transition[transition.from as usize + 1] += 1;
+            builder.admit(index, transition, timeline)?;
         }
-        for frame in 0..frame_count {
-            first_transition[frame + 1] += first_transition[frame];
-        }
-        let (contacts, feet, ties) = (Contacts::default(), Feet::default(), Ties::default());
-        Ok(Self { alpha: rounded_alpha(alpha), transitions, first_transition, contacts, feet, ties })
+        builder.transitions = transitions;
+        Ok(builder.finish())
     }
 
     /// From now on `alpha` is the weight of a frame's duration; rounded. Transitions, and so walks through them, stay what they
@@ -206,6 +192,72 @@ impl EssentialGraph {
         let n = f64::from(self.frame_count());
         let recorded = (0..self.frame_count()).filter(|&frame| timeline.next(frame).is_some()).count();
         (recorded + self.transitions.len()) as f64 / (n * (n - 1.0)).max(1.0)
+    }
+}
+
+/// Makes an [`EssentialGraph`], transition by transition, for whoever has other things to do meanwhile.
+#[derive(Clone, Debug)]
+pub struct EssentialGraphBuilder {
+    alpha: f64,
+    transitions: Vec<Transition>,
+    /// Number of transitions from each frame, one place further on.
+    first_transition: Vec<u32>,
+    last: Option<(u32, u32)>,
+}
+
+impl EssentialGraphBuilder {
+    /// A graph over `timeline` without transitions.
+    ///
+    /// # Errors
+    /// `alpha` is not between 0 and 1000.
+    pub fn new(alpha: f64, timeline: &Timeline) -> Result<Self, GraphError> {
+        if !(0.0..=1000.0).contains(&alpha) {
+            return Err(GraphError::Alpha(alpha));
+        }
+        let first_transition = vec![0; timeline.frame_count() as usize + 1];
+        Ok(Self { alpha: rounded_alpha(alpha), transitions: Vec::new(), first_transition, last: None })
+    }
+
+    /// Memory for so many more transitions, at once.
+    pub fn reserve(&mut self, transitions: usize) {
+        self.transitions.reserve_exact(transitions);
+    }
+
+    /// Adds the next transition by (from, to).
+    ///
+    /// # Errors
+    /// As [`EssentialGraph::new`].
+    pub fn push(&mut self, transition: Transition, timeline: &Timeline) -> Result<(), GraphError> {
+        self.admit(self.transitions.len(), &transition, timeline)?;
+        self.transitions.push(transition);
+        Ok(())
+    }
+
+    fn admit(&mut self, index: usize, transition: &Transition, timeline: &Timeline) -> Result<(), GraphError> {
+        check(index, transition, timeline)?;
+        let ends = (transition.from, transition.to);
+        if self.last.is_some_and(|last| last >= ends) {
+            return Err(GraphError::Order(index));
+        }
+        self.last = Some(ends);
+        self.first_transition[transition.from as usize + 1] += 1;
+        Ok(())
+    }
+
+    /// The graph.
+    #[must_use]
+    pub fn finish(mut self) -> EssentialGraph {
+        for frame in 1..self.first_transition.len() {
+            self.first_transition[frame] += self.first_transition[frame - 1];
+        }
+        EssentialGraph {
+            alpha: self.alpha,
+            transitions: self.transitions,
+            first_transition: self.first_transition,
+            contacts: Contacts::default(),
+            feet: Feet::default(),
+            ties: Ties::default(),
+        }
     }
 }
 

@@ -9,6 +9,7 @@
 //! states, so that the result depends on nothing but the input.
 
 use super::meter;
+use super::pool::Pool;
 use super::queue::Queue;
 use super::search_graph::SearchGraph;
 use super::task::{Found, Outlook, State, Task};
@@ -53,12 +54,12 @@ pub struct Anytime {
     expanded_in_layer: usize,
     expanded_by_crowd: Vec<usize>,
     /// States that wait, by the number that their layer's queue holds, and numbers that are free again.
-    open: Vec<Open>,
+    open: Pool<Open>,
     free: Vec<u32>,
     /// The least order of each cell, as far as it is remembered: a cell has one place, and the last one stays.
     cells: Vec<(u64, f64)>,
     outlook: Outlook,
-    trail: Vec<Trail>,
+    trail: Pool<Trail>,
     starts: Vec<State>,
     left_out: bool,
     best: Option<Found>,
@@ -114,11 +115,11 @@ impl Anytime {
             layer: 0,
             expanded_in_layer: 0,
             expanded_by_crowd: Vec::new(),
-            open: Vec::new(),
+            open: Pool::new(),
             free: Vec::new(),
             cells: vec![(0, 0.0); CELLS],
             outlook: Outlook::default(),
-            trail: Vec::new(),
+            trail: Pool::new(),
             starts: task.starts(search_graph),
             left_out: false,
             best: None,
@@ -220,8 +221,8 @@ impl Anytime {
     fn end(&mut self, progress: Progress) {
         self.progress = progress;
         self.layers = Vec::new();
-        self.trail = Vec::new();
-        self.open = Vec::new();
+        self.trail = Pool::new();
+        self.open = Pool::new();
     }
 
     fn end_pass(&mut self, task: &impl Task, search_graph: &SearchGraph) {
@@ -240,7 +241,7 @@ impl Anytime {
         // All starts get their chance.
         let width = self.width() + if self.layer == 0 { self.starts.len() } else { 0 };
         let Some((_, number)) = self.layers.get_mut(self.layer).and_then(Queue::pop) else { return Next::LayerDone };
-        let open = self.open[number as u32 as usize];
+        let open = self.open.get(number as u32);
         self.free.push(number as u32);
         if self.is_hopeless(open.bound) {
             return Next::PassedOver;
@@ -277,8 +278,7 @@ impl Anytime {
 
     fn expand(&mut self, task: &impl Task, search_graph: &SearchGraph, open: &Open) {
         self.expanded += 1;
-        let here = self.trail.len() as u32;
-        self.trail.push(Trail { before: open.before, edge: open.edge });
+        let here = self.trail.push(Trail { before: open.before, edge: open.edge });
         let level = self.level();
         meter::count(search_graph.from(open.state.frame).len());
         let stride = 8_u32 >> level.min(3);
@@ -332,13 +332,10 @@ impl Anytime {
     fn push(&mut self, layer: usize, open: Open) {
         let number = match self.free.pop() {
             Some(number) => {
-                self.open[number as usize] = open;
+                self.open.set(number, open);
                 number
             }
-            None => {
-                self.open.push(open);
-                self.open.len() as u32 - 1
-            }
+            None => self.open.push(open),
         };
         let most = (4 * self.width() + 2048).min(MOST_OPEN);
         if layer >= self.layers.len() {
@@ -361,7 +358,7 @@ impl Anytime {
         let (mut edges, mut before, mut edge) = (Vec::new(), before, edge);
         while before != NONE {
             edges.push(edge);
-            Trail { before, edge } = self.trail[before as usize];
+            Trail { before, edge } = self.trail.get(before);
         }
         edges.reverse();
         Found { cost, start: self.starts[edge as usize], edges, end }

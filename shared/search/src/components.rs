@@ -24,15 +24,34 @@ pub fn main_component(graph: &EssentialGraph, timeline: &Timeline) -> MainCompon
 /// The same for recorded steps and any `transitions` (from, to); those that name frames that do not exist are ignored.
 #[must_use]
 pub fn main_component_of(timeline: &Timeline, transitions: &[(u32, u32)]) -> MainComponent {
-    let components = strongly_connected(timeline, transitions);
-    let frames: Vec<u32> = components.largest_frames().collect();
-    let mut main = vec![false; timeline.frame_count() as usize];
-    frames.iter().for_each(|&frame| main[frame as usize] = true);
-    let live = match frames.as_slice() {
-        &[first, _, ..] => connected(timeline, &[first], transitions.iter().copied(), |(from, to)| (to, from)),
-        _ => vec![true; main.len()],
-    };
+    let main = main_of(timeline, transitions);
+    let live = live_of(timeline, transitions.iter().copied(), &main);
     MainComponent { main, live }
+}
+
+/// [`MainComponent::main`] alone, for whoever has other things to do meanwhile.
+pub(crate) fn main_frames(graph: &EssentialGraph, timeline: &Timeline) -> Vec<bool> {
+    main_of(timeline, &edges(graph).collect::<Vec<_>>())
+}
+
+/// [`MainComponent::live`] from what [`main_frames`] has found.
+pub(crate) fn live_frames(graph: &EssentialGraph, timeline: &Timeline, main: &[bool]) -> Vec<bool> {
+    live_of(timeline, edges(graph), main)
+}
+
+fn main_of(timeline: &Timeline, transitions: &[(u32, u32)]) -> Vec<bool> {
+    let components = strongly_connected(timeline, transitions);
+    let mut main = vec![false; timeline.frame_count() as usize];
+    components.largest_frames().for_each(|frame| main[frame as usize] = true);
+    main
+}
+
+fn live_of(timeline: &Timeline, transitions: impl Iterator<Item = (u32, u32)>, main: &[bool]) -> Vec<bool> {
+    let mut frames = (0_u32..).zip(main).filter_map(|(frame, &main)| main.then_some(frame));
+    match (frames.next(), frames.next()) {
+        (Some(first), Some(_)) => connected(timeline, &[first], transitions, |(from, to)| (to, from)),
+        _ => vec![true; main.len()],
+    }
 }
 
 /// For every frame, whether a walk leads from it to any of `targets`.

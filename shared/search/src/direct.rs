@@ -100,6 +100,12 @@ impl Direction {
         Ok(self.progress())
     }
 
+    /// Works on what [`Self::best`] needs besides, until `is_over` says that it is enough for now; whether that is done. Without
+    /// it, that is done there: some tens of milliseconds in a browser, for a path.
+    pub fn polish(&mut self, scene: &Scene, mut is_over: impl FnMut() -> bool) -> bool {
+        self.work.as_mut().is_none_or(|work| work.polish(scene, self.is_free, &mut is_over))
+    }
+
     /// Whether there may be a better answer.
     #[must_use]
     pub fn progress(&self) -> Progress {

@@ -32,6 +32,7 @@ mod notes;
 mod path;
 mod place;
 mod plan;
+mod pool;
 mod queue;
 mod random;
 mod request;

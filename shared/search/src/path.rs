@@ -3,7 +3,7 @@
 
 use glam::Vec3Swizzles;
 
-use super::bend::Bend;
+use super::bend::{Bend, Bending};
 use super::curve::Curve;
 use super::ground_pose::{GroundPose, half_turn};
 use super::search_graph::{SAMPLE_STRIDE, SearchGraph};
@@ -140,15 +140,18 @@ impl PathTask {
         is_steered.then(|| Steering::new(self.exactness, search_graph.fps))
     }
 
-    /// How a walk that was found is bent onto the path, and how well it follows it then. A walk that has little to do with the
-    /// path can be led away from it by limits: that one stays as it is.
-    pub(super) fn bend(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> (Bend, PathReport) {
-        let plain = self.judge(search_graph, found);
-        if self.exactness <= 0.0 {
-            return (Bend::default(), plain);
-        }
+    /// Begins to bend a walk that was found onto the path; `None` where it is to stay as it is.
+    pub(super) fn bending(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> Option<Bending> {
         let (track, fps) = (found.track(search_graph), search_graph.fps as f32);
-        let bend = Bend::onto(&self.curve, &track, fps, self.exactness as f32, is_free);
+        Bending::new(&self.curve, &track, fps, self.exactness as f32, is_free)
+    }
+
+    /// How a walk that was found is bent onto the path by a bending that has had its last pass, and how well it follows it then. A
+    /// walk that has little to do with the path can be led away from it by limits: that one stays as it is.
+    pub(super) fn bent(&self, search_graph: &SearchGraph, found: &Found, bending: Option<Bending>) -> (Bend, PathReport) {
+        let plain = self.judge(search_graph, found);
+        let Some(bending) = bending else { return (Bend::default(), plain) };
+        let bend = bending.finish(&self.curve);
         let bent = self.judge_bent(search_graph, found, &bend);
         let is_nearer = bent.mean_aside <= plain.mean_aside || bent.max_aside <= plain.max_aside;
         if is_nearer { (bend, bent) } else { (Bend::default(), plain) }

@@ -5,18 +5,18 @@ use glam::Vec3Swizzles;
 use super::answer::Goal;
 use super::anytime::{Anytime, Progress};
 use super::behaviour::{LoopSearch, walk_to_any, walk_to_behaviour};
-use super::bend::Bend;
+use super::bend::{Bend, Bending};
 use super::curve::Curve;
 use super::key_plan::KeyPlan;
 use super::notes::{keys_notes, path_notes, place_notes, substitute_note};
-use super::path::{Demand, PathTask};
+use super::path::{Demand, PathReport, PathTask};
 use super::place::PlaceTask;
 use super::random::Optimiser;
 use super::request::{BehaviourRequest, PathRequest, PlaceRequest, RequestError, Target, WanderRequest};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
 use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk;
-use super::task::{State, Task};
+use super::task::{Found, State, Task};
 use super::wander::Wander;
 use actor::walk::Walk;
 
@@ -33,7 +33,7 @@ const STATES_A_LOOP: u32 = 50;
 #[derive(Clone, Debug)]
 pub(super) enum Work {
     Hold(Box<Holding>),
-    Path(Box<(PathTask, Anytime, Vec<String>)>),
+    Path(Box<PathWork>),
     Place(Box<(PlaceTask, Anytime, Vec<String>)>),
     Keys(Box<KeyPlan>),
     Wander(Box<(Wander, u32)>),
@@ -66,7 +66,7 @@ impl Work {
     /// How far its search is, where it has one that can be gone on with for as long as one likes.
     pub fn search_progress(&self) -> Option<Progress> {
         match self {
-            Self::Path(work) => Some(work.1.progress()),
+            Self::Path(work) => Some(work.search.progress()),
             Self::Place(work) => Some(work.1.progress()),
             _ => None,
         }
@@ -75,7 +75,7 @@ impl Work {
     /// Expands up to `budget` states, or passes over others instead; whether it has ended, and how many it expanded.
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> (bool, u32) {
         match self {
-            Self::Path(work) => search(&work.0, &mut work.1, scene, budget),
+            Self::Path(work) => search(&work.task, &mut work.search, scene, budget),
             Self::Place(work) => {
                 let prepared = work.0.prepare(scene.search_graph, budget);
                 if prepared == budget {
@@ -96,19 +96,26 @@ impl Work {
         }
     }
 
+    /// Works on what the best answer so far needs besides, until `is_over` says that it is enough for now; whether that is done.
+    pub fn polish(&mut self, scene: &Scene, is_free: bool, is_over: &mut dyn FnMut() -> bool) -> bool {
+        match self {
+            Self::Path(work) => work.polish(scene.search_graph, is_free, is_over),
+            _ => true,
+        }
+    }
+
     /// Adds what it has found to what is done.
     pub fn apply(&self, scene: &Scene, done: &mut Done, start: &mut Start, is_free: bool) {
         match self {
             Self::Path(work) => {
-                let (task, search, notes) = work.as_ref();
-                let Some(found) = search.best() else { return };
-                let (mut bend, report) = task.bend(scene.search_graph, found, is_free);
+                let Some(found) = work.search.best() else { return };
+                let (mut bend, report) = work.bent(scene.search_graph, found, is_free);
                 if is_free {
                     let ground_pose = bend.begin().after(&found.start.ground_pose);
                     *start = Start { frame: found.start.frame, placement: ground_pose.into() };
                     (done.frame, done.ground_pose) = (found.start.frame, ground_pose);
                 }
-                let notes = [notes.clone(), path_notes(&report, !bend.0.is_empty())].concat();
+                let notes = [work.notes.clone(), path_notes(&report, !bend.0.is_empty())].concat();
                 done.push(scene, &found.walk(scene.search_graph), &bend, Goal::Path(report), notes);
             }
             Self::Place(work) => {
@@ -139,6 +146,65 @@ impl Work {
                 let objectives = wander.optimiser().map_or([0.0; 3], Optimiser::objectives);
                 let goal = Goal::Wander { objectives, frames: wander.frames().len() as u32 };
                 done.push(scene, &walk.unwrap_or_default(), &Bend::default(), goal, notes);
+            }
+        }
+    }
+}
+
+/// A path that is to be followed: its search, and how the best walk so far is bent onto it.
+#[derive(Clone, Debug)]
+pub(super) struct PathWork {
+    task: PathTask,
+    search: Anytime,
+    notes: Vec<String>,
+    /// The cost of the walk that is being bent, and how far that is.
+    polish: Option<(f64, Polish)>,
+}
+
+/// How far the bending of a walk is.
+#[derive(Clone, Debug)]
+enum Polish {
+    Bending(Bending),
+    Bent(Bend, PathReport),
+}
+
+impl PathWork {
+    fn new(task: PathTask, search: Anytime, notes: Vec<String>) -> Self {
+        Self { task, search, notes, polish: None }
+    }
+
+    /// Bends the best walk so far until `is_over` says that it is enough for now; whether that is done.
+    fn polish(&mut self, search_graph: &SearchGraph, is_free: bool, is_over: &mut dyn FnMut() -> bool) -> bool {
+        let Some(found) = self.search.best() else { return true };
+        // Each better walk costs less.
+        let begun = self.polish.take().filter(|(cost, _)| *cost == found.cost).map(|(_, polish)| polish);
+        let begun = begun.or_else(|| self.task.bending(search_graph, found, is_free).map(Polish::Bending));
+        let polish = match begun {
+            Some(Polish::Bending(mut bending)) => loop {
+                if bending.advance(&self.task.curve) {
+                    let (bend, report) = self.task.bent(search_graph, found, Some(bending));
+                    break Polish::Bent(bend, report);
+                }
+                if is_over() {
+                    break Polish::Bending(bending);
+                }
+            },
+            Some(bent) => bent,
+            None => return true,
+        };
+        let is_done = matches!(polish, Polish::Bent(..));
+        self.polish = Some((found.cost, polish));
+        is_done
+    }
+
+    /// How `found`, the best walk so far, is bent.
+    fn bent(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> (Bend, PathReport) {
+        match &self.polish {
+            Some((cost, Polish::Bent(bend, report))) if *cost == found.cost => (bend.clone(), report.clone()),
+            _ => {
+                let mut bending = self.task.bending(search_graph, found, is_free);
+                while bending.as_mut().is_some_and(|bending| !bending.advance(&self.task.curve)) {}
+                self.task.bent(search_graph, found, bending)
             }
         }
     }
@@ -275,7 +341,7 @@ fn path_work(scene: &Scene, done: &Done, request: &PathRequest, is_free: bool) -
     let mut task = PathTask::new(search_graph, curve, demands, starts, request.realism);
     task.exactness = request.exactness;
     let search = Anytime::new(&task, search_graph).with_patience();
-    Ok(Work::Path(Box::new((task, search, notes))))
+    Ok(Work::Path(Box::new(PathWork::new(task, search, notes))))
 }
 
 /// Frames from all over the capture, standing on the path's first point and facing along it.

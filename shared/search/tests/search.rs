@@ -609,6 +609,28 @@ fn no_slice_is_long() {
     }
 }
 
+#[test]
+fn an_answer_is_the_same_however_it_is_polished() {
+    let scene = random_scene::make(9, &[120, 110, 100], 6000);
+    let json = r#"{"version":1,"target":{"path":{"points":[[0,0],[0,2],[1,3],[3,3]]}}}"#;
+    let request = Request::from_json(json).unwrap();
+    for start in [None, Some(Start { frame: 40, placement: Placement::IDENTITY })] {
+        let mut direction = Direction::new(&scene.borrowed(), start, &request, 6000).unwrap();
+        let mut bent = 0;
+        while direction.advance(&scene.borrowed(), 300).unwrap() == Progress::Running {
+            let expected = direction.best(&scene.borrowed());
+            // A pass at a time, with a search that goes on in between now and then: then it begins anew.
+            let slices = (1..).take_while(|_| !direction.polish(&scene.borrowed(), || true)).count();
+            assert_eq!(direction.best(&scene.borrowed()), expected);
+            if !expected.walk.bend.is_empty() && slices > 0 {
+                bent += 1;
+            }
+            let _ = direction.polish(&scene.borrowed(), || true);
+        }
+        assert!(bent > 0, "the test is about nothing");
+    }
+}
+
 /// The first frames of a sequence leave no room for a transition that arrives: their neighbours are shown instead.
 #[test]
 fn unreachable_key_poses_are_replaced_by_their_neighbours() {

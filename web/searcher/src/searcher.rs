@@ -174,6 +174,17 @@ impl Searcher {
         Ok(progress)
     }
 
+    /// Works on what the best answer so far needs besides, until `is_over` says that it is enough for now; whether that is done.
+    ///
+    /// # Errors
+    /// No search is under way.
+    pub fn polish(&mut self, is_over: impl FnMut() -> bool) -> Result<bool, SearchError> {
+        let mut direction = self.direction.take().ok_or(SearchError::Nothing)?;
+        let done = direction.polish(&self.scene()?, is_over);
+        self.direction = Some(direction);
+        Ok(done)
+    }
+
     /// Drops the search under way.
     pub fn stop(&mut self) {
         self.direction = None;

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 
 /// Writes words.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Writer(
     /// The words so far.
     pub Vec<u32>,

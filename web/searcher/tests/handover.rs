@@ -12,7 +12,7 @@ use fixtures::Random;
 use glam::{Vec2, Vec3};
 use kernels::align::Placement;
 use search::Start;
-use searcher::scene::{Known, words};
+use searcher::scene::{Known, Reading, words};
 use searcher::walk::{from_numbers, numbers};
 
 /// An actor of random numbers.
@@ -61,10 +61,16 @@ fn an_actor_comes_out_as_it_went_in() {
     for seed in 0..20 {
         let known = known(seed);
         let words = words(&known.timeline, &known.graph, &known.motion, known.vertex_count);
-        assert_eq!(Known::from_words(&words).as_ref(), Some(&known));
+        assert_eq!(Known::from_words(words.clone()).as_ref(), Some(&known));
         for end in (0..words.len()).step_by(7) {
-            assert_eq!(Known::from_words(&words[..end]), None, "cut after {end} words");
+            assert_eq!(Known::from_words(words[..end].to_vec()), None, "cut after {end} words");
         }
+        // The same where it is read a few transitions at a time; what is not all there is nothing.
+        let mut reading = Reading::new(words.clone()).unwrap();
+        assert_eq!(reading.clone().finish(), None);
+        let slices = (1..).take_while(|_| !reading.advance(2).unwrap()).count();
+        assert_eq!(slices, (known.graph.transitions().len() - 1) / 2);
+        assert_eq!(reading.finish().as_ref(), Some(&known));
     }
 }
 

@@ -9,7 +9,7 @@ use actor::motion::{Motion, MotionMeter, measure_group};
 use actor::walk::Walk;
 use glam::Vec3;
 use search::Start;
-use searcher::scene::words;
+use searcher::scene::Telling;
 
 use super::loading::{Actor, Recorded};
 use super::report::PlanReport;
@@ -17,6 +17,8 @@ use super::{Player, PlayerError};
 
 /// Frames measured between two looks at the clock.
 const FRAMES: u32 = 2;
+/// Transitions told between two looks at the clock.
+const TOLD: usize = 2000;
 /// Metres and radians by which the actor may have moved since the search began.
 const SAME: f32 = 1e-3;
 
@@ -35,7 +37,15 @@ impl Player {
                 None => {}
             }
         };
-        Ok(Some(words(&actor.timeline, &graph, &motion, actor.topology.vertex_count() as u32)))
+        let begin = || Box::new(Telling::new(&actor.timeline, &graph, actor.topology.vertex_count() as u32));
+        let mut telling = self.directing.telling.take().unwrap_or_else(begin);
+        while !telling.advance(&graph, TOLD) {
+            if (self.now)() >= end {
+                self.directing.telling = Some(telling);
+                return Ok(None);
+            }
+        }
+        Ok(Some(telling.finish(&actor.timeline, &graph, &motion)))
     }
 
     /// Learns the motion: the bundle knows it, or some more poses are measured.

@@ -584,7 +584,7 @@ fn paths_are_followed_by_the_vertices_asked_for() {
         let path = PathRequest { points, vertices: vertices.to_vec(), exactness: 0.0, ..PathRequest::default() };
         Request::new(Target::Path(path))
     };
-    let known = Known::from_words(&player.known(1e9).unwrap().unwrap()).unwrap();
+    let known = Known::from_words(player.known(1e9).unwrap().unwrap()).unwrap();
     let mut searcher = Searcher::new(known).unwrap();
     assert_eq!(searcher.follows(&[2, 4]), Err(SearchError::Request(RequestError::UnknownVertex(4))));
     assert_eq!(player.middles(&[2, 4], 1e9), Err(PlayerError::NoVertex(4)));

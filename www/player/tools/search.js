@@ -27,8 +27,8 @@ const URGENT = 10;
  * Whether the actor may leave. Paths and places have a whole walk from the first answer on that has any; the answers of key poses, queues
  * and the like are whole only in the end.
  */
-function isReady({ answer, done, begun, request: { target } }, now) {
-  return answer !== null && (done || Boolean(target.path ?? target.place) && now - begun > PATIENCE);
+function isReady({ answer, done, polishing, begun, request: { target } }, now) {
+  return answer !== null && !polishing && (done || Boolean(target.path ?? target.place) && now - begun > PATIENCE);
 }
 
 export class SearchDriver {
@@ -89,7 +89,7 @@ export class SearchDriver {
   /** @param {object} request @param {'here' | 'anywhere' | 'end'} origin */
   start(request, origin = 'here') {
     this.drop();
-    this.task = { request, origin, text: JSON.stringify(request), followers: Uint32Array.from(followersOf(request)), begun: 0, looked: 0, answer: null, done: false };
+    this.task = { request, origin, text: JSON.stringify(request), followers: Uint32Array.from(followersOf(request)), begun: 0, looked: 0, answer: null, done: false, polishing: false };
     if (this.module) this.pump();
     else this.fetch().then(() => this.task && this.pump(), () => {});
   }
@@ -137,18 +137,23 @@ export class SearchDriver {
   }
 
   work(task, player, now) {
-    if (task.done) return false;
+    if (task.done && !task.polishing) return false;
     if (!task.begun) {
       if (this.isReadyFor(task, player)) this.begin(task, player, now);
       return true;
     }
-    const running = this.searcher.advance(this.isUrgent(task) ? HURRIED.slice : SLICE) === 'running';
-    task.done = !running;
-    const looks = task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK;
-    if (task.done || looks) this.look(task, now);
+    const slice = this.isUrgent(task) ? HURRIED.slice : SLICE;
+    if (task.polishing) {
+      task.polishing = !this.searcher.polish(slice);
+      if (!task.polishing) this.look(task, now);
+    } else {
+      task.done = this.searcher.advance(slice) !== 'running';
+      // What the answer takes besides is worked on in slices, too.
+      task.polishing = task.done || (task.looked ? now - task.looked > LOOK_AGAIN : now - task.begun > FIRST_LOOK);
+    }
     if (this.waiting && isReady(task, now)) this.leave();
-    else if (task.done && task.origin === 'end') this.goOn();
-    return !task.done;
+    else if (task.done && !task.polishing && task.origin === 'end') this.goOn();
+    return !task.done || task.polishing;
   }
 
   /** Tells the searcher what it has to know, a slice at a time. */
@@ -160,6 +165,7 @@ export class SearchDriver {
       this.searcher = new this.module.Searcher(known, JSON.stringify(this.core.director.info.families));
       this.knows = player;
     }
+    if (!this.searcher.read(SLICE)) return false;
     if (!this.searcher.follows(followers)) {
       const middles = player.middles(followers, SLICE);
       if (!middles) return false;

@@ -252,6 +252,8 @@ fn search_graph(
         None => None,
     };
     let mut survey = SearchGraphBuilder::new(graph, timeline, &motion, group).map_err(ours)?;
+    // Which frames are dead ends.
+    survey.advance(graph, timeline, &motion, 0).map_err(ours)?;
     // Nothing else asks where transitions lead, and a second is saved where there are a million.
     if targets.iter().any(|target| matches!(target, Target::Place(_) | Target::Path(_))) {
         while !survey.advance(graph, timeline, &motion, usize::MAX).map_err(ours)? {}

@@ -14,6 +14,7 @@ use super::inputs::{Finder, Found, MANIFEST_NAME, Named, Source, with_slashes};
 use super::layers::TextureLayer;
 use super::manifest::{Manifest, ManifestSequence, UpAxis};
 use super::paths::{ending, folder_of, name_of_folder, stem};
+use super::vologram;
 use super::warning::Warning;
 use super::{Cyclic, DEFAULT_FPS, ImportOptions};
 
@@ -336,6 +337,8 @@ fn stem_of_input(path: &Path) -> String {
         name_of_folder(path)
     } else if path.file_name().is_some_and(|name| name == MANIFEST_NAME) {
         name_of_folder(folder_of(path))
+    } else if vologram::may_be(path) {
+        vologram::name(path)
     } else {
         stem(path)
     }

@@ -40,28 +40,12 @@ pub(super) struct Fitted {
     pub lengths: Vec<f64>,
 }
 
-/// Fits `way` onto `curve` by the share `exactness` of what steps may be changed by; where it is not `is_free`, it begins as
-/// it does.
-pub(super) fn fit(way: &Way, curve: &Curve, exactness: f32, is_free: bool) -> Fitted {
-    let mut fit = Fit::new(way, curve, exactness, is_free);
-    for pass in 0..PASSES {
-        fit.project();
-        if fit.solve() < ENOUGH && pass > 2 {
-            break;
-        }
-    }
-    fit.project();
-    Fitted {
-        places: fit.places.iter().map(|place| place.as_vec2()).collect(),
-        turns: fit.turns.iter().map(|&turn| turn as f32).collect(),
-        lengths: fit.lengths,
-    }
-}
-
-struct Fit<'a> {
-    way: &'a Way,
-    curve: &'a Curve,
+/// A way that is being fitted onto a curve, a pass at a time.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    way: Way,
     is_free: bool,
+    pass: usize,
     places: Vec<DVec2>,
     turns: Vec<f64>,
     lengths: Vec<f64>,
@@ -71,8 +55,10 @@ struct Fit<'a> {
     weights: Vec<[f64; 2]>,
 }
 
-impl<'a> Fit<'a> {
-    fn new(way: &'a Way, curve: &'a Curve, exactness: f32, is_free: bool) -> Self {
+impl Fit {
+    /// Of `way` onto `curve` by the share `exactness` of what steps may be changed by; where it is not `is_free`, it begins as
+    /// it does. All its functions want the same curve.
+    pub fn new(way: Way, curve: &Curve, exactness: f32, is_free: bool) -> Self {
         let gone: Vec<f64> = way
             .steps
             .iter()
@@ -86,24 +72,43 @@ impl<'a> Fit<'a> {
         let lengths = std::iter::once(0.0).chain(gone).map(|gone| (gone * stretch).min(curve.length())).collect();
         let least = STANDING / (STEP * way.fps);
         Self {
-            way,
-            curve,
             is_free,
+            pass: 0,
             places: way.points.iter().map(|point| point.as_dvec2()).collect(),
             turns: vec![0.0; way.points.len()],
             lengths,
             rooms: way.budget.windows(2).map(|pair| f64::from(exactness * (pair[1] - pair[0]).max(least))).collect(),
             weights: vec![[1.0; 2]; way.steps.len()],
+            way,
         }
     }
 
+    /// One pass; whether it was the last.
+    pub fn advance(&mut self, curve: &Curve) -> bool {
+        self.project(curve);
+        let enough = self.solve(curve) < ENOUGH && self.pass > 2;
+        self.pass += 1;
+        enough || self.pass >= PASSES
+    }
+
+    /// What came of it.
+    pub fn finish(mut self, curve: &Curve) -> (Fitted, Way) {
+        self.project(curve);
+        let fitted = Fitted {
+            places: self.places.iter().map(|place| place.as_vec2()).collect(),
+            turns: self.turns.iter().map(|&turn| turn as f32).collect(),
+            lengths: self.lengths,
+        };
+        (fitted, self.way)
+    }
+
     /// Where along the curve each place is nearest, near where it was, and never further back than the one before.
-    fn project(&mut self) {
+    fn project(&mut self, curve: &Curve) {
         let mut before = 0.0;
         for (place, length) in self.places.iter().zip(&mut self.lengths) {
             let from = (*length - WINDOW).max(before);
-            let to = (*length + WINDOW).min(self.curve.length()).max(from);
-            *length = self.curve.nearest_length(place.as_vec2(), from, to);
+            let to = (*length + WINDOW).min(curve.length()).max(from);
+            *length = curve.nearest_length(place.as_vec2(), from, to);
             before = *length;
         }
     }
@@ -121,18 +126,18 @@ impl<'a> Fit<'a> {
     }
 
     /// One solution; the largest change of a place in metres.
-    fn solve(&mut self) -> f64 {
+    fn solve(&mut self, curve: &Curve) -> f64 {
         let count = self.places.len();
         let soft = SOFT * f64::from(self.way.fps);
         let mut band = Band::new(3 * count);
         for at in 0..count {
-            let along = self.curve.direction(self.lengths[at]).as_dvec2();
-            let off = self.places[at] - self.curve.at(self.lengths[at]).xz().as_dvec2();
+            let along = curve.direction(self.lengths[at]).as_dvec2();
+            let off = self.places[at] - curve.at(self.lengths[at]).xz().as_dvec2();
             let aside = along.perp();
             band.add(3 * at, &[aside.x, aside.y, 0.0], aside.dot(off), 1.0 / OFF);
             let is_end = at + 1 == count || at == 0 && self.is_free;
             if is_end {
-                let end = self.curve.at(if at == 0 { 0.0 } else { self.curve.length() }).xz().as_dvec2();
+                let end = curve.at(if at == 0 { 0.0 } else { curve.length() }).xz().as_dvec2();
                 let missing = along.dot(self.places[at] - end);
                 // What cannot be reached pulls no harder than what can.
                 let weight = (f64::from(self.way.fps) / 2.0).sqrt() / missing.abs().max(END_OFF);

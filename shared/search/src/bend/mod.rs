@@ -15,7 +15,7 @@ use kernels::align::Placement;
 
 use super::curve::Curve;
 use super::ground_pose::{GroundPose, turn_of};
-use fit::{Fitted, fit};
+use fit::{Fit, Fitted};
 use limits::{MOST_STRIDE, MOST_TURN};
 use way::{Way, smooth};
 
@@ -35,29 +35,6 @@ impl Bend {
             let Placement { heading, translation } = (*pose).into();
             [heading, translation.x, translation.y]
         })
-    }
-
-    /// Bends a walk whose middle is at `track` after each step, `fps` steps a second, onto `curve`, by the share `exactness` of
-    /// what may be. Where it `is_free`, it may begin elsewhere.
-    pub fn onto(curve: &Curve, track: &[Vec3], fps: f32, exactness: f32, is_free: bool) -> Self {
-        if track.len() < 2 || exactness < LEAST {
-            return Self::default();
-        }
-        let track: Vec<Vec2> = track.iter().map(|point| point.xz()).collect();
-        let way = Way::of(&track, fps);
-        let Fitted { places, turns, lengths } = fit(&way, curve, exactness, is_free);
-        let middle = smooth(&track, MIDDLE * fps);
-        let pose = |step: usize| {
-            let turn = GroundPose { turn: turn_of(turns[step]), shift: Vec2::ZERO };
-            // Sway along the way is how the body walks; what leads aside is taken off, once it is under way.
-            let sway = turn.rotate(middle[step] - way.points[step]);
-            let along = curve.direction(lengths[step]);
-            let aside = sway - along * sway.dot(along);
-            let begun = if is_free { 1.0 } else { way.budget[step].min(1.0) };
-            let aim = places[step] + sway - aside.clamp_length_max(MOST_STRIDE) * begun * exactness;
-            moved(turns[step], middle[step], aim)
-        };
-        Self((0..track.len()).map(pose).collect())
     }
 
     /// Where it puts the walk's beginning; from now on it begins there.
@@ -91,6 +68,52 @@ impl Bend {
     }
 }
 
+/// A walk that is being bent onto a curve, some milliseconds at a time.
+#[derive(Clone, Debug)]
+pub(super) struct Bending {
+    track: Vec<Vec2>,
+    exactness: f32,
+    is_free: bool,
+    fit: Fit,
+}
+
+impl Bending {
+    /// Of a walk whose middle is at `track` after each step, `fps` steps a second, onto `curve`, by the share `exactness` of what
+    /// may be. Where it `is_free`, it may begin elsewhere. `None` where nothing is to be bent. All its functions want the same
+    /// curve.
+    pub fn new(curve: &Curve, track: &[Vec3], fps: f32, exactness: f32, is_free: bool) -> Option<Self> {
+        if track.len() < 2 || exactness < LEAST {
+            return None;
+        }
+        let track: Vec<Vec2> = track.iter().map(|point| point.xz()).collect();
+        let fit = Fit::new(Way::of(&track, fps), curve, exactness, is_free);
+        Some(Self { track, exactness, is_free, fit })
+    }
+
+    /// One pass; whether it was the last.
+    pub fn advance(&mut self, curve: &Curve) -> bool {
+        self.fit.advance(curve)
+    }
+
+    /// What came of it.
+    pub fn finish(self, curve: &Curve) -> Bend {
+        let Self { track, exactness, is_free, fit } = self;
+        let (Fitted { places, turns, lengths }, way) = fit.finish(curve);
+        let middle = smooth(&track, MIDDLE * way.fps);
+        let pose = |step: usize| {
+            let turn = GroundPose { turn: turn_of(turns[step]), shift: Vec2::ZERO };
+            // Sway along the way is how the body walks; what leads aside is taken off, once it is under way.
+            let sway = turn.rotate(middle[step] - way.points[step]);
+            let along = curve.direction(lengths[step]);
+            let aside = sway - along * sway.dot(along);
+            let begun = if is_free { 1.0 } else { way.budget[step].min(1.0) };
+            let aim = places[step] + sway - aside.clamp_length_max(MOST_STRIDE) * begun * exactness;
+            moved(turns[step], middle[step], aim)
+        };
+        Bend((0..track.len()).map(pose).collect())
+    }
+}
+
 /// A turn by `turn` about `from`, which is then at `to`.
 fn moved(turn: f32, from: Vec2, to: Vec2) -> GroundPose {
     let turned = GroundPose { turn: turn_of(turn), shift: Vec2::ZERO };
@@ -119,6 +142,12 @@ mod tests {
         track
     }
 
+    fn onto(curve: &Curve, track: &[Vec3], exactness: f32, is_free: bool) -> Bend {
+        let Some(mut bending) = Bending::new(curve, track, 50.0, exactness, is_free) else { return Bend::default() };
+        while !bending.advance(curve) {}
+        bending.finish(curve)
+    }
+
     /// Root of the mean square of distances, which is what is made least.
     fn off(curve: &Curve, points: impl Iterator<Item = Vec3>) -> f64 {
         let (mut sum, mut count) = (0.0, 0);
@@ -144,12 +173,12 @@ mod tests {
             let shape = if case % 2 == 0 { Shape::Polyline } else { Shape::Spline };
             let curve = Curve::new(&corners, shape, true, None);
             for is_free in [false, true] {
-                let bend = Bend::onto(&curve, &track, 50.0, 1.0, is_free);
+                let bend = onto(&curve, &track, 1.0, is_free);
                 let before = off(&curve, track.iter().copied());
                 let after = off(&curve, track.iter().zip(&bend.0).map(|(point, pose)| pose.apply(*point)));
                 assert!(after < before + 0.002, "case {case}: {before:?} before, {after:?} after");
                 for exactness in [1e-40, 1e-9, 0.01, 1.0] {
-                    let bend = Bend::onto(&curve, &track, 50.0, exactness, is_free);
+                    let bend = onto(&curve, &track, exactness, is_free);
                     assert!(bend.0.iter().all(|pose| pose.shift.is_finite() && pose.turn.is_finite()), "{exactness}");
                 }
             }

@@ -10,6 +10,7 @@ use crate::ground_pose::{GroundPose, turn_of};
 const SWAY: f32 = 0.3;
 
 /// A walk's way without its sway.
+#[derive(Clone, Debug)]
 pub(super) struct Way {
     pub points: Vec<Vec2>,
     /// From each point to the next.

@@ -4,11 +4,11 @@ use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
 
 use super::{Edge, SAMPLE_STRIDE, Sample, SearchGraph};
 use crate::behaviours::behaviours;
-use crate::components::main_component;
+use crate::components::{live_frames, main_frames};
 use crate::ground_pose::{GroundPose, half_turn, turn_of};
 use crate::members::members;
 use actor::blend::Blend;
-use actor::graph::EssentialGraph;
+use actor::graph::{EssentialGraph, Transition};
 use actor::motion::Motion;
 use actor::pose_source::PoseError;
 use actor::timeline::Timeline;
@@ -39,7 +39,12 @@ impl SearchGraphBuilder {
         if !fits || !points.iter().all(|point| point.is_finite()) {
             return Err(PoseError::OutOfRange(frames));
         }
-        let components = main_component(graph, timeline);
+        let edges = frames as usize + graph.transitions().len();
+        // Lists that are long are never moved: that would take longer than a page may.
+        let of = |transition: &Transition| transition.warp.duration().div_ceil(SAMPLE_STRIDE as usize).max(1);
+        let samples = frames as usize + graph.transitions().iter().map(of).sum::<usize>();
+        let mut first_sample = Vec::with_capacity(edges + 1);
+        first_sample.push(0);
         let search_graph = SearchGraph {
             travelled: travelled(timeline, &points),
             fps: f64::from(timeline.fps()),
@@ -48,22 +53,23 @@ impl SearchGraphBuilder {
             group,
             facings: motion.facings.clone(),
             faces: motion.facings.iter().map(|&facing| turn_of(facing).yx()).collect(),
-            main: components.main,
-            live: components.live,
+            main: main_frames(graph, timeline),
+            live: Vec::new(),
             best_speed: 0.0,
             best_turn: 0.0,
             sequence_of_frame: (0..frames).map(|frame| timeline.sequence_index(frame).unwrap_or(0) as u32).collect(),
             behaviours: behaviours(timeline),
             members: members(timeline),
-            edges: Vec::with_capacity(frames as usize + graph.transitions().len()),
+            edges: Vec::with_capacity(edges),
             first_edge: vec![0],
-            samples: Vec::new(),
-            first_sample: vec![0],
+            samples: Vec::with_capacity(samples),
+            first_sample,
         };
         Ok(Self { search_graph, frame: 0 })
     }
 
-    /// Surveys at least `transitions` more transitions, and all those of a frame together; whether that was all.
+    /// Surveys at least `transitions` more transitions, and all those of a frame together; whether that was all. The first call
+    /// only finds out which frames are dead ends.
     ///
     /// # Errors
     /// A transition whose segments leave their sequences.
@@ -74,6 +80,11 @@ impl SearchGraphBuilder {
         motion: &Motion,
         transitions: usize,
     ) -> Result<bool, PoseError> {
+        if self.search_graph.live.is_empty() {
+            // As much work as many transitions.
+            self.search_graph.live = live_frames(graph, timeline, &self.search_graph.main);
+            return Ok(self.search_graph.frame_count() == 0);
+        }
         let end = self.search_graph.edges.len().saturating_add(transitions);
         while self.frame < self.search_graph.frame_count() && self.search_graph.edges.len() < end {
             self.survey_frame(graph, timeline, motion)?;
@@ -81,8 +92,8 @@ impl SearchGraphBuilder {
         Ok(self.frame == self.search_graph.frame_count())
     }
 
-    /// The search graph, once [`Self::advance`] has said that that was all; before, it has the edges of the frames that were
-    /// surveyed, which is enough for all targets but places and paths.
+    /// The search graph, once [`Self::advance`] has said that that was all; before, but after its first call, it has the edges of
+    /// the frames that were surveyed, which is enough for all targets but places and paths.
     #[must_use]
     pub fn finish(self) -> SearchGraph {
         self.search_graph

@@ -22,7 +22,7 @@ use super::warning::Warning;
 /// What the names of frames begin with.
 const FRAME: &str = "frame_";
 /// Names of headers that say nothing about the motion.
-const DULL_NAMES: [&str; 4] = ["header", "hdr", "vologram", "texture"];
+const DULL_NAMES: [&str; 5] = ["header", "hdr", "sequence", "sequence_0", "vologram"];
 
 /// A vologram as its header describes it.
 pub(super) struct Vologram {
@@ -154,8 +154,8 @@ fn key(path: &Path) -> String {
     cut.unwrap_or(name).trim_end_matches(['_', '-']).to_owned()
 }
 
-/// The name of the file, or of its folder where that says more.
-fn name(header: &Path) -> String {
+/// What a vologram is called: the name of the file `header`, or of its folder where that says more.
+pub(super) fn name(header: &Path) -> String {
     let name = stem(header);
     if DULL_NAMES.contains(&name.to_ascii_lowercase().as_str()) {
         let folder = name_of_folder(folder_of(header));
