@@ -148,7 +148,12 @@ impl PathTask {
 
     /// How a walk that was found is bent onto the path by a bending that has had its last pass, and how well it follows it then. A
     /// walk that has little to do with the path can be led away from it by limits: that one stays as it is.
-    pub(super) fn bent(&self, search_graph: &SearchGraph, found: &Found, bending: Option<Bending>) -> (Bend, PathReport) {
+    pub(super) fn bent(
+        &self,
+        search_graph: &SearchGraph,
+        found: &Found,
+        bending: Option<Bending>,
+    ) -> (Bend, PathReport) {
         let plain = self.judge(search_graph, found);
         let Some(bending) = bending else { return (Bend::default(), plain) };
         let bend = bending.finish(&self.curve);

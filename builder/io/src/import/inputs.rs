@@ -15,7 +15,8 @@ use super::paths::{ending, name_of_folder, stem};
 use super::pattern::Pattern;
 #[cfg(feature = "gltf")]
 use super::uvol::{self, Uvol};
-use super::vologram::{self, Vologram};
+use super::vologram;
+use super::vologram::take::Vologram;
 use super::warning::Warning;
 
 /// Name of the manifest within a folder.

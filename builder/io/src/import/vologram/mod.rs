@@ -7,33 +7,21 @@
 mod file;
 mod frame;
 mod header;
+pub(super) mod take;
 
 use std::path::{Path, PathBuf};
 
 use self::file::FrameFile;
-use self::header::{Header, Pictures};
+use self::header::Header;
 use super::error::ImportError;
 use super::folder::list;
-use super::layers::TextureLayer;
 use super::mesh::MeshFile;
 use super::paths::{ending, folder_of, name_of_folder, stem};
-use super::warning::Warning;
 
 /// What the names of frames begin with.
 const FRAME: &str = "frame_";
 /// Names of headers that say nothing about the motion.
 const DULL_NAMES: [&str; 5] = ["header", "hdr", "sequence", "sequence_0", "vologram"];
-
-/// A vologram as its header describes it.
-pub(super) struct Vologram {
-    pub name: String,
-    /// A name for each frame, see [`frame_at`].
-    pub frames: Vec<PathBuf>,
-    pub fps: Option<f32>,
-    /// The texture of each frame; empty where the file holds none that is read.
-    pub layers: Vec<TextureLayer>,
-    pub warnings: Vec<Warning>,
-}
 
 /// What a file's ending says that it may be (part of) a vologram.
 pub(super) fn may_be(path: &Path) -> bool {
@@ -73,38 +61,6 @@ pub(super) fn texture_bytes(file: &Path, number: usize) -> Result<Vec<u8>, Impor
         arrays.texture.filter(|bytes| !bytes.is_empty()).map(<[u8]>::to_vec).ok_or_else(|| "it has no texture".into())
     });
     texture.map_err(|reason: String| wrong(file, format!("frame {number}: {reason}")))
-}
-
-impl Vologram {
-    /// Reads the header that `path` is or that lies beside it, and finds the frames.
-    pub fn read(path: &Path) -> Result<Self, ImportError> {
-        let header_path = if header::read(path).is_ok() { path.to_owned() } else { header_beside(path)? };
-        let header = header::read(&header_path).map_err(|reason| wrong(&header_path, reason))?;
-        let alone = FrameFile::open(&header_path, &header)?.holds_frames();
-        let files = if alone { vec![header_path.clone()] } else { sequences_beside(&header_path)? };
-        let mut frames = Vec::new();
-        for file in &files {
-            let count = FrameFile::open(file, &header)?.count()?;
-            frames.extend((0..count).map(|number| file.join(format!("{FRAME}{number:05}"))));
-        }
-        if frames.len() != header.frame_count as usize {
-            return Err(wrong(
-                &header_path,
-                format!(
-                    "says that there are {} frames, and there are {}: fetch it again",
-                    header.frame_count,
-                    frames.len()
-                ),
-            ));
-        }
-        Ok(Self {
-            name: name(&header_path),
-            fps: header.fps,
-            layers: layers(&frames, &header),
-            warnings: left_out(&header_path, &header),
-            frames,
-        })
-    }
 }
 
 /// The header of the frames in `file`: its own, or that of the file beside it.
@@ -165,66 +121,6 @@ pub(super) fn name(header: &Path) -> String {
     let cut = ["header", "hdr"].iter().find_map(|word| lower.strip_suffix(word));
     let start = cut.and_then(|start| name.get(..start.trim_end_matches(['_', '-']).len()));
     start.filter(|start| !start.is_empty()).unwrap_or(&name).to_owned()
-}
-
-#[cfg(feature = "gltf")]
-fn layers(frames: &[PathBuf], header: &Header) -> Vec<TextureLayer> {
-    if header.pictures != Pictures::Basis {
-        return Vec::new();
-    }
-    frames.iter().map(|path| TextureLayer { path: path.clone(), layer: 0, lowest_first: false }).collect()
-}
-
-#[cfg(not(feature = "gltf"))]
-fn layers(_: &[PathBuf], _: &Header) -> Vec<TextureLayer> {
-    Vec::new()
-}
-
-/// What of a vologram is not read.
-fn left_out(path: &Path, header: &Header) -> Vec<Warning> {
-    let shown = path.display();
-    let mut warnings = Vec::new();
-    if header.sound {
-        warnings.push(Warning::new("W_VOLS_LEFT_OUT", format!("{shown}: its sound is left out")));
-    }
-    if header.placed {
-        let message = format!("{shown}: how its header moves, turns and scales the body is left out");
-        warnings.push(Warning::new("W_VOLS_LEFT_OUT", message));
-    }
-    match header.pictures {
-        Pictures::Other(what) => warnings.push(Warning::new(
-            "W_VOLS_LEFT_OUT",
-            format!(
-                "{shown}: its textures are {what}, which is not read: write them as images, one a frame, beside it"
-            ),
-        )),
-        Pictures::Basis if cfg!(not(feature = "gltf")) => warnings.push(Warning::new(
-            "W_VOLS_LEFT_OUT",
-            format!("{shown}: its textures are left out, for this program was compiled without glTF"),
-        )),
-        Pictures::Basis => {}
-        Pictures::None => warnings.extend(video_beside(path)),
-    }
-    warnings
-}
-
-/// The video with the textures, which has to be unpacked first, unless that was done.
-fn video_beside(path: &Path) -> Option<Warning> {
-    let entries = list(folder_of(path)).ok()?;
-    let video = entries.iter().find(|entry| matches!(ending(entry).as_str(), "mp4" | "webm" | "mov"))?;
-    let unpacked = entries.iter().any(|entry| super::images::is_image(entry));
-    (!unpacked).then(|| {
-        Warning::new(
-            "W_VOLS_VIDEO",
-            format!(
-                "{}: its textures are a video, which is not read, so that there are no colours: ffmpeg -i {} -start_number 0 \
-                 {} writes them as images beside it",
-                path.display(),
-                video.display(),
-                folder_of(path).join("texture_%05d.png").display()
-            ),
-        )
-    })
 }
 
 fn wrong(path: &Path, reason: String) -> ImportError {
