@@ -46,9 +46,8 @@ pub fn sample_stretch(model: &Gpdm, stretch: Range<usize>, options: &StretchOpti
     let (steps, length, before, between) = SLIDE;
     let hmc = HmcOptions { steps, length, before, between, samples: options.samples, seed: options.seed };
     let recorded = energy.free(&energy.recorded);
-    let free = |even_place: &[f64]| -> Vec<f64> {
-        recorded.iter().zip(even.from_even(even_place)).map(|(was, by)| was + by).collect()
-    };
+    let free =
+        |numbers: &[f64]| -> Vec<f64> { recorded.iter().zip(even.places(numbers)).map(|(was, by)| was + by).collect() };
     let mut slope = vec![0.0; recorded.len()];
     let Chain { samples, accepted } = sample(&vec![0.0; recorded.len()], &hmc, |place, gradient| {
         let value = energy.of(&free(place), &mut slope);
@@ -66,7 +65,8 @@ struct Even {
 }
 
 impl Even {
-    fn from_even(&self, even: &[f64]) -> Vec<f64> {
+    /// How far the places of these numbers are from the recorded ones.
+    fn places(&self, even: &[f64]) -> Vec<f64> {
         row(even).times(&self.lower_inverse).values().to_vec()
     }
 
