@@ -304,6 +304,40 @@ fn loops_are_found_or_named_or_none() {
 }
 
 #[test]
+fn a_pack_has_variations_where_nothing_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("turn");
+    write_frames(&frames, 60);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let pack = |output: &str, more: &[&str]| -> Value {
+        let packed = builder(
+            &[&["pack", frames.to_str().unwrap(), "-o", &path(output), "--fps", "25", "--json"], more].concat(),
+        );
+        assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+        serde_json::from_slice(&packed.stdout).unwrap()
+    };
+    let usual = pack("one.reprise", &["--threads", "1"]);
+    assert!(usual["alternatives"]["alternatives"].as_u64() >= Some(8), "{usual}");
+    assert!(usual["seconds"]["variations"].is_number());
+    pack("two.reprise", &["--threads", "2"]);
+    assert_eq!(fs::read(path("one.reprise")).unwrap(), fs::read(path("two.reprise")).unwrap());
+    // As `vary` makes them.
+    let varied = builder(&["vary", frames.to_str().unwrap(), "-o", &path("varied.reprise"), "--fps", "25"]);
+    assert_eq!(code(&varied), 0, "{}", stderr(&varied));
+    assert_eq!(fs::read(path("one.reprise")).unwrap(), fs::read(path("varied.reprise")).unwrap());
+    let plain = pack("plain.reprise", &["--no-variations"]);
+    assert!(plain["alternatives"].is_null() && plain["variations"].as_array().unwrap().is_empty(), "{plain}");
+    assert_eq!(plain["graph"], usual["graph"], "the graph stays as it is");
+
+    // What cannot be varied is packed without a word.
+    let short = folder.path().join("short");
+    write_frames(&short, 2);
+    let packed = builder(&["pack", short.to_str().unwrap(), "-o", &path("short.reprise"), "--fps", "25", "--json"]);
+    assert_eq!(code(&packed), 0, "{}", stderr(&packed));
+    assert!(!stderr(&packed).contains("VARIATION"), "{}", stderr(&packed));
+}
+
+#[test]
 fn variations_are_packed_beside_what_they_vary() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("turn");

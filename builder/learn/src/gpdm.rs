@@ -119,22 +119,31 @@ impl Gpdm {
         (0..self.places.rows()).map(|row| self.kernels.frame(self.places.row(row), place)).collect()
     }
 
-    /// The logarithm of the variance of a frame, and its gradient.
-    pub(crate) fn log_variance(&self, place: &[f64], gradient: &mut [f64]) -> f64 {
-        let near = self.near(place);
-        let row = Matrix::from_fn(1, near.len(), |_, k| near[k]);
-        let halfway = row.times_transposed(&self.lower_inverse);
-        let explained = halfway.dot(&halfway);
-        let weights = halfway.times(&self.lower_inverse);
-        let variance = (self.kernels.scale + self.kernels.noise - explained).max(1e-12);
-        gradient.fill(0.0);
-        for (k, (weight, near)) in weights.values().iter().zip(&near).enumerate() {
-            let factor = 2.0 * self.kernels.narrowness * weight * near / variance;
-            for ((gradient, x), other) in gradient.iter_mut().zip(place).zip(self.places.row(k)) {
-                *gradient += factor * (x - other);
-            }
+    /// The sum of the logarithms of the variances of the frames of all places but the first and the last; `share` of its gradient is added to
+    /// `slopes`.
+    pub(crate) fn log_variances(&self, places: &Matrix, share: f64, slopes: &mut Matrix) -> f64 {
+        let inner = places.rows().saturating_sub(2);
+        let near = Matrix::from_fn(inner, self.places.rows(), |row, k| {
+            self.kernels.frame(self.places.row(k), places.row(row + 1))
+        });
+        let halfway = near.times_transposed(&self.lower_inverse);
+        let mut weights = halfway.times(&self.lower_inverse);
+        let mut sum = 0.0;
+        for row in 0..inner {
+            let explained: f64 = halfway.row(row).iter().map(|part| part * part).sum();
+            let variance = (self.kernels.scale + self.kernels.noise - explained).max(1e-12);
+            sum += variance.ln();
+            let factor = 2.0 * share * self.kernels.narrowness / variance;
+            weights.row_mut(row).iter_mut().zip(near.row(row)).for_each(|(weight, near)| *weight *= factor * near);
         }
-        variance.ln()
+        // Each place is pushed from those that tell of it.
+        let pulled = weights.times(&self.places);
+        for row in 0..inner {
+            let total: f64 = weights.row(row).iter().sum();
+            let own = slopes.row_mut(row + 1).iter_mut().zip(places.row(row + 1)).zip(pulled.row(row));
+            own.for_each(|((slope, place), pulled)| *slope += total * place - pulled);
+        }
+        sum
     }
 
     /// What [`crate::stretch`] needs of the steps.
@@ -159,19 +168,51 @@ pub(crate) struct Steps<'a> {
     kernels: &'a Kernels,
 }
 
+/// k_X between places, a row each, and others, a column each; without noise.
+pub(crate) struct Across {
+    /// The part that depends on the distance.
+    pub near: Matrix,
+    /// All of it.
+    pub whole: Matrix,
+}
+
 impl Steps<'_> {
-    /// k_X of two places, without noise.
-    pub fn kernel(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.kernels.step(a, b)
+    /// k_X between places and others.
+    pub fn kernels(&self, places: &Matrix, others: &Matrix) -> Across {
+        let near = Matrix::from_fn(places.rows(), others.rows(), |row, column| {
+            self.kernels.step_near(places.row(row), others.row(column))
+        });
+        let whole = near.clone().plus(self.kernels.step_linear, &places.times_transposed(others));
+        Across { near, whole }
     }
 
-    /// Adds `factor` times the gradient of k_X(a, b) by b to `out`.
-    pub fn add_gradient(&self, a: &[f64], b: &[f64], factor: f64, out: &mut [f64]) {
-        let near = factor * self.kernels.step_near(a, b) * self.kernels.step_narrowness;
-        let linear = factor * self.kernels.step_linear;
-        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
-            *out += near * (a - b) + linear * a;
+    /// For each place the sum of `factors` times the gradients of k_X between it and others, by the place.
+    pub fn gradients(&self, factors: &Matrix, across: &Across, places: &Matrix, others: &Matrix) -> Matrix {
+        let narrowness = self.kernels.step_narrowness;
+        let mut near = across.near.clone();
+        near.values_mut().iter_mut().zip(factors.values()).for_each(|(near, factor)| *near *= factor * narrowness);
+        let totals: Vec<f64> = (0..near.rows()).map(|row| near.row(row).iter().sum()).collect();
+        let mut slopes = near.plus(self.kernels.step_linear, factors).times(others);
+        for (row, total) in totals.into_iter().enumerate() {
+            slopes.row_mut(row).iter_mut().zip(places.row(row)).for_each(|(slope, place)| *slope -= total * place);
         }
+        slopes
+    }
+
+    /// How the mean that follows a place changes with it: a row a dimension of what follows; `near` is k_X's part that depends on the distance.
+    pub fn lead(&self, place: &[f64], near: &[f64]) -> Matrix {
+        let d = place.len();
+        let mut lead = Matrix::zeros(d, d);
+        for (k, near) in near.iter().enumerate() {
+            let (other, weights) = (self.inputs.row(k), self.weights.row(k));
+            for (row, weight) in weights.iter().enumerate() {
+                for (column, (x, other)) in place.iter().zip(other).enumerate() {
+                    let slope = near * self.kernels.step_narrowness * (other - x) + self.kernels.step_linear * other;
+                    lead[(row, column)] += weight * slope;
+                }
+            }
+        }
+        lead
     }
 }
 

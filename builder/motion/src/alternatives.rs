@@ -9,14 +9,19 @@ use actor::feet::{Feet, SHARE_STEP};
 use glam::Vec3;
 use job::{Job, Stopped};
 use kernels::scalar::sin_cos;
-use learn::dense::Matrix;
+use learn::dense::{Cholesky, Matrix};
 use learn::symmetric::eigen;
 use rayon::prelude::*;
 
+use crate::seen::Seen;
 use crate::vary::{CUTS, Varied};
 
 /// Frames that modes are learned from, at most: the time of it grows with the square.
-const LEARNED: usize = 600;
+const LEARNED: usize = 300;
+/// Vertices that modes and coefficients are found by, at most, besides those of soles.
+const LOOKED_AT: usize = 1000;
+/// What is missing is measured in every so many frames.
+const MEASURED: usize = 5;
 /// Modes are added until so much is missing (root mean square), as a part of the body's height: half a millimetre of 1.8 m.
 const MISSING: f64 = 0.000_28;
 /// What rounding of modes, and of coefficients, may add to that, likewise: each mode is rounded the finer the more it moves, so that
@@ -46,7 +51,7 @@ pub fn alternatives(
     count: usize,
     job: &Job<'_>,
 ) -> Result<(Alternatives, Stored), Stopped> {
-    let making = Making { capture, feet, headings, weights: weights(capture, feet) };
+    let making = Making::new(capture, feet, headings);
     let mut found = Vec::new();
     let mut samples = Vec::new();
     let total: usize = varied.iter().map(|one| one.frames().len() * count).sum();
@@ -56,11 +61,12 @@ pub fn alternatives(
         found.push(making.stretches(one, count, stride, &mut samples));
     }
     let modes = making.modes(&samples);
+    let fitting = Fitting::new(&making, &modes);
     let mut stored = Sums::default();
     let mut stretches = Vec::new();
     for (done, (one, found)) in varied.iter().zip(&found).enumerate() {
         job.tell("storing variations", done as u64, varied.len() as u64)?;
-        making.store(one, found, &modes, &mut stretches, &mut stored);
+        making.store(one, found, &fitting, &mut stretches, &mut stored);
     }
     stretches.sort_by_key(|stretch| (stretch.first, stretch.last));
     let bytes = modes.iter().map(|mode| mode.bytes.clone()).collect();
@@ -75,12 +81,9 @@ struct FoundStretch {
     variations: Vec<usize>,
 }
 
-/// A mode as it is stored, and as frames are compared with it.
+/// A mode as it is stored.
 struct Mode {
     bytes: Vec<[i8; 3]>,
-    shape: Vec<Vec3>,
-    /// Steps of its coefficient that one unit of the shape is.
-    unit: f32,
     /// Its coefficients are multiples of this, a power of two.
     multiple: f32,
 }
@@ -88,15 +91,14 @@ struct Mode {
 impl Mode {
     /// The mode of a shape of which one unit moves the surface by a metre in the mean square: parts rounded to `step`, coefficients
     /// to `coefficient`, or finer.
-    fn of(shape: Vec<Vec3>, step: f64, coefficient: f64) -> Self {
+    fn of(shape: &[Vec3], step: f64, coefficient: f64) -> Self {
         let most = shape.iter().map(|part| part.abs().max_element()).fold(f32::MIN_POSITIVE, f32::max);
         let largest = (most / step as f32).ceil().clamp(1.0, MODE_STEPS);
         let byte = |part: f32| (part / most * largest).round() as i8;
         let bytes = shape.iter().map(|part| part.to_array().map(byte)).collect();
         let unit = most * MODE_STEPS / (largest * COEFFICIENT_STEP);
         let multiple = (coefficient as f32 * unit).max(1.0).log2().floor().clamp(0.0, 12.0);
-        let multiple = 2.0_f32.powi(multiple as i32);
-        Self { bytes, shape, unit, multiple }
+        Self { bytes, multiple: 2.0_f32.powi(multiple as i32) }
     }
 }
 
@@ -104,8 +106,10 @@ struct Making<'a> {
     capture: &'a Capture,
     feet: &'a Feet,
     headings: &'a [f32],
-    /// How much each vertex counts; the sum is 1.
-    weights: Vec<f32>,
+    /// Vertices that modes and coefficients are found by, ascending.
+    looked: Vec<u32>,
+    /// The root of how much each of them counts.
+    roots: Vec<f64>,
 }
 
 /// How much each vertex counts.
@@ -121,12 +125,31 @@ fn weights(capture: &Capture, feet: &Feet) -> Vec<f32> {
     weights
 }
 
-impl Making<'_> {
+impl<'a> Making<'a> {
+    fn new(capture: &'a Capture, feet: &'a Feet, headings: &'a [f32]) -> Self {
+        let weights = weights(capture, feet);
+        let mut sole = vec![false; weights.len()];
+        for foot in 0..feet.count() {
+            feet.vertices(foot).iter().for_each(|vertex| sole[vertex.vertex as usize] |= vertex.sole > 0);
+        }
+        let stride = weights.len().div_ceil(LOOKED_AT).max(1);
+        let looked: Vec<u32> = (0..weights.len())
+            .filter(|&vertex| sole[vertex] || vertex % stride == 0)
+            .map(|vertex| vertex as u32)
+            .collect();
+        // Each but those of soles stands for those that are left out.
+        let share = |&vertex: &u32| if sole[vertex as usize] { 1.0 } else { stride as f64 };
+        let shares: Vec<f64> =
+            looked.iter().map(|vertex| share(vertex) * f64::from(weights[*vertex as usize])).collect();
+        let sum = shares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let roots = shares.iter().map(|share| (share / sum).sqrt()).collect();
+        Self { capture, feet, headings, looked, roots }
+    }
+
     /// A pose's difference from the recorded one, seen by a body that faces +Z.
-    fn difference(&self, frame: u32, pose: &[Vec3]) -> Vec<Vec3> {
+    fn difference(&self, frame: u32, pose: &[Vec3], recorded: &[Vec3]) -> Vec<Vec3> {
         let heading = stored_heading(self.headings[frame as usize]);
         let (sin, cos) = sin_cos(-f32::from(heading) * HEADING_STEP);
-        let recorded = self.capture.poses.frame(frame);
         let turned = |moved: Vec3| Vec3::new(cos * moved.x + sin * moved.z, moved.y, cos * moved.z - sin * moved.x);
         pose.iter().zip(recorded).map(|(own, was)| turned(*own - *was)).collect()
     }
@@ -141,17 +164,21 @@ impl Making<'_> {
         samples: &mut Vec<Vec<Vec3>>,
     ) -> Vec<FoundStretch> {
         let frames = varied.frames();
+        let seen = Seen::new(varied, &self.capture.poses, self.feet, None);
         let mut differs = vec![vec![false; frames.len()]; count];
         for (number, differs) in differs.iter_mut().enumerate() {
-            let poses = varied.poses(number, &self.capture.poses, self.feet);
-            for (k, pose) in poses.iter().enumerate() {
-                let frame = frames.start + k as u32;
-                differs[k] = pose != self.capture.poses.frame(frame);
-                // Other frames of each variation.
-                if differs[k] && (k + number * 7) % stride == 0 {
-                    samples.push(self.difference(frame, pose));
-                }
+            let variation = seen.variation(number);
+            for (differs, frame) in differs.iter_mut().zip(frames.clone()) {
+                *differs = variation.differs(frame);
             }
+            // Other frames of each variation.
+            let chosen = |&k: &usize| differs[k] && (k + number * 7) % stride == 0;
+            let sample = |k: usize| {
+                let frame = frames.start + k as u32;
+                self.difference(frame, &variation.pose(frame), self.capture.poses.frame(frame))
+            };
+            let chosen: Vec<usize> = (0..frames.len()).filter(chosen).collect();
+            samples.par_extend(chosen.into_par_iter().map(sample));
         }
         let mut found = Vec::new();
         for cut in 0..CUTS {
@@ -186,11 +213,10 @@ impl Making<'_> {
         if count == 0 {
             return Vec::new();
         }
-        let root: Vec<f64> = self.weights.iter().map(|weight| f64::from(*weight).sqrt()).collect();
-        let rows = Matrix::from_fn(count, 3 * root.len(), |row, column| {
-            f64::from(samples[row][column / 3][column % 3]) * root[column / 3]
+        let rows = Matrix::from_fn(count, 3 * self.looked.len(), |row, column| {
+            f64::from(samples[row][self.looked[column / 3] as usize][column % 3]) * self.roots[column / 3]
         });
-        let found = eigen(rows.times_transposed(&rows).values(), count);
+        let found = eigen(rows.gram().values(), count);
         let height = height(self.capture);
         let mut missing: f64 = found.values.iter().filter(|value| **value > 0.0).sum();
         let mut kept = 0;
@@ -204,16 +230,16 @@ impl Making<'_> {
         }
         let [parts, coefficients] = ROUNDED.map(|missing| missing * height / (kept as f64).sqrt());
         let mode = |(value, vector): (&f64, &Vec<f64>)| {
-            let mut shape = vec![Vec3::ZERO; root.len()];
+            let mut shape = vec![Vec3::ZERO; self.capture.topology.vertex_count()];
             for (sample, entry) in samples.iter().zip(vector) {
                 let share = (entry / value.sqrt()) as f32;
                 shape.iter_mut().zip(sample).for_each(|(sum, moved)| *sum += share * *moved);
             }
             // Rounding to a step misses a root of a twelfth of it, in each of three coordinates.
             let step = 2.0 * parts / (value / count as f64).sqrt();
-            Mode::of(shape, step, 12.0_f64.sqrt() * coefficients)
+            Mode::of(&shape, step, 12.0_f64.sqrt() * coefficients)
         };
-        found.values.iter().zip(&found.vectors).take(kept).map(mode).collect()
+        found.values[..kept].par_iter().zip(&found.vectors[..kept]).map(mode).collect()
     }
 
     /// Adds the stretches of a sequence, as they are stored.
@@ -221,7 +247,7 @@ impl Making<'_> {
         &self,
         varied: &Varied,
         found: &[FoundStretch],
-        modes: &[Mode],
+        fitting: &Fitting,
         stretches: &mut Vec<Stretch>,
         sums: &mut Sums,
     ) {
@@ -237,51 +263,68 @@ impl Making<'_> {
             })
             .collect();
         let most = found.iter().flat_map(|stretch| &stretch.variations).max().map_or(0, |most| most + 1);
+        let seen = Seen::new(varied, &self.capture.poses, self.feet, Some(&self.looked));
         for number in 0..most {
-            let poses = varied.poses(number, &self.capture.poses, self.feet);
+            let variation = seen.variation(number);
             for (stretch, own) in found.iter().zip(&mut own) {
                 if !stretch.variations.contains(&number) {
                     continue;
                 }
-                let first = varied.frames().start;
-                let row = |frame: u32| self.row(frame, &poses[(frame - first) as usize], modes);
-                let rows: Vec<Row> = (own.first + 1..own.last).into_par_iter().map(row).collect();
-                rows.iter().for_each(|row| sums.add(row));
-                own.coefficients.push(rows.into_iter().flat_map(|row| row.coefficients).collect());
+                let difference = |frame: u32| self.difference(frame, &variation.pose(frame), &seen.recorded(frame));
+                let differences: Vec<Vec<Vec3>> = (own.first + 1..own.last).into_par_iter().map(difference).collect();
+                own.coefficients.push(fitting.fitted(&differences, sums));
             }
         }
         stretches.extend(own);
     }
-
-    /// A frame's coefficients, and what they miss.
-    fn row(&self, frame: u32, pose: &[Vec3], modes: &[Mode]) -> Row {
-        let mut left = self.difference(frame, pose);
-        let mut coefficients = Vec::with_capacity(modes.len());
-        for mode in modes {
-            let product = |((shape, moved), weight): ((&Vec3, &Vec3), &f32)| f64::from(shape.dot(*moved) * weight);
-            let value: f64 = mode.shape.iter().zip(&left).zip(&self.weights).map(product).sum();
-            let steps = (value as f32 * mode.unit / mode.multiple).round() * mode.multiple;
-            // The largest multiple that can be stored.
-            let most = 32_768.0 - mode.multiple;
-            let stored = steps.clamp(-most, most) as i16;
-            coefficients.push(stored);
-            // As it will be added.
-            let step = f32::from(stored) * COEFFICIENT_STEP / MODE_STEPS;
-            left.iter_mut().zip(&mode.bytes).for_each(|(left, part)| *left -= step * Vec3::from(part.map(f32::from)));
-        }
-        let lengths = || left.iter().map(|left| f64::from(left.length()));
-        Row {
-            coefficients,
-            missing: lengths().sum::<f64>() / left.len().max(1) as f64,
-            most: lengths().fold(0.0, f64::max),
-        }
-    }
 }
 
-struct Row {
-    coefficients: Vec<i16>,
-    missing: f64,
-    most: f64,
+/// How differences become coefficients: by least squares over the modes as they are stored.
+struct Fitting {
+    /// A row a mode: what one step of its coefficient moves each vertex by, times the root of how much that counts.
+    steps: Matrix,
+    multiples: Vec<f32>,
+    normal: Option<Cholesky>,
+    roots: Vec<f64>,
+}
+
+impl Fitting {
+    fn new(making: &Making, modes: &[Mode]) -> Self {
+        let step = f64::from(COEFFICIENT_STEP / MODE_STEPS);
+        let steps = Matrix::from_fn(modes.len(), 3 * making.looked.len(), |row, column| {
+            let byte = modes[row].bytes[making.looked[column / 3] as usize][column % 3];
+            step * f64::from(byte) * making.roots[column / 3]
+        });
+        let mut normal = steps.gram();
+        let least = 1e-9 * (0..modes.len()).map(|k| normal[(k, k)]).fold(f64::MIN_POSITIVE, f64::max);
+        (0..modes.len()).for_each(|k| normal[(k, k)] += least);
+        let multiples = modes.iter().map(|mode| mode.multiple).collect();
+        Self { steps, multiples, normal: Cholesky::of(&normal), roots: making.roots.clone() }
+    }
+
+    /// Coefficients, frame after frame; `sums` is told what they miss.
+    fn fitted(&self, differences: &[Vec<Vec3>], sums: &mut Sums) -> Vec<i16> {
+        let (count, width) = (differences.len(), self.multiples.len());
+        let rows = Matrix::from_fn(count, 3 * self.roots.len(), |row, column| {
+            f64::from(differences[row][column / 3][column % 3]) * self.roots[column / 3]
+        });
+        let Some(normal) = self.normal.as_ref().filter(|_| width > 0) else { return vec![0; count * width] };
+        let found = normal.solve(&self.steps.times_transposed(&rows));
+        let stored = |row: usize, mode: usize| {
+            let multiple = self.multiples[mode];
+            let steps = (found[(mode, row)] as f32 / multiple).round() * multiple;
+            // The largest multiple that can be stored.
+            let most = 32_768.0 - multiple;
+            steps.clamp(-most, most) as i16
+        };
+        let coefficients: Vec<i16> = (0..count * width).map(|at| stored(at / width, at % width)).collect();
+        for row in (0..count).step_by(MEASURED) {
+            let own = &coefficients[row * width..(row + 1) * width];
+            let shown = Matrix::from_fn(1, width, |_, mode| f64::from(own[mode])).times(&self.steps);
+            sums.add(rows.row(row), shown.values(), &self.roots);
+        }
+        coefficients
+    }
 }
 
 #[derive(Default)]
@@ -292,10 +335,16 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, row: &Row) {
+    /// A frame as it is and as it is stored, both times the roots of what counts.
+    fn add(&mut self, own: &[f64], stored: &[f64], roots: &[f64]) {
+        let left = |(k, root): (usize, &f64)| {
+            let squares = (3 * k..3 * k + 3).map(|at| (own[at] - stored[at]).powi(2)).sum::<f64>();
+            squares.sqrt() / root.max(f64::MIN_POSITIVE)
+        };
+        let lengths: Vec<f64> = roots.iter().enumerate().map(left).collect();
         self.frames += 1.0;
-        self.missing += row.missing;
-        self.most = self.most.max(row.most);
+        self.missing += lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+        self.most = lengths.into_iter().fold(self.most, f64::max);
     }
 
     fn mean(&self) -> Stored {
@@ -311,4 +360,53 @@ fn stored_heading(heading: f32) -> i16 {
 fn height(capture: &Capture) -> f64 {
     let heights = || capture.poses.frame(0).iter().map(|point| point.y);
     f64::from(heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min)).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use actor::capture::Poses;
+    use actor::surface::Surface;
+    use actor::timeline::{Sequence, Timeline};
+    use kernels::random::signed;
+    use kernels::topology::Topology;
+
+    #[test]
+    fn coefficients_are_those_of_the_modes_as_they_are_stored() {
+        let vertices = 3000;
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 1, cyclic: false };
+        let poses = Poses::from_positions(vertices, (0..vertices).map(|k| Vec3::Y * k as f32 * 6e-4).collect());
+        let capture = Capture {
+            name: "t".into(),
+            topology: Topology::new(vertices as u32, vec![[0, 1, 2]], vec![1.0; vertices]).unwrap(),
+            surface: Surface::default(),
+            timeline: Timeline::new(25.0, vec![sequence]).unwrap(),
+            poses,
+            vertex_of_file_vertex: Vec::new(),
+        };
+        let feet = Feet::default();
+        let making = Making::new(&capture, &feet, &[0.0]);
+        assert!(making.looked.len() <= LOOKED_AT);
+        let mode = |seed: u64| {
+            let byte = |k: usize| (127.0 * signed(seed, k as u64)) as i8;
+            Mode { bytes: (0..vertices).map(|v| [3 * v, 3 * v + 1, 3 * v + 2].map(byte)).collect(), multiple: 4.0 }
+        };
+        // Modes that are far from orthogonal.
+        let (first, second) = (mode(1), mode(2));
+        let mixed = |k: usize| std::array::from_fn(|axis| first.bytes[k][axis] / 2 + second.bytes[k][axis] / 2);
+        let modes = [Mode { bytes: (0..vertices).map(mixed).collect(), multiple: 4.0 }, first];
+        let fitting = Fitting::new(&making, &modes);
+        let difference = |own: [f32; 2]| -> Vec<Vec3> {
+            let step = COEFFICIENT_STEP / MODE_STEPS;
+            let moved = |&vertex: &u32| {
+                let part = |mode: usize| Vec3::from(modes[mode].bytes[vertex as usize].map(f32::from));
+                step * (own[0] * part(0) + own[1] * part(1))
+            };
+            making.looked.iter().map(moved).collect()
+        };
+        let mut sums = Sums::default();
+        let found = fitting.fitted(&[difference([400.0, -120.0]), difference([-7.0, 901.0])], &mut sums);
+        assert_eq!(found, [400, -120, -8, 900]);
+        assert!(sums.mean().most < 1e-6, "the first frame is looked at, and has nothing to round");
+    }
 }

@@ -8,46 +8,39 @@ use crate::smooth::ramp;
 /// After it has lifted, a foot is its own again over so many seconds.
 const LET_GO: f32 = 0.15;
 
+/// A vertex of a foot, and where it is in a pose.
+pub type Sole = (usize, FootVertex);
+
 /// How far feet are put aside, frame by frame.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// For each foot and frame: by how much it is moved, and how far its sole is shaped as recorded.
-    feet: Vec<Vec<(Vec3, f32)>>,
+    /// For each foot and frame: by how much it is moved, how far its sole is shaped as recorded, and how far the variation carries it off.
+    feet: Vec<Vec<(Vec3, f32, Vec3)>>,
 }
 
 impl Held {
-    /// How feet are to be moved in `varied`, frames that stand for those from `first` on, of which `recorded` has the poses. What
-    /// stands at an end stands as recorded: there the motion goes on into the recording.
-    pub fn new<'a>(
-        feet: &Feet,
-        first: u32,
-        fps: f32,
-        recorded: impl Fn(u32) -> &'a [Vec3],
-        varied: &[Vec<Vec3>],
-    ) -> Self {
-        let count = varied.len();
+    /// How feet are to be moved in varied frames that stand for those from `first` on; `carried` says, frame by frame, how far the variation
+    /// carries each foot off. What stands at an end stands as recorded: there the motion goes on into the recording.
+    #[must_use]
+    pub fn new(feet: &Feet, first: u32, fps: f32, carried: &[Vec<Vec3>]) -> Self {
+        let count = carried.len();
         let foot = |foot: usize| {
-            let sole = feet.vertices(foot);
-            // How far the variation carries the foot off.
-            let carried = |k: usize| mean(sole, &varied[k]) - mean(sole, recorded(first + k as u32));
-            let carried: Vec<Vec3> = (0..count).map(carried).collect();
+            let carried: Vec<Vec3> = carried.iter().map(|feet| feet[foot]).collect();
             let stands: Vec<bool> = (0..count).map(|k| feet.stands(first + k as u32, foot)).collect();
-            moves(&carried, &stands, (LET_GO * fps).max(1.0), Ends::Recorded)
+            let moves = moves(&carried, &stands, (LET_GO * fps).max(1.0), Ends::Recorded);
+            moves.into_iter().zip(carried).map(|((by, shaped), carried)| (by, shaped, carried)).collect()
         };
         Self { feet: (0..feet.count()).map(foot).collect() }
     }
 
-    /// Moves the feet of frame `k`.
-    pub fn apply(&self, feet: &Feet, k: usize, recorded: &[Vec3], pose: &mut [Vec3]) {
-        for (foot, moves) in self.feet.iter().enumerate() {
-            let sole = feet.vertices(foot);
-            let (by, shaped) = moves[k];
-            let carried = mean(sole, pose) - mean(sole, recorded);
-            for vertex in sole {
-                let place = &mut pose[vertex.vertex as usize];
-                let own = *place - recorded[vertex.vertex as usize] - carried;
+    /// Moves the feet of frame `k`; `feet` says where their vertices are in both poses.
+    pub fn apply(&self, feet: &[Vec<Sole>], k: usize, recorded: &[Vec3], pose: &mut [Vec3]) {
+        for (foot, moves) in feet.iter().zip(&self.feet) {
+            let (by, shaped, carried) = moves[k];
+            for &(at, vertex) in foot {
+                let own = pose[at] - recorded[at] - carried;
                 let share = |share: u8| f32::from(share) * SHARE_STEP;
-                *place += by * share(vertex.leg) - own * (share(vertex.sole) * shaped);
+                pose[at] += by * share(vertex.leg) - own * (share(vertex.sole) * shaped);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Motion that is learned from a capture: other ways through what was recorded.
 //!
 //! ```text
-//! body (its own frame) -> numbers (a row a frame) -> learn::gpdm, learn::stretch -> vary (rows back to poses) -> hold (feet) -> alternatives
+//! body (its own frame) -> numbers (a row a frame) -> learn::gpdm, learn::stretch -> reach (how far) -> vary -> seen (rows back to poses, feet held) -> alternatives
 //! ```
 //!
 //! Thesis chapter 6, with what it takes to work on real captures (docs/learning.md). Knows no file.
@@ -11,5 +11,6 @@ pub mod body;
 pub mod hold;
 pub mod numbers;
 mod reach;
+pub mod seen;
 pub mod smooth;
 pub mod vary;

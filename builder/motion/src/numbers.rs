@@ -16,6 +16,10 @@ use crate::smooth::smoothed;
 const MISSING: f64 = 0.0011;
 /// Components at most.
 const MOST: usize = 40;
+/// Coordinates that are summed up at a time.
+const PIECE: usize = 3072;
+/// Vertices that are looked at to find components, at most.
+const LOOKED_AT: usize = 2000;
 /// How far from its axis a turn counts: 30 cm of 1.8 m.
 const LEVER: f64 = 0.17;
 /// Deviation of what smooths the way, in seconds: shorter than a step, longer than a sway.
@@ -36,8 +40,8 @@ pub struct Numbers {
     pub scale: f64,
     /// How far from its axis a turn counts, in metres.
     lever: f64,
-    /// Components of the shape in the body's own frame, in metres a metre.
-    modes: Vec<Vec<Vec3>>,
+    /// Components of the shape in the body's own frame, in metres a metre: three coordinates a vertex, one after the other.
+    modes: Vec<Vec<f32>>,
     /// How the body is turned on its smoothed way, and where it is, for each frame of the sequence from the first of `frames`.
     ways: Vec<(f64, BodyFrame)>,
 }
@@ -76,6 +80,16 @@ impl Numbers {
         self.modes.len()
     }
 
+    /// The same on some vertices.
+    #[must_use]
+    pub fn thinned(&self, vertices: &[u32]) -> Self {
+        let some =
+            |mode: &Vec<f32>| vertices.iter().flat_map(|&vertex| &mode[3 * vertex as usize..][..3]).copied().collect();
+        let modes = self.modes.iter().map(some).collect();
+        let (frames, rows, ways) = (self.frames.clone(), self.rows.clone(), self.ways.clone());
+        Self { frames, rows, ways, modes, ..*self }
+    }
+
     /// `recorded`, the pose of the frame `offset` frames after the first one, moved by the difference `by` of two rows.
     #[must_use]
     pub fn moved(&self, recorded: &[Vec3], offset: usize, by: &[f64]) -> Vec<Vec3> {
@@ -90,11 +104,20 @@ impl Numbers {
         let rotation = Quat::from_rotation_y(turn) * yaw * Quat::from_scaled_axis(tilt) * yaw.inverse() * body.rotation;
         let centre = body.centre + yaw * Vec3::new(stance[0], stance[1], stance[2]);
         let moved = BodyFrame { rotation, centre };
-        let mut own: Vec<Vec3> = recorded.iter().map(|&point| body.own(point)).collect();
-        for (mode, amount) in self.modes.iter().zip(shape) {
-            own.iter_mut().zip(mode).for_each(|(point, mode)| *point += *mode * amount);
+        let sums = self.summed(&shape, recorded.len());
+        let place = |(&point, by): (&Vec3, &[f32; 3])| moved.place(body.own(point) + Vec3::from_array(*by));
+        recorded.iter().zip(sums.as_chunks::<3>().0).map(place).collect()
+    }
+
+    /// The sum of the modes times `amounts`: so many of them after each other for a piece of the surface that it need not be read from afar again.
+    fn summed(&self, amounts: &[f32], vertices: usize) -> Vec<f32> {
+        let mut sums = vec![0.0; 3 * vertices];
+        for (piece, sums) in sums.chunks_mut(PIECE).enumerate() {
+            for (mode, amount) in self.modes.iter().zip(amounts) {
+                sums.iter_mut().zip(&mode[piece * PIECE..]).for_each(|(sum, part)| *sum += amount * part);
+            }
         }
-        own.into_iter().map(|point| moved.place(point)).collect()
+        sums
     }
 }
 
@@ -127,18 +150,21 @@ fn stances(body: &[BodyFrame], deviation: f64, lever: f64) -> Vec<(f64, [f64; ST
 }
 
 /// Coefficients, a row a shape, and modes of shapes, so many that less than `allowed` is missing, in metres.
-fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32], allowed: f64) -> (Matrix, Vec<Vec<Vec3>>) {
-    let (count, total) = (shapes.len(), areas.iter().sum::<f32>().max(f32::MIN_POSITIVE));
+fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32], allowed: f64) -> (Matrix, Vec<Vec<f32>>) {
+    let count = shapes.len();
     for vertex in 0..areas.len() {
         let mean = shapes.iter().map(|shape| shape[vertex]).sum::<Vec3>() / count as f32;
         shapes.iter_mut().for_each(|shape| shape[vertex] -= mean);
     }
+    // As many vertices as tell how frames are alike.
+    let stride = areas.len().div_ceil(LOOKED_AT).max(1);
+    let looked: Vec<usize> = (0..areas.len()).step_by(stride).collect();
+    let total = looked.iter().map(|&vertex| areas[vertex]).sum::<f32>().max(f32::MIN_POSITIVE);
     let weighted = |row: usize, column: usize| {
-        let vertex = column / 3;
+        let vertex = looked[column / 3];
         f64::from(shapes[row][vertex][column % 3]) * f64::from(areas[vertex] / total).sqrt()
     };
-    let rows = Matrix::from_fn(count, 3 * areas.len(), weighted);
-    let gram = rows.times_transposed(&rows);
+    let gram = Matrix::from_fn(count, 3 * looked.len(), weighted).gram();
     let found = eigen(gram.values(), count);
     let mut missing: f64 = found.values.iter().filter(|&&value| value > 0.0).sum();
     let mut kept = 0;
@@ -153,7 +179,7 @@ fn components(mut shapes: Vec<Vec<Vec3>>, areas: &[f32], allowed: f64) -> (Matri
             let share = (entry / found.values[k].sqrt()) as f32;
             mode.iter_mut().zip(shape).for_each(|(sum, point)| *sum += *point * share);
         }
-        mode
+        mode.into_iter().flat_map(|point| point.to_array()).collect()
     };
     (coefficients, (0..kept).into_par_iter().map(mode).collect())
 }

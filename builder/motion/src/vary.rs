@@ -3,12 +3,9 @@
 //! Thesis section 6.6 with a recipe that holds on real captures: the noise is set after training, samples are tethered to the
 //! recording, smoothed, and decoded as *differences* from it, so that no detail is lost.
 
-use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
 use actor::capture::Poses;
-use actor::feet::Feet;
-use glam::Vec3;
 use job::{Job, Stopped};
 use kernels::random::mix;
 use kernels::topology::Topology;
@@ -18,15 +15,18 @@ use learn::stretch::{StretchOptions, sample_stretch};
 use rayon::prelude::*;
 
 use crate::body::body_size;
-use crate::hold::Held;
 use crate::numbers::Numbers;
-use crate::reach::{Differences, distance, hold_edges, least, lift};
-use crate::smooth::{between, ramp, smoothed};
+use crate::reach::{Differences, Looked, least, lift};
+use crate::seen::Model;
+pub use crate::seen::Varied;
+use crate::smooth::{ramp, smoothed};
 
 /// Frames a second that are learned from, at most.
 const LEARNED: f32 = 25.0;
 /// Frames of one model: the time of its training grows with the cube.
 const MODEL: usize = 150;
+/// Steps of its training: what is drawn with more of them is no better, for only differences of its frames count.
+const TRAINED: usize = 120;
 /// How far samples easily leave the recording, in mean steps, for each unit of the amount: one step at 0.12.
 const TETHER: f64 = 1.0 / 0.12;
 /// Deviations of what smooths samples, in learned frames: the first that does not shake, or the last.
@@ -64,28 +64,6 @@ impl Default for VaryOptions {
     }
 }
 
-/// What was learned of a sequence, and drawn.
-#[derive(Debug)]
-pub struct Varied {
-    frames: Range<u32>,
-    fps: f32,
-    models: Vec<Model>,
-    /// Stretches in which a variation keeps the recording, for all that was drawn went too far.
-    pub rejected: usize,
-    /// Stretches in all variations.
-    pub stretches: usize,
-    /// The share of slides that were accepted.
-    pub accepted: f64,
-}
-
-/// A part of a sequence with a model of its own.
-#[derive(Debug)]
-struct Model {
-    numbers: Numbers,
-    /// For each variation a row a learned frame: how its numbers differ from the recorded ones.
-    differences: Differences,
-}
-
 /// Varies the frames `frames` of a sequence. Sequences that are too short, or do not move, have variations that are the recording.
 ///
 /// # Errors
@@ -109,7 +87,7 @@ pub fn vary(
         // One frame is in both, and held in both.
         let end = if part + 1 == parts { frames.end } else { cut(part + 1) + 1 };
         let Some(numbers) = Numbers::of(poses, topology.weights(), cut(part)..end, stride, fps) else { continue };
-        let trained = GpdmOptions { dimensions: options.dimensions, ..GpdmOptions::default() };
+        let trained = GpdmOptions { dimensions: options.dimensions, steps: TRAINED };
         let count = numbers.rows.rows();
         let Some(model) = Gpdm::train(numbers.rows.clone(), &[count], &trained) else { continue };
         let stretch = ((options.stretch * fps / stride as f32).round() as usize).clamp(8, MODEL);
@@ -137,14 +115,15 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// Sees to it that variations go as far as is asked for, and no farther than edges allow.
+    /// Sees to it that variations go as far as is asked for, and no farther than edges allow and than is meant.
     fn reach(&mut self, numbers: &Numbers, topology: &Topology, poses: &Poses, (size, amount): (f64, f64)) {
+        let looked = Looked::new(numbers, topology, poses);
         for (cut, stretches) in self.cuts.iter().enumerate() {
             let of_cut = || (cut..self.differences.len()).step_by(CUTS);
             let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
-            let recorded = |frame: u32| poses.frame(frame).to_vec();
-            lift(&mut own, stretches, least(amount, size), &|own| distance(own, numbers, &recorded));
-            own.par_iter_mut().for_each(|one| hold_edges(one, stretches, numbers, topology.triangles(), &recorded));
+            lift(&mut own, stretches, least(amount, size), &|own| looked.distance(own));
+            own.par_iter_mut().for_each(|one| looked.hold_edges(one, stretches));
+            looked.hold_apart(&mut own, stretches, size);
             for (number, one) in of_cut().zip(own) {
                 self.differences[number] = one;
             }
@@ -261,73 +240,13 @@ fn softened(recorded: &Matrix, sample: &Matrix, deviation: f64) -> Vec<Vec<f64>>
     soft.iter().enumerate().map(place).collect()
 }
 
-impl Varied {
-    /// The frames of the sequence that is varied.
-    #[must_use]
-    pub fn frames(&self) -> Range<u32> {
-        self.frames.clone()
-    }
-
-    /// The poses of variation `number`, one for each frame of the sequence.
-    #[must_use]
-    pub fn poses(&self, number: usize, poses: &Poses, feet: &Feet) -> Vec<Vec<Vec3>> {
-        let pose = |frame: u32| {
-            let recorded = poses.frame(frame);
-            let moved = self.models.iter().find_map(|model| model.pose(number, frame, recorded));
-            moved.unwrap_or_else(|| recorded.to_vec())
-        };
-        let mut varied: Vec<Vec<Vec3>> = self.frames.clone().into_par_iter().map(pose).collect();
-        let held = Held::new(feet, self.frames.start, self.fps, |frame| poses.frame(frame), &varied);
-        let first = self.frames.start;
-        varied.par_iter_mut().enumerate().for_each(|(k, pose)| {
-            let recorded = poses.frame(first + k as u32);
-            if pose != recorded {
-                held.apply(feet, k, recorded, pose);
-            }
-        });
-        varied
-    }
-
-    /// The mean distance between the shapes of two variations, in metres (root mean square over the surface), over all pairs.
-    #[must_use]
-    pub fn diversity(&self) -> f64 {
-        let (mut sum, mut pairs) = (0.0, 0.0);
-        for model in &self.models {
-            let shape = model.numbers.components();
-            let count = model.differences.len();
-            for a in 0..count {
-                for b in 0..a {
-                    for (one, other) in model.differences[a].iter().zip(&model.differences[b]) {
-                        let apart = one[..shape].iter().zip(&other[..shape]).map(|(a, b)| (a - b) * (a - b));
-                        sum += apart.sum::<f64>().sqrt() * model.numbers.scale;
-                        pairs += 1.0;
-                    }
-                }
-            }
-        }
-        sum / f64::max(pairs, 1.0)
-    }
-}
-
-impl Model {
-    /// A frame of a variation; `None` where the model knows nothing of it, or it is recorded.
-    fn pose(&self, number: usize, frame: u32, recorded: &[Vec3]) -> Option<Vec<Vec3>> {
-        let (first, last) = (*self.numbers.frames.first()?, *self.numbers.frames.last()?);
-        if !(first..=last).contains(&frame) {
-            return None;
-        }
-        let offset = frame - first;
-        let at = f64::from(offset) / f64::from(self.numbers.stride);
-        let by = between(&self.differences[number], at);
-        // What rounds to nothing is the recording itself, bit for bit.
-        let seen = by.iter().any(|number| number.abs() * self.numbers.scale > 1e-7 / SQRT_2);
-        seen.then(|| self.numbers.moved(recorded, offset as usize, &by))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seen::Seen;
+    use actor::feet::{Feet, FootVertex};
+    use actor::timeline::{Sequence, Timeline};
+    use glam::Vec3;
     use kernels::random::signed;
 
     /// A rod that swings and bends, on a walk.
@@ -367,6 +286,58 @@ mod tests {
         let most = (0..50).map(off).fold(0.0, f32::max);
         assert!(most > 0.001 && most < 0.3, "{most}");
         assert_eq!(one, vary().poses(1, &poses, &Feet::default()), "the same seed gives the same motion");
+    }
+
+    #[test]
+    fn some_vertices_go_where_they_go_with_all() {
+        let poses = rod(50);
+        let options = VaryOptions { count: 2, dimensions: 3, ..VaryOptions::default() };
+        let varied = vary(&poses, &rod_topology(), (0..50, 25.0), &options, &Job::silent()).unwrap();
+        // A foot that stands in the middle.
+        let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 50, cyclic: false };
+        let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
+        let foot = (0..8).map(|vertex| FootVertex { vertex, leg: 255, sole: if vertex < 4 { 255 } else { 0 } });
+        let stands = (0..50).map(|frame| (20..30).contains(&frame)).collect();
+        let feet = Feet::new(vec![foot.collect()], stands, 40, &timeline).unwrap();
+        let some = [1, 5, 6, 20, 39];
+        let (all, seen) = (Seen::new(&varied, &poses, &feet, None), Seen::new(&varied, &poses, &feet, Some(&some)));
+        let (all, seen) = (all.variation(1), seen.variation(1));
+        assert!((1..49).any(|frame| all.differs(frame)) && !all.differs(0) && !all.differs(49));
+        for frame in 0..50 {
+            let (whole, seen) = (all.pose(frame), seen.pose(frame));
+            for (place, &vertex) in seen.iter().zip(&some) {
+                assert!(place.distance(whole[vertex as usize]) < 1e-6, "frame {frame}, vertex {vertex}");
+            }
+            assert_eq!(all.differs(frame), whole != poses.frame(frame), "frame {frame}");
+        }
+        let shaped = all.pose(25)[0] - all.pose(25)[1];
+        assert!(
+            shaped.distance(poses.frame(25)[0] - poses.frame(25)[1]) < 1e-6,
+            "a sole that stands is shaped as recorded"
+        );
+    }
+
+    #[test]
+    fn variations_are_no_farther_apart_than_is_meant() {
+        let poses = rod(80);
+        let topology = rod_topology();
+        let numbers = Numbers::of(&poses, topology.weights(), 0..80, 1, 25.0).unwrap();
+        let width = numbers.rows.columns();
+        // Far off, and smooth.
+        let one = |sign: f64| -> Vec<Vec<f64>> {
+            (0..80).map(|k| vec![sign * (std::f64::consts::PI * f64::from(k) / 79.0).sin(); width]).collect()
+        };
+        let looked = Looked::new(&numbers, &topology, &poses);
+        let size = f64::from(body_size(&poses, &numbers.frames));
+        let apart = |far: f64| {
+            let mut all = vec![one(far), one(-far)];
+            looked.hold_apart(&mut all, std::slice::from_ref(&(0..80)), size);
+            looked.distance(&all)
+        };
+        let (near, far, farther) = (apart(0.01), apart(1.0), apart(2.0));
+        assert!(near < far && far < farther * 1.001, "it grows: {near} {far} {farther}");
+        // Two that differ by 17 mm of 1.8 m are 12 mm off.
+        assert!(farther < 1.05 * 0.0095 / std::f64::consts::SQRT_2 * size, "{farther} of {size}");
     }
 
     #[test]

@@ -73,6 +73,22 @@ pub struct Variations {
     pub options: VaryOptions,
     /// Whether they become sequences of their own, with transitions, instead of alternatives of recorded stretches.
     pub as_sequences: bool,
+    /// Whether nobody asked for them: what goes wrong is a warning, and where frames are shown as they were scanned there are none.
+    pub usual: bool,
+}
+
+#[cfg(feature = "variations")]
+impl Variations {
+    /// Variations of each sequence, where nothing is said.
+    pub const COUNT: usize = 8;
+
+    /// Alternatives of all sequences, as `builder pack` makes them where nothing is said.
+    #[must_use]
+    pub fn usual() -> Self {
+        let mut options = VaryOptions::default();
+        options.count = Self::COUNT;
+        Self { options, usual: true, ..Self::default() }
+    }
 }
 
 /// What becomes of textures that change from frame to frame.

@@ -40,9 +40,7 @@ use crate::registered::RegisteredScan;
 pub use crate::rigged::{RigSummary, SpaceSummary};
 use crate::rigged::{stored_rig, stored_space};
 #[cfg(feature = "variations")]
-use crate::varied_families;
-#[cfg(feature = "variations")]
-use crate::vary::{AlternativesSummary, add_sequences, alternatives, learn};
+use crate::vary::{self, AlternativesSummary, VariedSequence};
 #[cfg(feature = "scans")]
 pub use crate::windows::ScannedSummary;
 
@@ -72,7 +70,7 @@ pub struct PackReport {
     /// What came of the sequences that were varied.
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub variations: Vec<crate::vary::VariedSequence>,
+    pub variations: Vec<VariedSequence>,
     /// What came of storing them as alternatives of recorded stretches.
     #[cfg(feature = "variations")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -146,6 +144,8 @@ pub struct StageSeconds {
     pub graph: f64,
     /// Textures.
     pub appearance: f64,
+    /// Learning and storing variations.
+    pub variations: f64,
     /// Frames as they were scanned.
     pub scanned: f64,
     /// Encoding the bundle.
@@ -206,18 +206,11 @@ fn pack_of(
     let mut imported = imported;
     let families = families::add(&mut imported, job)?;
     #[cfg(feature = "variations")]
-    let learned = match &options.variations {
-        Some(wanted) => {
-            let samples = varied_families::samples(&families);
-            let learned = learn(&imported.capture, wanted, &samples, &mut imported.warnings, job)?;
-            if wanted.as_sequences {
-                let varied = add_sequences(&mut imported, &learned, wanted.options.count)?;
-                varied_families::add(&mut imported, &families, &varied, job)?;
-            }
-            Some((wanted, learned))
-        }
-        None => None,
-    };
+    let made = timed(&mut seconds.variations, || {
+        // Frames that are shown as they were scanned have none.
+        let wanted = options.variations.as_ref().filter(|wanted| !wanted.usual || of.is_none());
+        vary::made(&mut imported, &families, wanted, job)
+    })?;
     let before = before_stages(&imported, options);
     if let Some(refusal) = before.refusal {
         return Err(refusal);
@@ -238,13 +231,8 @@ fn pack_of(
     let quality = summary.as_ref().map_or_else(AppearanceQuality::default, |summary| summary.quality);
     let looks = (models.as_slice(), quality);
     #[cfg(feature = "variations")]
-    let (stored, summary_of_stored) = match &learned {
-        Some((wanted, learned)) if !wanted.as_sequences => {
-            let (stored, summary) = alternatives(&imported.capture, learned, wanted.options.count, job)?;
-            (Some(stored), Some(summary))
-        }
-        _ => (None, None),
-    };
+    let (stored, summary_of_stored) =
+        timed(&mut seconds.variations, || vary::stored(made.as_ref(), &imported.capture, &mut warnings, job))?.unzip();
     #[cfg(not(feature = "variations"))]
     let stored = None;
     #[cfg(feature = "scans")]
@@ -270,8 +258,8 @@ fn pack_of(
         skeleton: imported.skeleton.as_ref(),
     };
     let (bytes, mut pack_report) = pack_with_files(&imported.capture, besides, looks, options, job)?;
-    pack_report.seconds.import = seconds.import;
-    pack_report.seconds.appearance = seconds.appearance;
+    let told = &mut pack_report.seconds;
+    (told.import, told.appearance, told.variations) = (seconds.import, seconds.appearance, seconds.variations);
     #[cfg(feature = "scans")]
     {
         (pack_report.seconds.scanned, pack_report.scanned) = (seconds.scanned, summary_of_scanned);
@@ -285,7 +273,7 @@ fn pack_of(
         };
         let bytes = bytes_of("alternatives") as usize;
         pack_report.alternatives = summary_of_stored.map(|summary| AlternativesSummary { bytes, ..summary });
-        pack_report.variations = learned.map_or(Vec::new(), |(_, learned)| learned.told);
+        pack_report.variations = made.map_or(Vec::new(), |made| made.learned.told);
     }
     pack_report.offset = imported.offset.to_array();
     // What the graph says comes last.
@@ -507,6 +495,6 @@ fn max_error(capture: &Capture, options: &PackOptions) -> f32 {
 fn timed<T>(seconds: &mut f64, stage: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = stage();
-    *seconds = start.elapsed().as_secs_f64();
+    *seconds += start.elapsed().as_secs_f64();
     result
 }

@@ -1,7 +1,8 @@
-//! `builder vary`: the whole pipeline, on a capture with variations of its sequences: as alternatives of what was recorded, or as
-//! sequences beside it.
+//! Variations of a capture's sequences on the way to its bundle: as alternatives of what was recorded, as `builder pack` makes them by itself, or as
+//! sequences beside it (`builder vary`).
 
 use std::collections::{BTreeMap, HashSet};
+use std::ops::Range;
 
 use actor::alternatives::Alternatives;
 use actor::capture::{Capture, Poses};
@@ -11,12 +12,15 @@ use actor::timeline::{Sequence, Timeline};
 use capture_io::import::{Imported, Warning};
 use glam::Vec3;
 use job::Job;
+use motion::seen::{Seen, Variation};
 use motion::vary::Varied;
 pub use motion::vary::VaryOptions;
 use serde::Serialize;
 
+use crate::families::FamilySummary;
 use crate::options::PackError;
 pub use crate::options::Variations;
+use crate::varied_families;
 
 /// What came of one sequence.
 #[derive(Clone, Debug, Serialize)]
@@ -66,10 +70,62 @@ pub(crate) struct Learned {
     pub told: Vec<VariedSequence>,
 }
 
+/// What was learned, and what for.
+pub(crate) struct Made<'a> {
+    wanted: &'a Variations,
+    pub learned: Learned,
+}
+
+/// Learns the variations that are wanted, and adds those that become sequences; `None` where none are wanted, or those that are usual
+/// cannot be had.
+pub(crate) fn made<'a>(
+    imported: &mut Imported,
+    families: &[FamilySummary],
+    wanted: Option<&'a Variations>,
+    job: &Job,
+) -> Result<Option<Made<'a>>, PackError> {
+    let Some(wanted) = wanted else { return Ok(None) };
+    let samples = varied_families::samples(families);
+    let learned = learn(&imported.capture, wanted, &samples, &mut imported.warnings, job);
+    let Some(learned) = if_usual(learned, wanted, &mut imported.warnings)? else { return Ok(None) };
+    if wanted.as_sequences {
+        let varied = add_sequences(imported, &learned, wanted.options.count)?;
+        varied_families::add(imported, families, &varied, job)?;
+    }
+    Ok(Some(Made { wanted, learned }))
+}
+
+/// Variations as they are stored, where they are no sequences.
+pub(crate) fn stored(
+    made: Option<&Made>,
+    capture: &Capture,
+    warnings: &mut Vec<Warning>,
+    job: &Job,
+) -> Result<Option<(Alternatives, AlternativesSummary)>, PackError> {
+    let Some(Made { wanted, learned }) = made.filter(|made| !made.wanted.as_sequences) else { return Ok(None) };
+    if_usual(alternatives(capture, learned, wanted.options.count, job), wanted, warnings)
+}
+
+/// What came of it; nothing but a warning where it failed and nobody asked for it.
+fn if_usual<T>(
+    found: Result<T, PackError>,
+    wanted: &Variations,
+    warnings: &mut Vec<Warning>,
+) -> Result<Option<T>, PackError> {
+    match found {
+        Err(error) if wanted.usual && !error.is_stopped() => {
+            let message = format!("nothing is varied, for {error}");
+            warnings.push(Warning::new("W_VARIATIONS", message));
+            Ok(None)
+        }
+        found => found.map(Some),
+    }
+}
+
 /// Learns how sequences of a capture move, and draws variations.
 ///
 /// Sequences named in `besides` get theirs otherwise, where sequences are made of variations.
-pub(crate) fn learn(
+fn learn(
     capture: &Capture,
     wanted: &Variations,
     besides: &HashSet<String>,
@@ -88,11 +144,11 @@ pub(crate) fn learn(
         let frames = (original.first_frame..original.end_frame(), timeline.fps());
         let one = motion::vary::vary(&capture.poses, &capture.topology, frames, &wanted.options, job)?;
         let mut measures = Measures::default();
-        for number in 0..wanted.options.count {
-            measures.add(capture, original.first_frame, &one.poses(number, &capture.poses, &feet));
-        }
+        let seen = Seen::new(&one, &capture.poses, &feet, None);
+        (0..wanted.options.count).for_each(|number| measures.add(capture, one.frames(), &seen.variation(number)));
         told.push(summary(original.name.clone(), &one, &measures, &wanted.options));
-        if one.rejected > 0 {
+        // Who did not ask for variations has no amount to change.
+        if one.rejected > 0 && !wanted.usual {
             warnings.push(rejected(told.last()));
         }
         varied.push(one);
@@ -101,7 +157,7 @@ pub(crate) fn learn(
 }
 
 /// The variations as alternatives of recorded stretches.
-pub(crate) fn alternatives(
+fn alternatives(
     capture: &Capture,
     learned: &Learned,
     count: usize,
@@ -125,7 +181,7 @@ pub(crate) fn alternatives(
 
 /// Adds variations to a capture as sequences, which have the looks of the frames that they vary; for each sequence that is varied
 /// the names of its variations.
-pub(crate) fn add_sequences(
+fn add_sequences(
     imported: &mut Imported,
     learned: &Learned,
     count: usize,
@@ -215,6 +271,9 @@ fn summary(name: String, varied: &Varied, measures: &Measures, options: &VaryOpt
     }
 }
 
+/// One frame of so many is looked at, with those beside it.
+const MEASURED: usize = 16;
+
 /// Sums over frames of variations.
 #[derive(Default)]
 struct Measures {
@@ -226,27 +285,28 @@ struct Measures {
 }
 
 impl Measures {
-    fn add(&mut self, capture: &Capture, first: u32, poses: &[Vec<Vec3>]) {
-        let recorded = |k: usize| capture.poses.frame(first + k as u32);
+    fn add(&mut self, capture: &Capture, frames: Range<u32>, variation: &Variation) {
         let mean = |of: &dyn Fn(usize) -> f32, count: usize| {
             (0..count).map(|k| f64::from(of(k))).sum::<f64>() / count.max(1) as f64
         };
         let (vertices, triangles) = (capture.topology.vertex_count(), capture.topology.triangles());
-        for (k, pose) in poses.iter().enumerate() {
+        // From within its first and last frame, which have none beside them.
+        let inner = frames.start + 1..frames.end.saturating_sub(1);
+        let offset = (inner.len() / 2) % MEASURED;
+        for frame in inner.skip(offset).step_by(MEASURED) {
+            let recorded = [frame - 1, frame, frame + 1].map(|frame| capture.poses.frame(frame));
+            let own = [frame - 1, frame, frame + 1].map(|frame| variation.pose(frame));
             self.frames += 1.0;
-            self.distance += mean(&|v| pose[v].distance(recorded(k)[v]), vertices);
+            self.distance += mean(&|v| own[1][v].distance(recorded[1][v]), vertices);
             let change = |t: usize| {
                 let [a, b, _] = triangles[t].map(|v| v as usize);
-                let was = recorded(k)[a].distance(recorded(k)[b]).max(1e-6);
-                (pose[a].distance(pose[b]) / was - 1.0).abs()
+                let was = recorded[1][a].distance(recorded[1][b]).max(1e-6);
+                (own[1][a].distance(own[1][b]) / was - 1.0).abs()
             };
             self.edges += mean(&change, triangles.len());
-            if k > 0 && k + 1 < poses.len() {
-                let bend = |before: Vec3, here: Vec3, after: Vec3| (before + after - 2.0 * here).length();
-                self.acceleration[0] += mean(&|v| bend(poses[k - 1][v], pose[v], poses[k + 1][v]), vertices);
-                self.acceleration[1] +=
-                    mean(&|v| bend(recorded(k - 1)[v], recorded(k)[v], recorded(k + 1)[v]), vertices);
-            }
+            let bend = |before: Vec3, here: Vec3, after: Vec3| (before + after - 2.0 * here).length();
+            self.acceleration[0] += mean(&|v| bend(own[0][v], own[1][v], own[2][v]), vertices);
+            self.acceleration[1] += mean(&|v| bend(recorded[0][v], recorded[1][v], recorded[2][v]), vertices);
         }
     }
 }

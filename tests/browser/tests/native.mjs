@@ -122,7 +122,11 @@ export const tests = {
     assert.ok(walks.filter(({ transitions }) => transitions > 1).length >= 3, 'too few walks with several transitions');
     const player = await browser.open();
     await player.loaded();
-    await player.run((element) => element.pause());
+    // As recorded: what is drawn of alternatives hangs on what was shown before.
+    await player.run((element) => {
+      element.variety = 0;
+      element.pause();
+    });
     for (const walk of walks) {
       const { frames, lengths, farthest } = await player.page.evaluate(compare, walk);
       assert.equal(lengths[0], lengths[1], `from ${walk.from} to ${walk.to}`);

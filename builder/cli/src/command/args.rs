@@ -166,6 +166,11 @@ pub struct PackArguments {
     /// Do not find the parts of the body, which the page shows in colours.
     #[arg(long)]
     pub no_parts: bool,
+    /// Do not learn how sequences move, and store no other ways through them, of which the page shows another one whenever a walk comes by
+    /// (docs/learning.md).
+    #[cfg(feature = "complete")]
+    #[arg(long)]
+    pub no_variations: bool,
     /// Also estimate a rig, by which edits move the body (docs/editing.md); with =FILE corrected by a TOML or JSON file as
     /// `builder rig --toml` writes it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]

@@ -12,6 +12,8 @@ use pipeline::transitions::{LengthChoice, TransitionOptions};
 #[cfg(feature = "complete")]
 use reprise::pack::ScanMode;
 use reprise::pack::{AppearanceChoice, PackOptions, PackReport, PartsSummary, pack_streamed};
+#[cfg(feature = "complete")]
+use reprise::vary::Variations;
 
 #[cfg(feature = "complete")]
 use super::args::Mode;
@@ -125,6 +127,7 @@ fn options(arguments: &PackArguments) -> Result<PackOptions, Failure> {
             Mode::Windows => ScanMode::Windows,
         };
         options.others = Some(arguments.output.with_extension(""));
+        options.variations = (!arguments.no_variations).then(Variations::usual);
     }
     if let Some(file) = &arguments.rig {
         options.rig = Some(rigged::read_file(Some(file.as_path()).filter(|file| file.as_os_str() != "-"))?);
@@ -205,6 +208,20 @@ fn summary(report: &PackReport) -> String {
             scanned.bytes_per_frame / 1e3,
             scanned.images_per_frame / 1e3,
             seconds.scanned
+        ));
+    }
+    #[cfg(feature = "complete")]
+    if let Some(stored) = report.alternatives {
+        lines.push(format!(
+            "variations: {} alternatives of {} stretches in {} modes, {:.2} mm off on average and {:.1} mm at most, {:.0} KB; in \
+             {:.1} s",
+            stored.alternatives,
+            stored.stretches,
+            stored.modes,
+            stored.error * 1e3,
+            stored.most * 1e3,
+            stored.bytes as f64 / 1e3,
+            seconds.variations
         ));
     }
     for family in &report.families {

@@ -21,22 +21,11 @@ pub fn run(arguments: &VaryArguments, terminal: &Terminal) -> Result<(), Failure
     options.import = import_options(&arguments.import);
     options.parts = true;
     let (sequences, as_sequences) = (arguments.sequences.clone(), arguments.as_sequences);
-    options.variations = Some(Variations { sequences, options: vary, as_sequences });
+    options.variations = Some(Variations { sequences, options: vary, as_sequences, usual: false });
     let report =
         pack_into(&arguments.output, (&arguments.inputs, &options), &arguments.work, arguments.json, terminal)?;
     let lines: Vec<String> = report.variations.iter().map(line).collect();
     terminal.log(&lines.join("\n"));
-    if let Some(stored) = report.alternatives {
-        terminal.log(&format!(
-            "{} alternatives of {} stretches in {} modes, {:.2} mm off on average and {:.1} mm at most, {:.0} KB",
-            stored.alternatives,
-            stored.stretches,
-            stored.modes,
-            stored.error * 1e3,
-            stored.most * 1e3,
-            stored.bytes as f64 / 1e3
-        ));
-    }
     Ok(())
 }
 
