@@ -171,6 +171,13 @@ fn aimed(actor: &Actor, session: &mut Session, native: &Driven, from: u32) -> (V
 }
 
 #[test]
+fn who_squats_keeps_volume() {
+    let driven = ACTOR.native(&squat());
+    let [least, mean] = driven.measures.volume;
+    assert!(least > 0.93 && mean > 0.97, "least {least}, mean {mean}");
+}
+
+#[test]
 fn a_clips_ends_are_edited_towards_the_recording_as_the_builder_edits_them() {
     let actor = &*ACTOR;
     let mut session = actor.session();

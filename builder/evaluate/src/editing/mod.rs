@@ -103,9 +103,17 @@ fn with_rig(
         section.text.push("Driven sequences are missing: no clip was given (--clips).".into());
         return Ok(());
     }
-    let Clips { tables, pictures, notes } = driven(capture, rig, &subject.options.clips, job)?;
+    let Clips { tables, pictures, hips, notes } = driven(capture, rig, &subject.options.clips, job)?;
     section.tables.extend(tables);
     section.pictures.extend(pictures);
+    if !hips.is_empty() {
+        let told: Vec<String> = hips.iter().map(|[ours, linear]| format!("{ours:.3} beside {linear:.3}")).collect();
+        section.agreements.push(agreement(
+            "Mark: what is driven keeps at the hips at least the volume of linear blend skinning (the least of any frame)",
+            told.join(", "),
+            hips.iter().all(|[ours, linear]| ours >= linear),
+        ));
+    }
     section.text.extend(notes);
     Ok(())
 }
