@@ -82,13 +82,12 @@ impl<'a> Scene<'a> {
         own.reduce(|best, v| if far(v) > far(best) { v } else { best }).unwrap_or(0)
     }
 
-    /// The frame around the middle in which the end of a bone is highest: a foot in its swing.
-    fn highest(&self, vertex: u32) -> u32 {
-        let count = self.sequence.frame_count;
-        let height = |frame: u32| self.pose(frame)[vertex as usize].y;
-        (count / 4..3 * count / 4)
-            .reduce(|best, frame| if height(frame) > height(best) { frame } else { best })
-            .unwrap_or(0)
+    /// The frame around the middle in which a foot's lowest point is highest: its swing.
+    fn swing(&self, foot: &str) -> u32 {
+        let (bone, count) = (bone(self.rig, foot).unwrap_or(0), self.sequence.frame_count);
+        let own: Vec<u32> = (0..self.rig.rest().len() as u32).filter(|&v| self.rig.bone_of(v) == bone).collect();
+        let low = |frame: u32| own.iter().map(|&v| self.pose(frame)[v as usize].y).fold(f32::INFINITY, f32::min);
+        (count / 4..3 * count / 4).reduce(|best, frame| if low(frame) > low(best) { frame } else { best }).unwrap_or(0)
     }
 
     /// The frames around one that an edit reaches.
@@ -170,7 +169,7 @@ impl<'a> Scene<'a> {
 
     /// Figure 3: one frame by each method.
     fn key_frame(&self) -> Result<Picture, EvaluateError> {
-        let (foot, frame) = (self.end("foot_r"), self.highest(self.end("foot_r")));
+        let (foot, frame) = (self.end("foot_r"), self.swing("foot_r"));
         let by = Vec3::Y * (0.2 * self.body) + self.ahead(frame) * (0.2 * self.body);
         let mut row = vec![Shown::plain(self.pose(frame), RECORDED)];
         for method in ["laplace", "arap", "learned", "parts", "rig"] {
@@ -188,7 +187,7 @@ impl<'a> Scene<'a> {
     /// Figure 12: a step aside, a head that ducks, a hand elsewhere.
     fn corrected(&self) -> Result<Picture, EvaluateError> {
         let toe = self.end("foot_l");
-        let step = self.highest(toe);
+        let step = self.swing("foot_l");
         let aside = self.ahead(step).cross(Vec3::Y) * -(0.12 * self.body);
         let middle = self.sequence.frame_count / 2;
         let head = self.edit(middle, &[(self.end("head"), Vec3::Y * -(0.18 * self.body))], &json!({}));
@@ -208,48 +207,50 @@ impl<'a> Scene<'a> {
     /// Figure 13: onto a platform: a foot, its leg and the body rise.
     fn platform(&self) -> Result<Picture, EvaluateError> {
         let toe = self.end("foot_l");
-        let step = self.highest(toe);
-        let up = Vec3::Y * (0.16 * self.body);
-        let moves = [(toe, up), (self.end("head"), up * 0.4)];
-        let edit = self.edit(step, &moves, &json!({}));
+        let step = self.swing("foot_l");
+        let by = Vec3::Y * (0.16 * self.body) + self.ahead(step) * (0.06 * self.body);
+        let edit = self.edit(step, &[(toe, by)], &json!({}));
         self.rows(
             &[(vec![edit], self.shown(step))],
-            "Fig. 13: recorded (blue) over edited: a step onto a platform".into(),
+            "Fig. 13: recorded (blue) over edited: the left foot steps high, as onto a platform".into(),
         )
     }
 
     /// Figure 15: hands out to the sides all along the walk.
     fn styled(&self) -> Result<Picture, EvaluateError> {
-        let edits = |frame: u32| {
+        let moves = |frame: u32| {
             let left = self.ahead(frame).cross(Vec3::Y) * -(0.16 * self.body);
             let up = Vec3::Y * (0.14 * self.body);
-            self.edit(frame, &[(self.end("forearm_l"), left + up), (self.end("forearm_r"), up - left)], &json!({}))
+            vec![(self.end("forearm_l"), left + up), (self.end("forearm_r"), up - left)]
         };
-        let all = self.keys().into_iter().map(edits).collect();
         let caption =
             "Fig. 15: recorded (blue) over edited: a walk whose hands are held out, several edits that compose";
-        self.rows(&[(all, 0..self.sequence.frame_count)], caption.into())
+        self.rows(&[(self.along(moves), 0..self.sequence.frame_count)], caption.into())
     }
 
-    /// Figure 16: the trunk leans and the hands reach ahead all along a gait.
+    /// Figure 16: the trunk leans all along a gait.
     fn all_along(&self) -> Result<Picture, EvaluateError> {
-        let edits = |frame: u32| {
-            let ahead = self.ahead(frame) * (0.08 * self.body);
-            let low = Vec3::Y * -(0.05 * self.body);
-            self.edit(frame, &[(self.end("head"), ahead + low)], &json!({}))
+        let moves = |frame: u32| {
+            let ahead = self.ahead(frame) * (0.1 * self.body);
+            vec![(self.end("head"), ahead - Vec3::Y * (0.06 * self.body))]
         };
-        let all = self.keys().into_iter().map(edits).collect();
         let caption = format!(
             "Fig. 16: {}, recorded (blue) over edited: bent forwards all along, several edits that compose",
             self.sequence.name
         );
-        self.rows(&[(all, 0..self.sequence.frame_count)], caption)
+        self.rows(&[(self.along(moves), 0..self.sequence.frame_count)], caption)
     }
 
-    /// Frames whose edits, together, cover the whole sequence about evenly: windows end in the neighbours' middles.
-    fn keys(&self) -> Vec<u32> {
+    /// Edits all along the sequence, `moves` of each of their frames: each fades until the next one is whole.
+    fn along(&self, moves: impl Fn(u32) -> Vec<(u32, Vec3)>) -> Vec<Value> {
         let reach = ((WINDOW * self.capture.timeline.fps()).round() as u32).max(2);
-        let count = (self.sequence.frame_count / reach).max(1);
-        (0..=count).map(|k| (k * reach).min(self.sequence.frame_count - 1)).collect()
+        let last = self.sequence.frame_count - 1;
+        let count = (last / reach).max(1);
+        let at = |k: u32| k * last / count;
+        let edit = |k: u32| {
+            let window = [at(k.saturating_sub(1)), at((k + 1).min(count))];
+            self.edit(at(k), &moves(at(k)), &json!({"window": window}))
+        };
+        (0..=count).map(edit).collect()
     }
 }
