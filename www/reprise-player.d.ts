@@ -252,7 +252,7 @@ export interface Edit {
   /** What stays; feet that stand by default. */
   pins?: 'contacts' | 'none' | number[];
   scope?: 'body' | 'limb' | { radius: number };
-  method?: 'rig' | 'learned' | 'arap' | 'laplace';
+  method?: 'rig' | 'learned' | 'parts' | 'arap' | 'laplace';
   propagate?: 'nonlinear' | 'linear' | 'constraint';
   on?: boolean;
 }

@@ -1,6 +1,8 @@
 //! Feet are planted: standing soles are put on the floor and stay there, legs bend after them, the body sinks where a leg is
 //! too short.
 
+use std::ops::Range;
+
 use editing::Rigid;
 use editing::rotation::{rotation_vector, turn_by};
 use glam::{Quat, Vec3};
@@ -100,10 +102,29 @@ impl Free {
         Self { poses, hinges, contacts, fps }
     }
 
+    /// Frames.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// These frames alone: what is planted of them is about what is planted of them among all.
+    #[must_use]
+    pub fn part(&self, frames: Range<usize>) -> Self {
+        let of = |stands: &[bool]| stands[frames.clone()].to_vec();
+        let contacts = |own: &Contacts| Contacts { heel: of(&own.heel), ball: of(&own.ball) };
+        Self {
+            poses: self.poses[frames.clone()].to_vec(),
+            hinges: self.hinges[frames.clone()].to_vec(),
+            contacts: self.contacts.each_ref().map(contacts),
+            fps: self.fps,
+        }
+    }
+
     /// All frames with their feet planted, edited towards the recorded postures of `aims` before.
     #[must_use]
     pub fn planted(&self, body: &Body, aims: &[Aim]) -> Planted {
-        if aims.is_empty() {
+        if aims.iter().all(|aim| aim.strength == 0.0) {
             return plant(body, self.poses.clone(), &self.hinges, (&self.contacts, self.fps));
         }
         let (mut poses, mut hinges) = (self.poses.clone(), self.hinges.clone());

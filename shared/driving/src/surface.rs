@@ -14,8 +14,9 @@ use crate::body::Body;
 use crate::foot::Foot;
 use crate::plant::{Flat, PlantedFrame, Standing};
 
-/// How firmly vertices are kept where skinning puts them, beside the weights of edges.
-const ANCHOR: f32 = 0.05;
+/// Within so many metres the surface is smoothed by its turned edges; what is larger stays where skinning has it, which keeps the volume
+/// of what bends. Edges alone lose it: their turns fit together nowhere that a joint folds. Chosen by squats (`docs/results`).
+const SMOOTHED: f32 = 0.04;
 /// What comes nearer to the floor than this is laid onto it, in metres.
 const LAID: f32 = 0.03;
 
@@ -64,7 +65,10 @@ impl Surface {
         let pins: Vec<u32> = patches.iter().map(|(_, v)| *v).collect();
         let factor = match solver.held.entry(standing) {
             Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(entry) => entry.insert(solver.deformer.hold(base, &pins, ANCHOR)?),
+            Entry::Vacant(entry) => {
+                let anchor = anchor(solver.deformer.edges(), base);
+                entry.insert(solver.deformer.hold(base, &pins, anchor)?)
+            }
         };
         let moved = solver.deformer.solve(factor, base, &turns, &told, &wanted)?;
         let mut pose: Vec<Vec3> = base.iter().zip(moved).map(|(point, moved)| *point + moved).collect();
@@ -101,6 +105,17 @@ impl Surface {
         }
         vertices
     }
+}
+
+/// How firmly vertices are kept where skinning puts them, beside the weights of edges, which do not know how long these are: so firmly
+/// that a mesh is smoothed within [`SMOOTHED`] however fine it is.
+fn anchor(edges: &[[u32; 2]], pose: &[Vec3]) -> f32 {
+    let squares = edges.iter().map(|edge| {
+        let [a, b] = edge.map(|v| pose[v as usize]);
+        a.distance_squared(b)
+    });
+    let mean = squares.sum::<f32>() / edges.len().max(1) as f32;
+    (mean / (SMOOTHED * SMOOTHED)).clamp(0.01, 10.0)
 }
 
 /// The soles' vertices that are held, with their foot.
@@ -159,4 +174,22 @@ fn toes(body: &Body, foot: &Foot) -> Vec<(u32, f32)> {
         of_foot.map(|(_, weight)| weight).sum::<f32>() * foot.toe_share(rig.rest()[v])
     };
     (0..rig.rest().len()).map(|v| (v as u32, share(v))).filter(|(_, share)| *share > 1e-3).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finer_meshes_are_held_less_firmly_a_vertex() {
+        let line = |count: u32| {
+            let pose: Vec<Vec3> = (0..count).map(|k| Vec3::X * (k as f32 / (count - 1) as f32)).collect();
+            let edges: Vec<[u32; 2]> = (1..count).map(|k| [k - 1, k]).collect();
+            anchor(&edges, &pose)
+        };
+        let (coarse, fine) = (line(26), line(51));
+        assert!((coarse - 1.0).abs() < 1e-3, "edges as long as what is smoothed: {coarse}");
+        assert!((coarse / fine - 4.0).abs() < 1e-3, "four times as many vertices share it: {fine}");
+        assert!(anchor(&[], &[]) > 0.0);
+    }
 }

@@ -34,6 +34,8 @@ pub struct Aim {
     pub fades: usize,
     /// Whether this is the way into the clip; else the way out.
     pub inwards: bool,
+    /// How much of it is done: 1 where the body stands there as recorded.
+    pub strength: f32,
     /// How each bone is turned from the rest pose in the recorded frame.
     turns: Vec<Quat>,
     /// How high the middle of the hips is there, in metres.
@@ -48,13 +50,19 @@ impl Aim {
         let [a, b] = [recorded, driven].map(|motions| Look::new(body, motions));
         let fades = (FADES * apart([[&a; 2], [&b; 2]], 1.0).blend(fps) as f32).round() as usize;
         let turns = recorded.iter().map(|motion| motion.rotation).collect();
-        Self { frame, fades, inwards, turns, height: recorded[0].apply(body.middle).y }
+        Self { frame, fades, inwards, strength: 1.0, turns, height: recorded[0].apply(body.middle).y }
+    }
+
+    /// The same edit of which so much is done.
+    #[must_use]
+    pub fn with(&self, strength: f32) -> Self {
+        Self { strength, ..self.clone() }
     }
 
     /// How much of the edit a frame has: 1 at the aim and beyond it, 0 where it has faded.
     fn share(&self, frame: usize) -> f32 {
         let away = if self.inwards { frame.saturating_sub(self.frame) } else { self.frame.saturating_sub(frame) };
-        1.0 - ease(away as f32 / self.fades.max(1) as f32)
+        self.strength * (1.0 - ease(away as f32 / self.fades.max(1) as f32))
     }
 }
 
@@ -84,7 +92,7 @@ fn legs(body: &Body) -> Vec<Option<usize>> {
 pub fn towards(body: &Body, poses: &mut [Pose], contacts: &[Contacts; 2], aims: &[Aim], fps: f32) {
     let legs = legs(body);
     let free: Vec<Pose> = poses.to_vec();
-    for aim in aims.iter().filter(|aim| aim.frame < free.len() && aim.turns.len() == legs.len()) {
+    for aim in aims.iter().filter(|aim| aim.strength > 0.0 && aim.frame < free.len() && aim.turns.len() == legs.len()) {
         let at = &free[aim.frame];
         let off = |(bone, &wanted): (usize, &Quat)| {
             let own = reference(body, &legs, &at.turns, bone).conjugate() * at.turns[bone];
@@ -177,7 +185,7 @@ mod tests {
 
     #[test]
     fn an_edit_is_whole_beyond_its_frame_and_fades_to_the_other_side() {
-        let aim = |inwards| Aim { frame: 10, fades: 5, inwards, turns: Vec::new(), height: 0.0 };
+        let aim = |inwards| Aim { frame: 10, fades: 5, inwards, strength: 1.0, turns: Vec::new(), height: 0.0 };
         let (inwards, out) = (aim(true), aim(false));
         assert_eq!([0, 10, 15, 30].map(|frame| inwards.share(frame)), [1.0, 1.0, 0.0, 0.0]);
         assert_eq!([0, 5, 10, 30].map(|frame| out.share(frame)), [0.0, 0.0, 1.0, 1.0]);

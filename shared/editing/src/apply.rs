@@ -100,7 +100,7 @@ impl Edits {
         self.editor.learn(space)?;
         self.settling = None;
         for (edit, (_, _, keyed)) in self.document.edits.iter().zip(&mut self.edits) {
-            keyed.take_if(|_| edit.method == Method::Learned);
+            keyed.take_if(|_| edit.method.is_learned());
         }
         Ok(())
     }
@@ -254,7 +254,7 @@ impl Edits {
     fn lacks(&self, edit: usize) -> Vec<String> {
         let lacks = match self.document.edits[edit].method {
             Method::Rig if self.editor.rig.is_none() => "rig",
-            Method::Learned if !self.editor.has_space() => "learned space",
+            method if method.is_learned() && !self.editor.has_space() => "learned space",
             _ => return Vec::new(),
         };
         vec![format!("this actor has no {lacks}: the surface alone is moved, as rigid as possible")]

@@ -109,10 +109,20 @@ pub enum Method {
     Rig,
     /// In the ways in which the capture was seen to move, as rigid as possible beyond them.
     Learned,
+    /// As that, each part of the body for itself: what one does says nothing of the others.
+    Parts,
     /// As rigid as possible.
     Arap,
     /// Differential coordinates as they are: for small moves.
     Laplace,
+}
+
+impl Method {
+    /// Whether it goes by the learned space.
+    #[must_use]
+    pub fn is_learned(self) -> bool {
+        matches!(self, Self::Learned | Self::Parts)
+    }
 }
 
 /// How an edit spreads over frames (Tejera et al. (2013), III-C).
@@ -151,7 +161,7 @@ impl EditDocument {
     /// Whether any of its edits goes by the learned space.
     #[must_use]
     pub fn wants_space(&self) -> bool {
-        self.edits.iter().any(|edit| edit.method == Method::Learned)
+        self.edits.iter().any(|edit| edit.method.is_learned())
     }
 
     /// The document as JSON.
@@ -259,8 +269,8 @@ fn edit(value: &Json) -> Result<Edit, Unread> {
             word => one_of(word, "scope", &[("body", Scope::Body), ("limb", Scope::Limb)])?,
         },
         method: {
-            use Method::{Arap, Laplace, Learned, Rig};
-            let known = [("rig", Rig), ("learned", Learned), ("arap", Arap), ("laplace", Laplace)];
+            use Method::{Arap, Laplace, Learned, Parts, Rig};
+            let known = [("rig", Rig), ("learned", Learned), ("parts", Parts), ("arap", Arap), ("laplace", Laplace)];
             one_of(fields.maybe("method"), "method", &known)?
         },
         propagate: {

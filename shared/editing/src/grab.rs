@@ -15,7 +15,7 @@ use crate::error::EditError;
 use crate::learned::{Learned, PRIOR};
 use crate::reach::{Bend, Reach, Role, Target};
 use crate::rig::Rig;
-use crate::space::Space;
+use crate::space::{Space, by_part};
 
 /// How firmly vertices follow the skin beside the weights of edges.
 pub(crate) const FOLLOW: f32 = 0.02;
@@ -49,7 +49,7 @@ pub struct Grip {
     /// What may move.
     pub scope: Scope,
     /// How it moves; [`Method::Rig`] where there is no rig and [`Method::Learned`] where there is no space are
-    /// [`Method::Arap`].
+    /// [`Method::Arap`]; [`Method::Parts`] without a rig is [`Method::Learned`].
     pub method: Method,
 }
 
@@ -236,9 +236,13 @@ impl Editor {
         }
         let fixed: Vec<u32> = grip.handles.iter().chain(&grip.pins).chain(&outside).copied().collect();
         let held = self.deformer.hold(pose, &fixed, REST)?;
-        let by = match self.space.as_ref().filter(|_| grip.method == Method::Learned) {
+        let by = match self.space.as_ref().filter(|_| grip.method.is_learned()) {
             Some(space) => {
-                let modes = (space.facing(pose, &self.weights), space.variances());
+                let mut modes = (space.facing(pose, &self.weights), space.variances().to_vec());
+                if let Some(rig) = self.rig.as_ref().filter(|_| grip.method == Method::Parts) {
+                    let part = |vertex: u32| rig.bones()[rig.bone_of(vertex)].limb;
+                    modes = by_part(&modes, &(0..pose.len() as u32).map(part).collect::<Vec<_>>());
+                }
                 let learned = Learned::new(&held, pose.len(), modes, self.prior);
                 By::Modes { learned: Box::new(learned), outside }
             }

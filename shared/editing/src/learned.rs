@@ -51,12 +51,12 @@ pub(crate) struct System {
 
 impl Learned {
     /// A pose of `count` vertices of which `held` is held, by `modes` as it faces. Its system is made by [`Self::prepare`], or by a descent.
-    pub(crate) fn new(held: &Held, count: usize, (modes, variances): (Vec<Vec<Vec3>>, &[f64]), prior: f64) -> Self {
+    pub(crate) fn new(held: &Held, count: usize, (modes, variances): (Vec<Vec<Vec3>>, Vec<f64>), prior: f64) -> Self {
         let of_held = |mode: &Vec<Vec3>| held.vertices().iter().map(|&v| mode[v as usize]).collect();
         Self {
             held_modes: modes.iter().map(of_held).collect(),
             modes,
-            variances: variances.to_vec(),
+            variances,
             prior,
             levers: Vec::new(),
             turned: Vec::new(),

@@ -16,6 +16,8 @@ pub const MOST_MODES: usize = 96;
 pub const MOST_FRAMES: usize = 128;
 /// Shares of a mode are whole multiples of its step, at most so many.
 pub const SHARE_STEPS: i16 = 2047;
+/// Modes that a part of the body has for itself, at most.
+const PART_MODES: usize = 16;
 
 /// The modes, once the poses are there that they are made of.
 #[derive(Clone, Debug)]
@@ -44,6 +46,31 @@ impl Space {
         let turn = turn_by(Vec3::Y * align_heading(pose, &self.reference, weights));
         self.modes.iter().map(|mode| mode.iter().map(|&moved| turn * moved).collect()).collect()
     }
+}
+
+/// Modes of each part of the body alone, and their variances: of each those that move it most. `parts` has the part of each vertex.
+///
+/// A part that has all modes to itself moves as it was seen to, whatever the others do: the covariance of its points is the same.
+pub(crate) fn by_part((modes, variances): &(Vec<Vec<Vec3>>, Vec<f64>), parts: &[u32]) -> (Vec<Vec<Vec3>>, Vec<f64>) {
+    let mut of_parts = (Vec::new(), Vec::new());
+    for part in 0..=parts.iter().copied().max().unwrap_or(0) {
+        let inside = |mode: &Vec<Vec3>| -> f64 {
+            let own = mode.iter().zip(parts).filter(|(_, of)| **of == part);
+            own.map(|(moved, _)| f64::from(moved.length_squared())).sum()
+        };
+        let mut moved: Vec<f64> = modes.iter().zip(variances).map(|(mode, variance)| variance * inside(mode)).collect();
+        for _ in 0..PART_MODES.min(modes.len()) {
+            let most = (0..moved.len()).fold(0, |most, k| if moved[k] > moved[most] { k } else { most });
+            if moved[most] <= 0.0 {
+                break;
+            }
+            moved[most] = 0.0;
+            let own = modes[most].iter().zip(parts).map(|(&moved, &of)| if of == part { moved } else { Vec3::ZERO });
+            of_parts.0.push(own.collect());
+            of_parts.1.push(variances[most]);
+        }
+    }
+    of_parts
 }
 
 /// One mode: the sum of shares times what a frame differs from the first one.
@@ -153,6 +180,15 @@ mod tests {
         let turned: Vec<Vec3> = reference.iter().map(|&p| turn * p).collect();
         let facing = space.facing(&turned, &weights);
         facing[0].iter().zip(&space.modes()[0]).for_each(|(a, b)| assert!(a.distance(turn * *b) < 1e-5));
+    }
+
+    #[test]
+    fn parts_have_the_modes_that_move_them_most() {
+        let mode = |a: f32, b: f32| vec![Vec3::Y * a, Vec3::Y * a, Vec3::X * b];
+        let modes = (vec![mode(1.0, 0.0), mode(0.5, 2.0)], vec![0.1, 0.2]);
+        let (own, variances) = by_part(&modes, &[0, 0, 2]);
+        assert_eq!(variances, [0.1, 0.2, 0.2], "the first mode does not move the second part, and part 1 is none");
+        assert_eq!(own, [mode(1.0, 0.0), mode(0.5, 0.0), mode(0.0, 2.0)]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The actor as it is driven: its body once enough recorded frames were seen, and those frames.
 
 use bundle::decode_rig;
-use driving::{Body, Look, Looker, Seen, Solver, Surface};
+use driving::{Body, Look, Looker, Masses, Seen, Solver, Surface};
 use editing::{Rig, StoredRig};
 use editor::scene::Known;
 use glam::Vec3;
@@ -24,6 +24,8 @@ pub struct DrivenActor {
     pub known: Known,
     /// Its body.
     pub body: Body,
+    /// How much of it each bone is.
+    pub masses: Masses,
     /// Its surface.
     pub surface: Surface,
     /// Solves for it.
@@ -91,7 +93,15 @@ impl Coming {
         };
         let recorded = seen.into_iter().map(look).collect();
         let sides = (0..known.feet.count()).map(|foot| side(&body, &known, foot)).collect();
-        Ok(DrivenActor { surface: Surface::new(&body), solver, recorded, sides, body, known })
+        Ok(DrivenActor {
+            masses: Masses::new(&body),
+            surface: Surface::new(&body),
+            solver,
+            recorded,
+            sides,
+            body,
+            known,
+        })
     }
 }
 

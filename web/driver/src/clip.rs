@@ -1,7 +1,7 @@
 //! A clip as the actor does it: what its frames are made of, and where it joins the recording.
 
 use driving::plant::{Free, Planted, bones};
-use driving::{Aim, Apart, Likeness, Look, Mapping, MappingFile, Plan, Role};
+use driving::{Aim, Apart, End, Likeness, Look, Mapping, MappingFile, Plan, Role, strength};
 use editing::Rigid;
 use glam::Vec3;
 use mocap::Options;
@@ -99,6 +99,14 @@ impl DrivenClip {
     pub fn aim(&self, actor: &DrivenActor, recorded: &[Rigid], frame: usize, inwards: bool) -> Aim {
         let fps = actor.known.timeline.fps();
         Aim::new(&actor.body, [recorded, &self.motions[frame]], (frame, fps), inwards)
+    }
+
+    /// How much of `aim` is done where so many frames of this end are blended with the `recorded` ones.
+    #[must_use]
+    pub fn strength(&self, actor: &DrivenActor, aim: &Aim, recorded: &[Vec<Rigid>], nodes: usize) -> f32 {
+        let first = if aim.inwards { 0 } else { self.count() };
+        let free = (&self.free, actor.known.timeline.fps());
+        strength((&actor.body, &actor.masses), free, aim, &End { recorded, nodes: nodes.min(self.count()), first })
     }
 
     /// Frames.

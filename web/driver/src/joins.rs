@@ -55,15 +55,23 @@ pub(crate) fn aims(
         let fits = recorded[window].len() == wanted.windows[window].count as usize * vertices;
         recorded[window].chunks_exact(vertices.max(1)).nth(frame).filter(|_| fits)
     };
+    let keys = middles(wanted, clip.count());
     let mut aims: Vec<Aim> = Vec::new();
-    let mut all = Vec::new();
-    for (window, [of_recorded, of_clip]) in middles(wanted, clip.count()).into_iter().enumerate() {
-        let motions = actor.body.rig.fit(pose(window, of_recorded)?);
-        aims.push(clip.aim(actor, &motions, of_clip, window == 0));
-        all.push(motions);
+    let mut blended = Vec::new();
+    for (window, [of_recorded, of_clip]) in keys.into_iter().enumerate() {
+        let frames = 0..wanted.windows[window].count as usize;
+        let motions = frames.map(|frame| Some(actor.body.rig.fit(pose(window, frame)?))).collect::<Option<Vec<_>>>()?;
+        aims.push(clip.aim(actor, motions.get(of_recorded)?, of_clip, window == 0));
+        blended.push(motions);
     }
     // Where the clip is short the one edit has faded where the other is whole.
     let between = aims[1].frame.saturating_sub(aims[0].frame);
     aims.iter_mut().for_each(|aim| aim.fades = aim.fades.min(between));
+    let nodes = [wanted.nodes, wanted.windows[1].count as usize];
+    for (window, aim) in aims.iter_mut().enumerate() {
+        aim.strength = clip.strength(actor, aim, &blended[window], nodes[window]);
+    }
+    let middle = |(window, motions): (usize, Vec<Vec<Rigid>>)| motions.into_iter().nth(keys[window][0]);
+    let all = blended.into_iter().enumerate().map(middle).collect::<Option<Vec<_>>>()?;
     Some((aims, all))
 }

@@ -164,6 +164,12 @@ impl Session {
         Some([of(0, before), of(1, after)])
     }
 
+    /// How many frames of the clip the way in and the way back blend, as prepared.
+    #[must_use]
+    pub fn blended(&self) -> Option<[usize; 2]> {
+        self.wanted.as_ref().map(|wanted| [wanted.nodes, wanted.windows[1].count as usize])
+    }
+
     /// Makes one more frame that the blends at the clip's ends need, so that [`Self::perform`] has less to do; whether there was one to be
     /// made.
     ///

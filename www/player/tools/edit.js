@@ -32,6 +32,7 @@ const SCOPES = [
 const METHODS = [
   { value: 'rig', text: 'bones', title: 'Bones turn, the surface follows' },
   { value: 'learned', text: 'learned', title: 'As the actor was seen to move' },
+  { value: 'parts', text: 'by part', title: 'As the actor was seen to move, each limb for itself' },
   { value: 'arap', text: 'rigid', title: 'The surface alone, as rigid as possible' },
   { value: 'laplace', text: 'smooth', title: 'The surface alone, with its details as they are: for small moves' },
 ];

@@ -162,7 +162,7 @@ fn joined(
     let report = |step: Progress| terminal.progress(step);
     let mesh = (&actor.topology, actor.order.as_deref());
     let remade = |aims: &[_]| driven.towards(aims, body, mesh).ok().map(|(_, poses)| poses);
-    let frames = DrivenFrames { name, body, poses: &driven.poses, remade: &remade };
+    let frames = DrivenFrames { name, body, poses: &driven.poses, free: &driven.free, remade: &remade };
     let joined = join(&imported.capture, frames, &Job::new(&report));
     let Hybrid { poses, ends, aims } = joined.map_err(|error| match error {
         HybridError::Stopped(_) => Failure::StoppedReading,

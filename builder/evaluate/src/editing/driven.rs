@@ -28,6 +28,8 @@ const RED: f32 = 0.06;
 pub struct Clips {
     pub tables: Vec<Table>,
     pub pictures: Vec<Picture>,
+    /// Of each clip the least volume at the hips: ours, and that of linear blend skinning.
+    pub hips: Vec<[f64; 2]>,
     /// What of them could not be driven, in sentences.
     pub notes: Vec<String>,
 }
@@ -47,6 +49,11 @@ impl<'a> Measure<'a> {
         };
         let whole = [mean(&|pose| volume(topology, pose)), mean(&|pose| hips.volume(pose))];
         Self { topology, hips, whole }
+    }
+
+    /// Of all frames the least volume at the hips, over the recorded mean.
+    fn least_hips(&self, frames: &[Vec<Vec3>]) -> f64 {
+        frames.iter().map(|pose| self.hips.volume(pose) / self.whole[1]).fold(f64::INFINITY, f64::min)
     }
 
     fn row(&self, name: String, frames: &[Vec<Vec3>], feet: [Cell; 3]) -> Vec<Cell> {
@@ -93,7 +100,7 @@ fn table() -> Table {
 /// Drives the actor by the clips.
 pub fn driven(capture: &Capture, rig: &Rig, clips: &[String], job: &Job) -> Result<Clips, EvaluateError> {
     let Capture { topology, timeline, poses, .. } = capture;
-    let mut made = Clips { tables: Vec::new(), pictures: Vec::new(), notes: Vec::new() };
+    let mut made = Clips { tables: Vec::new(), pictures: Vec::new(), hips: Vec::new(), notes: Vec::new() };
     let body = match body(rig, poses) {
         Ok(body) => body,
         Err(error) => {
@@ -117,9 +124,10 @@ pub fn driven(capture: &Capture, rig: &Rig, clips: &[String], job: &Job) -> Resu
         });
         match read {
             Ok(driven) => {
-                let (rows, picture) = beside(&measure, &body, (name, &driven), topology)?;
+                let Beside { rows, picture, hips } = beside(&measure, &body, (name, &driven), topology)?;
                 table.rows.extend(rows);
                 made.pictures.push(picture);
+                made.hips.push(hips);
                 let (rows, pictures) = joined(capture, &body, (name, &driven), job)?;
                 joins.rows.extend(rows);
                 made.pictures.extend(pictures);
@@ -131,13 +139,20 @@ pub fn driven(capture: &Capture, rig: &Rig, clips: &[String], job: &Job) -> Resu
     Ok(made)
 }
 
+/// Driven frames beside those of the paper's other ways over the same bones.
+struct Beside {
+    rows: Vec<Vec<Cell>>,
+    picture: Picture,
+    hips: [f64; 2],
+}
+
 /// The driven frames beside those of the paper's other ways over the same bones: rows, and the frames in which the hips are bent most.
 fn beside(
     measure: &Measure,
     body: &Body,
     (name, driven): (&str, &Driven),
     topology: &Topology,
-) -> Result<(Vec<Vec<Cell>>, Picture), EvaluateError> {
+) -> Result<Beside, EvaluateError> {
     let number = |value: f32, decimals| Cell::Number(value.into(), decimals);
     let measures = &driven.measures;
     let feet =
@@ -175,5 +190,5 @@ fn beside(
         (std::f32::consts::FRAC_PI_2, body.floor),
         caption,
     )?;
-    Ok((rows, picture))
+    Ok(Beside { rows, picture, hips: [measure.least_hips(&ours), measure.least_hips(&linear)] })
 }

@@ -37,7 +37,7 @@ const PATCH: f32 = 0.03;
 const SHOWN: usize = 3;
 
 /// The methods, in the order of their rows.
-pub const METHODS: [&str; 8] = [
+pub const METHODS: [&str; 9] = [
     "no edit",
     "Laplacian (eq. 4)",
     "as rigid as possible",
@@ -45,6 +45,7 @@ pub const METHODS: [&str; 8] = [
     "learned, rotations",
     "learned by part, rotations",
     "learned, the product\u{2019}s",
+    "learned by part, the product\u{2019}s",
     "rig",
 ];
 
@@ -251,12 +252,15 @@ impl<'a> Scene<'a> {
         let mut measured: Vec<Option<(f64, f64)>> = found.iter().map(measure).collect();
         let space = self.space();
         for (lambda, prior) in LAMBDAS.iter().zip(priors) {
-            prior.extend(self.by_product(space.as_ref(), Some(*lambda)).map(|pose| self.measure(&pose).0));
+            prior.extend(
+                self.by_product(space.as_ref(), Method::Learned, Some(*lambda)).map(|pose| self.measure(&pose).0),
+            );
         }
-        let last = [self.by_product(space.as_ref(), None), self.by_rig()];
+        let of = |method| self.by_product(space.as_ref(), method, None);
+        let last = [of(Method::Learned), of(Method::Parts).filter(|_| self.rig.is_some()), self.by_rig()];
         measured.extend(last.iter().map(measure));
         let or_edited = |pose: Option<Vec<Vec3>>| pose.unwrap_or_else(|| self.reference.clone());
-        let [product, rig] = last.map(or_edited);
+        let [product, _, rig] = last.map(or_edited);
         let [laplacian, rigid] = [1, RIGID].map(|k| or_edited(found[k].take()));
         Ok((measured, vec![self.reference.clone(), laplacian, rigid, product, rig, self.wanted.clone()]))
     }
@@ -292,16 +296,16 @@ impl<'a> Scene<'a> {
         learned.space.space(&poses, topology.weights()).ok()
     }
 
-    /// As an edit of method `learned` has it.
-    fn by_product(&self, space: Option<&Space>, prior: Option<f64>) -> Option<Vec<Vec3>> {
-        let mut editor = Editor::new(&self.capture.topology, None, None).ok()?;
+    /// As an edit of method `learned` or `parts` has it.
+    fn by_product(&self, space: Option<&Space>, method: Method, prior: Option<f64>) -> Option<Vec<Vec3>> {
+        let mut editor = Editor::new(&self.capture.topology, None, self.rig.clone()).ok()?;
         editor.learn(space?.clone()).ok()?;
         prior.iter().for_each(|&prior| editor.set_prior(prior));
         let mut handles: Vec<u32> = self.patches.iter().flatten().copied().collect();
         handles.sort_unstable();
         handles.dedup();
         let to: Vec<Vec3> = handles.iter().map(|&v| self.wanted[v as usize]).collect();
-        let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method: Method::Learned };
+        let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method };
         let grab = editor.grab(&self.reference, &grip).ok()?;
         let (grab, _) = editor.settle(grab, &to).ok()?;
         Some(editor.release(grab).pose)

@@ -48,7 +48,7 @@ pub fn joined(
 ) -> Result<(Vec<Vec<Cell>>, Vec<Picture>), EvaluateError> {
     let mesh = (&capture.topology, None);
     let remade = |aims: &[_]| driven.towards(aims, body, mesh).ok().map(|(_, poses)| poses);
-    let frames = DrivenFrames { name, body, poses: &driven.poses, remade: &remade };
+    let frames = DrivenFrames { name, body, poses: &driven.poses, free: &driven.free, remade: &remade };
     let made = join(capture, frames, job).map_err(|error| match error {
         HybridError::Stopped(stopped) => EvaluateError::Stopped(stopped),
         error => EvaluateError::Edit(error.to_string()),

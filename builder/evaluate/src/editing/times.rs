@@ -76,6 +76,7 @@ pub fn times(capture: &Capture, rig: &Rig, job: &Job) -> Result<Table, EvaluateE
     for (name, method) in [
         ("rig", Method::Rig),
         ("learned", Method::Learned),
+        ("learned by part", Method::Parts),
         ("as rigid as possible", Method::Arap),
         ("Laplacian", Method::Laplace),
     ] {
@@ -121,7 +122,7 @@ fn of_method(capture: &Capture, rig: &Rig, method: Method) -> Result<Times, Stri
     let wrong = |error: &dyn std::fmt::Display| error.to_string();
     let feet = pipeline::feet::feet(topology, timeline, poses);
     let mut editor = Editor::new(topology, None, Some(rig.clone())).map_err(|error| wrong(&error))?;
-    if method == Method::Learned {
+    if method.is_learned() {
         let frames: Vec<u32> = (0..timeline.frame_count()).collect();
         if let Some(learned) = learn_space(topology, poses, &frames, &SpaceOptions::default()) {
             let own: Vec<Vec<Vec3>> = learned.space.frames.iter().map(|&frame| poses.frame(frame).to_vec()).collect();

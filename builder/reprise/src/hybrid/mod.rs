@@ -4,7 +4,8 @@
 //! Tejera, Casas and Hilton (2013), V-B and V-C. What differs: places are told by what a transition costs in the graph, from the best
 //! matches by the paper's measure on; what is edited is the frame in the middle of the transition, towards the recorded frame that is blended
 //! with it: the clip's bones before feet are planted (`driving::towards`, as the page does), and the surface by the rig, whose rotations
-//! fade over a window. Of these the one that makes the way cheaper is kept; none where neither does.
+//! fade over a window. Of these the one that makes the way
+//! cheaper is kept; none where neither does, or where the surface would accelerate more on it.
 
 mod bones;
 mod edit;
@@ -19,6 +20,7 @@ use actor::capture::{Capture, Poses};
 use actor::graph::DEFAULT_ALPHA;
 use actor::timeline::{Sequence, Timeline};
 use driving::Aim;
+use driving::strain::Strain;
 use glam::Vec3;
 use job::Job;
 use serde::Serialize;
@@ -26,7 +28,7 @@ use serde::Serialize;
 pub use self::error::HybridError;
 pub use self::tried::{DrivenFrames, EditedBy, Remake};
 
-use self::bones::by_bones;
+use self::bones::{aims_of_bones, by_bones};
 use self::edit::by_surface;
 use self::places::places;
 use self::seam::{Way, best_way};
@@ -156,18 +158,11 @@ impl Joining<'_> {
                 acceleration: way.acceleration,
             }
         };
-        let kept = self.both.poses.clone();
-        let mut best: Option<(Way, Tried)> = None;
+        let mut best = self.turned(&before, inwards, job)?;
         let solved = by_surface(&self.both, &self.driven.body.rig, &before, inwards)?;
-        let turned = by_bones(&self.both, self.driven, (&self.aims, &self.solved), &before, inwards);
-        for tried in turned.into_iter().chain([solved]) {
-            replace(&mut self.both, tried.first, &tried.poses);
-            let way = best_way(&self.both, before.recorded.clone(), before.driven.clone(), inwards, job)?;
-            self.both.poses = kept.clone();
-            let least = best.as_ref().map_or(&before, |(way, _)| way).cost.cost(DEFAULT_ALPHA);
-            if let Some(way) = way.filter(|way| way.cost.cost(DEFAULT_ALPHA) < least) {
-                best = Some((way, tried));
-            }
+        let least = best.as_ref().map_or(&before, |(way, _)| way).cost.cost(DEFAULT_ALPHA);
+        if let Some(way) = self.worth(&solved, (&before, least), inwards, job)? {
+            best = Some((way, solved));
         }
         let changed = best.as_ref().map_or(0, |(_, tried)| tried.poses.len() as u32);
         let (by, after) = (best.as_ref().map(|(_, tried)| tried.by), best.as_ref().map(|(way, _)| said(way)));
@@ -175,6 +170,39 @@ impl Joining<'_> {
             self.keep(tried);
         }
         Ok(Some(EndReport { inwards, before: said(&before), sequence: sequence.name, after, by, changed }))
+    }
+
+    /// The edit of the clip's bones, as much of it as is worth while.
+    fn turned(&mut self, before: &Way, inwards: bool, job: &Job) -> Result<Option<(Way, Tried)>, HybridError> {
+        let Some((aim, strengths)) = aims_of_bones(&self.both, self.driven, &self.aims, before, inwards) else {
+            return Ok(None);
+        };
+        for strength in strengths {
+            let aim = aim.with(strength);
+            let Some(tried) = by_bones(&self.both, self.driven, (&self.aims, &self.solved), aim) else { continue };
+            if let Some(way) = self.worth(&tried, (before, before.cost.cost(DEFAULT_ALPHA)), inwards, job)? {
+                return Ok(Some((way, tried)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The best way with an edit, where it costs less than `least` and is as smooth as the one `before`: what the page asks of bones, asked
+    /// of the surface.
+    fn worth(
+        &mut self,
+        tried: &Tried,
+        (before, least): (&Way, f64),
+        inwards: bool,
+        job: &Job,
+    ) -> Result<Option<Way>, HybridError> {
+        let kept = self.both.poses.clone();
+        replace(&mut self.both, tried.first, &tried.poses);
+        let way = best_way(&self.both, before.recorded.clone(), before.driven.clone(), inwards, job);
+        self.both.poses = kept;
+        let strain = |way: &Way| Strain { acceleration: way.acceleration[0], ..Strain::default() };
+        let is_worth = |way: &Way| way.cost.cost(DEFAULT_ALPHA) < least && strain(way).is_as_smooth(&strain(before));
+        Ok(way?.filter(is_worth))
     }
 
     fn keep(&mut self, tried: Tried) {

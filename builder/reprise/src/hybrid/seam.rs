@@ -40,6 +40,12 @@ impl Way {
         let half = |length: u16| u32::from(length) / 2;
         [self.from + half(self.cost.source_length), self.to - half(self.cost.destination_length)]
     }
+
+    /// The frames that are blended: of the source, and of the destination.
+    pub(super) fn blended(&self) -> [Range<u32>; 2] {
+        let [source, destination] = [self.cost.source_length, self.cost.destination_length].map(u32::from);
+        [self.from..self.from + source, (self.to + 1).saturating_sub(destination)..self.to + 1]
+    }
 }
 
 /// The cheapest way from the one of these stretches to the other; nothing where both are too short for any.

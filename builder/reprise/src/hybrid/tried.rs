@@ -1,5 +1,6 @@
 //! What is joined to a recording, and edits of it that are tried.
 
+use driving::plant::Free;
 use driving::{Aim, Body};
 use glam::Vec3;
 use serde::Serialize;
@@ -26,6 +27,8 @@ pub struct DrivenFrames<'a> {
     pub body: &'a Body,
     /// The frames as they were driven.
     pub poses: &'a [Vec<Vec3>],
+    /// What its bones do in them before feet are planted.
+    pub free: &'a Free,
     /// The same frames with their ends edited towards recorded postures; nothing where they cannot be made.
     pub remade: &'a Remake<'a>,
 }

@@ -30,7 +30,7 @@ fn prepared(
     deformer: &mut Deformer,
     held: &Held,
     pose: &[Vec3],
-    modes: (Vec<Vec<Vec3>>, &[f64]),
+    modes: (Vec<Vec<Vec3>>, Vec<f64>),
     prior: f64,
 ) -> Learned {
     let mut learned = Learned::new(held, pose.len(), modes, prior);
@@ -115,7 +115,7 @@ fn it_is_what_one_large_system_gives_with_and_without_rotations() {
         let mut deformer = Deformer::new(&topology, None).unwrap();
         let held = deformer.hold(&pose, &[0, 1, 22, 13], 1e-2).unwrap();
         let wanted = [Vec3::ZERO, Vec3::ZERO, Vec3::new(0.1, 0.2, -0.15), Vec3::new(-0.05, 0.0, 0.1)];
-        let mut learned = prepared(&mut deformer, &held, &pose, (modes.clone(), &variances), PRIOR);
+        let mut learned = prepared(&mut deformer, &held, &pose, (modes.clone(), variances.to_vec()), PRIOR);
         for _ in 0..3 {
             let turns = learned.turns().to_vec();
             let wanted_pose = plain(&deformer, &held, &pose, (&modes, &variances), &turns, &wanted);
@@ -136,7 +136,7 @@ fn what_is_held_is_met_and_nothing_wanted_is_nothing_moved() {
     let variances = [0.3; 7];
     let mut deformer = Deformer::new(&topology, None).unwrap();
     let held = deformer.hold(&pose, &[2, 3, 23], 1e-4).unwrap();
-    let mut learned = prepared(&mut deformer, &held, &pose, (modes, &variances), PRIOR);
+    let mut learned = prepared(&mut deformer, &held, &pose, (modes, variances.to_vec()), PRIOR);
     let still = learned.pull(&mut deformer, &held, &pose, &[Vec3::ZERO; 3]).unwrap();
     assert!(still.iter().all(|moved| *moved == Vec3::ZERO), "{still:?}");
     let wanted = [Vec3::ZERO, Vec3::ZERO, Vec3::new(0.0, 0.3, 0.2)];
@@ -159,9 +159,9 @@ fn a_pose_of_the_space_is_found_from_its_ends() {
     let held = deformer.hold(&pose, &[0, 1, 3, 4], 1e-4).unwrap();
     let wanted: Vec<Vec3> = held.vertices().iter().map(|&v| 0.5 * bent[v as usize]).collect();
     let off = |moved: &[Vec3]| moved.iter().zip(&bent).map(|(a, b)| a.distance(0.5 * *b)).fold(0.0, f32::max);
-    let mut one = prepared(&mut deformer, &held, &pose, (vec![bent.clone()], &[1.0]), 1e-6);
+    let mut one = prepared(&mut deformer, &held, &pose, (vec![bent.clone()], vec![1.0]), 1e-6);
     let by_mode = one.pull(&mut deformer, &held, &pose, &wanted).unwrap();
-    let mut none = Learned::new(&held, COUNT, (Vec::new(), &[]), 1e-6);
+    let mut none = Learned::new(&held, COUNT, (Vec::new(), Vec::new()), 1e-6);
     let without = settled(&mut none, &mut deformer, &held, (&pose, &wanted)).unwrap();
     assert!(off(&by_mode) < 2e-3 && off(&without) > 0.02, "{} {}", off(&by_mode), off(&without));
 }
