@@ -28,6 +28,7 @@ mod join;
 pub mod projection;
 pub mod register;
 mod registrar;
+pub mod round;
 pub mod scan;
 pub mod slip;
 pub mod surface;

@@ -12,6 +12,7 @@ use super::detail::{Detail, DetailError};
 use super::far::Manner;
 use super::groups::Anchors;
 use super::headings::headings;
+use super::round::{self, Round};
 use super::scan::{Cleaned, Scan};
 use super::slip::{SLIPS, roundness, slipped};
 use super::surface::Surface;
@@ -26,7 +27,8 @@ const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
 /// Of the poses that came near so many are refined, and of those so many once more.
 const REFINED: usize = 10;
 const AGAIN: usize = 4;
-/// So often what is round is turned.
+/// So often what is round is turned, as a whole and by its shares.
+const MOST_TURNS: usize = 4;
 const MOST_SLIPS: usize = 4;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
@@ -63,6 +65,8 @@ pub(crate) struct Registrar<'a, S: Source> {
     template: &'a Template,
     /// Of the template's vertices.
     neighbours: Vec<Vec<u32>>,
+    /// What of it may be found turned.
+    round: Option<Round>,
     detail: Detail,
     options: &'a RegisterOptions,
     pub job: &'a Job<'a>,
@@ -95,7 +99,8 @@ where
     ) -> Result<Self, DetailError> {
         let detail = Detail::new(&template.surface, template.scale)?;
         let neighbours = template.surface.mesh.neighbours();
-        Ok(Self { source, survey, template, neighbours, detail, options, job, emit })
+        let round = Round::new(template, &neighbours);
+        Ok(Self { source, survey, template, neighbours, round, detail, options, job, emit })
     }
 
     /// A frame, ready to be tracked to; `None` where it has no surface.
@@ -231,7 +236,7 @@ where
         let (good, bad): (Vec<Tried>, Vec<Tried>) =
             found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
         let found = self.best(if good.is_empty() { bad } else { good }, 1).pop()?;
-        Some(self.unslipped(found, target))
+        Some(self.unslipped(self.unturned(found, target), target))
     }
 
     /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
@@ -241,21 +246,37 @@ where
         Tried { start: tried.start.clone(), fit: Fit { stretch, ..again.fit }, ..again }
     }
 
-    /// `found`, or what is better of it with all that is round turned, as often as that helps.
-    fn unslipped(&self, mut found: Tried, target: &Target) -> Tried {
+    /// `found`, or what is better of it with the template's round part turned as a whole, as often as that helps.
+    fn unturned(&self, found: Tried, target: &Target) -> Tried {
+        let Some(round) = &self.round else { return found };
+        let surface = &self.template.surface;
+        self.turned(found, MOST_TURNS, target, |found| {
+            let posed = surface.posed(found.pose.clone());
+            round::TRIED.map(|turn| round.turned(surface, &posed, turn)).to_vec()
+        })
+    }
+
+    /// `found`, or what is better of it with all that is round turned by its share of roundness, as often as that helps.
+    fn unslipped(&self, found: Tried, target: &Target) -> Tried {
         let (template, axis) = (self.template, target.surface.centroid());
-        let limits = &self.options.limits;
-        for _ in 0..MOST_SLIPS {
+        self.turned(found, MOST_SLIPS, target, |found| {
             let posed = template.surface.posed(found.pose.clone());
             let shares = roundness(&posed, target, &self.neighbours, (axis, template.scale));
-            let turned = |turn: &f32| {
-                let pose = slipped(&found.pose, &shares, axis, *turn);
-                let tried = self.tried(found.parent, (&found.start, &pose), target, Manner::Coloured);
+            SLIPS.map(|turn| slipped(&found.pose, &shares, axis, turn)).to_vec()
+        })
+    }
+
+    /// `found`, or what is better of it from the poses that `turn` makes of it, as often as that helps, `most` times.
+    fn turned(&self, mut found: Tried, most: usize, target: &Target, turn: impl Fn(&Tried) -> Vec<Vec<Vec3>>) -> Tried {
+        let (limits, scale) = (&self.options.limits, self.template.scale);
+        for _ in 0..most {
+            let tried = |pose: &Vec<Vec3>| {
+                let tried = self.tried(found.parent, (&found.start, pose), target, Manner::Coloured);
                 self.again(&tried, target)
             };
-            let turned: Vec<Tried> = SLIPS.par_iter().map(turned).collect();
-            let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, template.scale).is_none());
-            let better = |tried: &Tried| tried.fit.badness(template.scale) < found.fit.badness(template.scale);
+            let turned: Vec<Tried> = turn(&found).par_iter().map(tried).collect();
+            let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, scale).is_none());
+            let better = |tried: &Tried| tried.fit.badness(scale) < found.fit.badness(scale);
             match self.best(sound.filter(better).collect(), 1).pop() {
                 Some(better) => found = better,
                 None => break,

@@ -11,4 +11,5 @@
 #[cfg(all(target_arch = "wasm32", feature = "bindings"))]
 pub mod bindings;
 pub mod carried;
+pub mod flow;
 pub mod opened;

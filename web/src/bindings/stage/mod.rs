@@ -142,7 +142,8 @@ impl Stage {
             let risen = self.scene.scans.rise(scan.place.0, step);
             self.rising |= risen < 1.0;
             let stands = scan.stands.filter(|_| !self.scan_carried);
-            Some(Wanted { place: scan.place, stands, share: self.scan_share.unwrap_or(scan.share * risen) })
+            let share = self.scan_share.unwrap_or(scan.share * risen);
+            Some(Wanted { place: scan.place, stands, share, flown: scan.flown })
         });
         let share = scans.map(|scan| scan.map_or(0.0, |scan| scan.share));
         let drawn = Drawn { numbers, weight, share };
