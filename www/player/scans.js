@@ -11,9 +11,6 @@ import { loadScanner } from './engine.js';
 const COMING = 3;
 /** Bytes that are read at a time until all of the header is there. */
 const HEADER = 4096;
-/** Texels across of a picture in which flow is looked for, and frames of which the colours are kept for that. */
-const SMALL = 512;
-const COLOURED = 64;
 /** Bytes that are put together into one blob. */
 const PIECE = 8_000_000;
 
@@ -34,8 +31,6 @@ export class Scans {
   forget() {
     this.coming = new Set();
     this.failed = new Set();
-    /** By frame: the colours of the registered mesh's vertices. */
-    this.colours ??= new Map();
   }
 
   get player() {
@@ -116,7 +111,6 @@ export class Scans {
   step() {
     const { complete, director, view } = this.session;
     if (!complete || !director.info.scanned || !view.alive()) return;
-    this.flow(view.stage);
     for (const group of view.stage.scans_wanted(this.player)) {
       if (this.coming.size >= COMING) return;
       if (!this.coming.has(group) && !this.failed.has(group)) this.bring(group);
@@ -132,40 +126,6 @@ export class Scans {
       await new Promise((resolve) => setTimeout(resolve));
     }
     return new Uint8Array(await new Blob(parts).arrayBuffer());
-  }
-
-  /** Keeps the colours that the frames of `scan` give the registered mesh, which carries them as `carried` says. */
-  paint(scan, [first, count], carried, bitmaps) {
-    const { colours } = this;
-    const pictures = bitmaps.map((bitmap) => {
-      const [width, height] = [Math.min(bitmap.width, SMALL), Math.min(bitmap.height, SMALL)];
-      const context = new OffscreenCanvas(width, height).getContext('2d');
-      context.drawImage(bitmap, 0, 0, width, height);
-      return context.getImageData(0, 0, width, height);
-    });
-    const worn = scan.worn();
-    const each = carried.length / count;
-    for (let frame = 0; frame < count; frame += 1) {
-      const { data, width } = pictures[worn[frame]] ?? { data: new Uint8Array(), width: 0 };
-      colours.set(first + frame, scan.colours(carried.subarray(each * frame, each * (frame + 1)), this.carrier, this.player.recorded_pose(first + frame).length / 3, data, width));
-    }
-    while (colours.size > COLOURED) colours.delete(colours.keys().next().value);
-  }
-
-  /** Finds how the ends of the transition that comes next flow into each other, so that patterns do not pass through grey. */
-  async flow(stage) {
-    const [from, to] = stage.flow_wanted(this.player);
-    const both = [from, to].map((frame) => this.colours.get(frame));
-    if (this.flowing || !both.every(Boolean)) return;
-    this.flowing = true;
-    try {
-      const { flow } = await loadScanner();
-      const found = flow(this.carrier, this.player.recorded_pose(from), ...both);
-      if (!this.session.closed && !stage.lost()) stage.take_flow(this.player, from, to, found);
-      this.flowing = false;
-    } catch {
-      // Pictures are mixed without it, from now on.
-    }
   }
 
   async bring(group) {
@@ -189,7 +149,6 @@ export class Scans {
         for (const bitmap of bitmaps) stage.add_scan_image(bitmap);
         if (!stage.take_scan(player, group, scan.corners(), scan.triangles(), scan.poses(), carried)) failed.add(group);
         session.owner.dressed();
-        this.paint(scan, head, carried, bitmaps);
       }
       bitmaps.forEach((bitmap) => bitmap.close());
       scan.free();

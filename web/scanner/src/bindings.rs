@@ -2,7 +2,7 @@
 
 use wasm_bindgen::prelude::*;
 
-use crate::opened::{Opened, Picture, flows};
+use crate::opened::Opened;
 
 /// A group of scanned frames that was read.
 #[wasm_bindgen]
@@ -46,29 +46,9 @@ impl Scan {
         self.inner.carried(frame, triangles, pose)
     }
 
-    /// The colours of the registered mesh's vertices, `count` of them, as frame `frame` has them, `carried` as above, that wears a picture of
-    /// `width` texels a row.
-    #[must_use]
-    pub fn colours(&self, carried: &[u8], triangles: &[u32], count: usize, texels: &[u8], width: usize) -> Vec<f32> {
-        self.inner.colours(carried, triangles, count, Picture { texels, width })
-    }
-
-    /// Which of its images each frame wears.
-    #[must_use]
-    pub fn worn(&self) -> Vec<u32> {
-        self.inner.worn.clone()
-    }
-
     /// Vertex positions of one frame after the other.
     #[must_use]
     pub fn poses(&self) -> Vec<f32> {
         self.inner.poses.clone()
     }
-}
-
-/// How the colours of two frames flow into each other on the registered mesh, its `triangles` at `pose`, both ways; empty where they do not.
-#[wasm_bindgen]
-#[must_use]
-pub fn flow(triangles: &[u32], pose: &[f32], from: &[f32], to: &[f32]) -> Vec<u8> {
-    flows(triangles, pose, [from, to])
 }

@@ -146,7 +146,7 @@ impl Grid {
 }
 
 /// Barycentric coordinates of the point of triangle (a, b, c) that is nearest to `p`: those of the second and third corner.
-pub(crate) fn foot_in(p: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 2] {
+fn foot_in(p: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 2] {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (bb, bc, cc) = (ab.dot(ab), ab.dot(ac), ac.dot(ac));
     let (pb, pc) = (ap.dot(ab), ap.dot(ac));

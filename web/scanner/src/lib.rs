@@ -11,5 +11,4 @@
 #[cfg(all(target_arch = "wasm32", feature = "bindings"))]
 pub mod bindings;
 pub mod carried;
-pub mod flow;
 pub mod opened;

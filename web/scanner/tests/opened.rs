@@ -5,7 +5,7 @@
 use actor::surface::{Image, ImageFormat};
 use bundle::{CodedGroup, ScannedCorner, ScannedGroup, ScannedHead, code_group};
 use glam::Vec3;
-use scanner::opened::{CORNER_BYTES, Opened, Picture, flows};
+use scanner::opened::{CORNER_BYTES, Opened};
 
 /// A tetrahedron in two frames, painted or with an image.
 fn coded(painted: bool) -> CodedGroup {
@@ -75,32 +75,4 @@ fn what_is_no_group_is_refused() {
         // Which frame of the capture it is does not matter here, and that it has colours can be said by any number.
         assert_eq!(Opened::read(&wrong, &bytes).is_err(), ![0, 5].contains(&number), "word {number}");
     }
-}
-
-#[test]
-fn the_mesh_below_has_the_colours_of_what_it_carries() {
-    let places: Vec<f32> = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|p| p.to_array()).collect();
-    let triangles = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
-    let CodedGroup { head, bytes } = coded(true);
-    let painted = Opened::read(&words(&head), &bytes).unwrap();
-    let carried = painted.carried(0, &triangles, &places);
-    let colours = painted.colours(&carried, &triangles, 4, Picture::default());
-    for (found, wanted) in colours.iter().zip([10, 20, 30, 40, 50, 60, 70, 80, 90, 1, 2, 3]) {
-        assert!((found - wanted as f32 / 255.0).abs() < 0.01, "{colours:?}");
-    }
-    // The corner of vertex k looks up k quarters of the picture's width, within texel k of five.
-    let CodedGroup { head, bytes } = coded(false);
-    let opened = Opened::read(&words(&head), &bytes).unwrap();
-    assert_eq!(opened.worn, [0, 0]);
-    let texels: Vec<u8> = (0..5).flat_map(|k| [k * 20, 0, 255, 255]).collect();
-    let carried = opened.carried(0, &triangles, &places);
-    let colours = opened.colours(&carried, &triangles, 4, Picture { texels: &texels, width: 5 });
-    for (vertex, colour) in colours.as_chunks::<3>().0.iter().enumerate() {
-        let wanted = [(20 * vertex) as f32 / 255.0, 0.0, 1.0];
-        assert!(colour.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 0.01), "{vertex}: {colour:?}");
-    }
-    // No carrier and no texel: nothing, without an end.
-    assert_eq!(opened.colours(&[], &triangles, 4, Picture { texels: &[], width: 0 }), [0.0; 12]);
-    assert!(flows(&triangles, &places, [&colours, &colours]).is_empty());
-    assert!(flows(&triangles, &places, [&[], &colours]).is_empty());
 }

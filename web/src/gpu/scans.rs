@@ -59,8 +59,6 @@ pub struct Wanted {
     pub stands: Option<(u64, Placement)>,
     /// How much of it is seen, from 0 to 1.
     pub share: f32,
-    /// How far it has flowed into the other one, in the pose before the moment and in that after it.
-    pub flown: [f32; 2],
 }
 
 /// The registered mesh at the moment that is shown.
@@ -91,14 +89,6 @@ struct Held {
     risen: f32,
 }
 
-/// How two scanned frames flow into each other.
-struct Flow {
-    /// Group and frame of both.
-    ends: [(u32, u32); SLOTS],
-    /// Where each vertex of the registered mesh, as the one has it, is on the other, and the other way.
-    to: [Vec<Carried>; SLOTS],
-}
-
 /// Group and frame, and whether the registered mesh carries it.
 type Shown = ((u32, u32), bool);
 
@@ -119,12 +109,7 @@ const SLOTS: usize = 2;
 pub struct Scans {
     held: Vec<Held>,
     slots: [Slot; SLOTS],
-    /// The one that is shown, and the one after it.
-    flows: Vec<Flow>,
 }
-
-/// So many flows are held.
-const FLOWS: usize = 2;
 
 impl Scans {
     /// Takes group `ordinal` with a texture for each of its images; those that are not `wanted` go. One that was waited for, as `late` says,
@@ -153,23 +138,6 @@ impl Scans {
         self.held.push(Held { ordinal, shape, triangles, poses, carried, worn, looks, risen });
     }
 
-    /// Takes how the frames `ends` flow into each other: `flow` has as many records for the way back as for the way there.
-    pub fn take_flow(&mut self, ends: [(u32, u32); SLOTS], flow: &[u8]) {
-        let all: Vec<Carried> = flow.chunks_exact(size_of::<Carried>()).map(bytemuck::pod_read_unaligned).collect();
-        let (there, back) = all.split_at(all.len() / 2);
-        self.flows.retain(|flow| flow.ends != ends);
-        if self.flows.len() >= FLOWS {
-            self.flows.remove(0);
-        }
-        self.flows.push(Flow { ends, to: [there.to_vec(), back.to_vec()] });
-    }
-
-    /// Whether it is known how the frames `ends` flow into each other.
-    #[must_use]
-    pub fn flows(&self, ends: [(u32, u32); SLOTS]) -> bool {
-        self.flows.iter().any(|flow| flow.ends == ends)
-    }
-
     /// Whether group `ordinal` is here.
     #[must_use]
     pub fn holds(&self, ordinal: u32) -> bool {
@@ -194,15 +162,12 @@ impl Scans {
         uniform: ActorUniform,
     ) -> (Option<Vec<Vec3>>, bool) {
         let (mut stands, mut changed) = (None, false);
-        let ends = wanted.map(|wanted| wanted.map(|wanted| wanted.place));
-        let flow = self.flows.iter().find(|flow| flow.ends.map(Some) == ends);
-        for (number, (slot, wanted)) in self.slots.iter_mut().zip(wanted).enumerate() {
+        for (slot, wanted) in self.slots.iter_mut().zip(wanted) {
             let before = slot.shown.take();
             let share = std::mem::replace(&mut slot.share, 0.0);
             let written = wanted.and_then(|wanted| {
                 let held = self.held.iter().find(|held| held.ordinal == wanted.place.0)?;
-                let to = flow.map_or(&[][..], |flow| &flow.to[number]);
-                slot.write(gpu, layout, (wanted, before), (held, to), carrier, uniform)
+                slot.write(gpu, layout, (wanted, before), held, carrier, uniform)
             });
             let Some((world, moved)) = written else {
                 changed |= before.is_some();
@@ -244,14 +209,14 @@ impl Scans {
 }
 
 impl Slot {
-    /// Writes what is `wanted` of `held`, of which the colours flow `to` elsewhere, after what was shown `before`; where it stands if not carried, and whether anything changed. `None`
+    /// Writes what is `wanted` of `held`, after what was shown `before`; where it stands if not carried, and whether anything changed. `None`
     /// where it cannot be shown.
     fn write(
         &mut self,
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
         (wanted, before): (Wanted, Option<Shown>),
-        (held, to): (&Held, &[Carried]),
+        held: &Held,
         carrier: Carrier<'_>,
         uniform: ActorUniform,
     ) -> Option<(Option<Vec<Vec3>>, bool)> {
@@ -275,17 +240,15 @@ impl Slot {
             }
             None => {
                 let carried = held.carried.chunks_exact(scanned.len().max(1)).nth(frame)?;
-                let placed = |by: Numbered<'_>, flown: f32| {
+                let placed = |by: Numbered<'_>| {
                     // What is there already is not looked at.
                     if group.has(by.number) {
                         return Vec::new();
                     }
                     let surface = Surface::new(carrier.triangles, by.pose);
-                    let flow = Flowing::new(&surface, by.pose, to, flown);
-                    let place = |one| surface.place(one).unwrap_or_default() + flow.way(carrier.triangles, one);
-                    carried.iter().map(place).collect::<Vec<_>>()
+                    carried.iter().map(|one| surface.place(one).unwrap_or_default()).collect::<Vec<_>>()
                 };
-                let poses = [placed(carrier.before, wanted.flown[0]), placed(carrier.after, wanted.flown[1])];
+                let poses = [placed(carrier.before), placed(carrier.after)];
                 let [from, to] = [(carrier.before.number, &poses[0]), (carrier.after.number, &poses[1])]
                     .map(|(number, pose)| Numbered { number, pose });
                 (None, group.write(gpu, &held.triangles, from, to, ActorUniform { weight: carrier.weight, ..uniform }))
@@ -293,24 +256,5 @@ impl Slot {
         };
         (self.shown, self.share) = (Some(shown), wanted.share);
         Some(written)
-    }
-}
-
-/// How far each vertex of the registered mesh has flowed in a pose; nothing where there is no flow.
-struct Flowing(Vec<Vec3>);
-
-impl Flowing {
-    /// `flown` of the way from each vertex of `surface`, which is at `pose`, to where it flows.
-    fn new(surface: &Surface<'_>, pose: &[Vec3], to: &[Carried], flown: f32) -> Self {
-        let way = |(to, p): (&Carried, &Vec3)| surface.place(to).map_or(Vec3::ZERO, |there| (there - p) * flown);
-        Self(if flown == 0.0 { Vec::new() } else { to.iter().zip(pose).map(way).collect() })
-    }
-
-    /// The way of what lies where `one` does.
-    fn way(&self, triangles: &[[u32; 3]], one: &Carried) -> Vec3 {
-        let corners = triangles.get(one.triangle as usize).copied().unwrap_or_default();
-        let [a, b, c] = corners.map(|vertex| self.0.get(vertex as usize).copied().unwrap_or_default());
-        let [v, w] = one.foot;
-        a * (1.0 - v - w) + b * v + c * w
     }
 }

@@ -29,8 +29,6 @@ pub struct ScanShown {
     pub stands: Option<(u64, Placement)>,
     /// How much of it is seen, the rest being another one or the registered mesh in the same pose.
     pub share: f32,
-    /// How far it has flowed into the other one, in the pose before the moment and in that after it: 0 is as it was scanned.
-    pub flown: [f32; 2],
 }
 
 /// A step that is to come.
@@ -38,8 +36,8 @@ pub struct ScanShown {
 enum Coming {
     /// A recorded frame.
     Recorded(u32),
-    /// Within a transition of the graph, this one.
-    Node(u32),
+    /// Within a transition of the graph.
+    Node,
     /// Made elsewhere.
     Made,
 }
@@ -61,10 +59,7 @@ impl Player {
         }
         let stands = Some((nearer.number, nearer.placement));
         let shown = self.scan_of(nearer);
-        [
-            shown.map(|(frame, place)| ScanShown { place, frame, stands, share: self.scan_share(), flown: [0.0; 2] }),
-            None,
-        ]
+        [shown.map(|(frame, place)| ScanShown { place, frame, stands, share: self.scan_share() }), None]
     }
 
     /// The scans of both ends of `transition`, by as much of each as the blend has of its pose.
@@ -74,13 +69,12 @@ impl Player {
             FrameKind::Synthetic { transition: of, lambda, .. } if of == transition => lambda,
             _ => at_end,
         };
-        let both = [lambda(picture.before, 0.0), lambda(picture.after, 1.0)];
-        let lambda = (both[1] - both[0]).mul_add(picture.weight as f32, both[0]);
+        let (from, to) = (lambda(picture.before, 0.0), lambda(picture.after, 1.0));
+        let lambda = (to - from).mul_add(picture.weight as f32, from);
         let Some(ends) = self.ends_of(transition) else { return [None; 2] };
-        let shown = |frame: u32, share: f32, flown: [f32; 2]| {
-            Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share, flown })
-        };
-        [shown(ends[0], 1.0 - lambda, both), shown(ends[1], lambda, both.map(|lambda| 1.0 - lambda))]
+        let shown =
+            |frame: u32, share: f32| Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share });
+        [shown(ends[0], 1.0 - lambda), shown(ends[1], lambda)]
     }
 
     /// The frames that `transition` of the graph leaves and arrives at.
@@ -110,7 +104,7 @@ impl Player {
         let coming = self.coming(FADE as usize + 1);
         let gone = |frame: &Coming| !matches!(frame, Coming::Recorded(frame) if self.scan_at(*frame).is_some());
         let ahead = match coming.iter().position(gone) {
-            Some(steps) if !matches!(coming[steps], Coming::Node(_)) => steps as f32 + 0.5 - weight,
+            Some(steps) if !matches!(coming[steps], Coming::Node) => steps as f32 + 0.5 - weight,
             _ => FADE as f32,
         };
         let behind = self.scans_behind as f32 - 0.5 + weight;
@@ -132,21 +126,6 @@ impl Player {
             (true, true) => FADE + 1,
             (true, false) => self.scans_behind.saturating_add(1),
         };
-    }
-
-    /// The scanned frames at the ends of the next transition that does not show yet, where both have one: their colours may flow into each
-    /// other.
-    #[must_use]
-    pub fn scans_flowing(&self) -> Option<[u32; 2]> {
-        let shown = match self.nearer()?.kind {
-            FrameKind::Synthetic { transition, .. } => Some(transition),
-            FrameKind::Recorded { .. } => None,
-        };
-        let next = self.coming(AHEAD).into_iter().find_map(|frame| match frame {
-            Coming::Node(transition) => Some(transition).filter(|next| Some(*next) != shown),
-            _ => None,
-        });
-        self.ends_of(next?).filter(|ends| ends.iter().all(|&frame| self.scan_at(frame).is_some()))
     }
 
     /// The groups that are shown and will be on the route, the most urgent first: at most as many as are held.
@@ -180,7 +159,7 @@ impl Player {
         let Some(actor) = &self.loading.actor else { return Vec::new() };
         let told = |shown: &ShownFrame| match shown.kind {
             FrameKind::Recorded { frame } => Coming::Recorded(frame),
-            FrameKind::Synthetic { transition, .. } if self.ends_of(transition).is_some() => Coming::Node(transition),
+            FrameKind::Synthetic { transition, .. } if self.ends_of(transition).is_some() => Coming::Node,
             FrameKind::Synthetic { .. } => Coming::Made,
         };
         let mut frames: Vec<Coming> = self.next.iter().map(told).collect();
@@ -194,7 +173,7 @@ impl Player {
                 // The last node of a transition is the frame that it arrives at.
                 Step::Node { transition, .. } => match self.ends_of(transition) {
                     Some([_, to]) if walker.inside().is_none() => Coming::Recorded(to),
-                    _ => Coming::Node(transition),
+                    _ => Coming::Node,
                 },
             });
         }

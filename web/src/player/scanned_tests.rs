@@ -220,30 +220,6 @@ fn transitions_carry_scans_so_that_nothing_has_to_give_way() {
 }
 
 #[test]
-fn the_ends_of_a_transition_flow_into_each_other_as_far_as_they_are_mixed() {
-    let (mut player, _) = player();
-    player.seek(0.0).unwrap();
-    assert_eq!(player.scans_flowing(), None);
-    player.go_to(30).unwrap();
-    assert_eq!(player.scans_flowing(), Some([4, 26]));
-    let (mut most, mut inside) = ([0.0_f32; 2], 0);
-    while player.playing() {
-        player.tick(1.0 / 100.0);
-        let [Some(from), Some(to)] = player.scan() else { continue };
-        inside += 1;
-        // What is shown already does not begin to flow.
-        assert_eq!(player.scans_flowing(), None);
-        let weight = player.picture().unwrap().weight as f32;
-        for (scan, rest) in [(from, to.share), (to, from.share)] {
-            let flown = scan.flown[0] * (1.0 - weight) + scan.flown[1] * weight;
-            assert!((flown - rest).abs() < 1e-5, "{scan:?}");
-        }
-        most = [most[0].max(from.flown[1]), most[1].max(to.flown[0])];
-    }
-    assert!(inside > 2 && most[0] > 0.5 && most[1] > 0.5, "{most:?} {inside}");
-}
-
-#[test]
 fn nothing_pops_where_nobody_foresaw_the_transition() {
     let (mut player, _) = player();
     player.seek(0.0).unwrap();
@@ -261,11 +237,6 @@ fn nothing_pops_where_nobody_foresaw_the_transition() {
 fn other_actors_have_none() {
     let (capture, graph) = capture(&[(20, false)], &[]);
     let player = Player::of_capture(capture, graph);
-    assert!(
-        player.scans().is_none()
-            && player.scans_flowing().is_none()
-            && player.scan() == [None; 2]
-            && player.scans_ahead().is_empty()
-    );
+    assert!(player.scans().is_none() && player.scan() == [None; 2] && player.scans_ahead().is_empty());
     assert_eq!(player.scan_section(0), None);
 }

@@ -142,8 +142,7 @@ impl Stage {
             let risen = self.scene.scans.rise(scan.place.0, step);
             self.rising |= risen < 1.0;
             let stands = scan.stands.filter(|_| !self.scan_carried);
-            let share = self.scan_share.unwrap_or(scan.share * risen);
-            Some(Wanted { place: scan.place, stands, share, flown: scan.flown })
+            Some(Wanted { place: scan.place, stands, share: self.scan_share.unwrap_or(scan.share * risen) })
         });
         let share = scans.map(|scan| scan.map_or(0.0, |scan| scan.share));
         let drawn = Drawn { numbers, weight, share };

@@ -51,24 +51,6 @@ impl Stage {
         true
     }
 
-    /// The scanned frames whose colours should flow into each other before they are mixed, both of which are here; none where there is
-    /// nothing to do.
-    #[must_use]
-    pub fn flow_wanted(&self, player: &Player) -> Vec<u32> {
-        let wanted = player.inner.scans_flowing().filter(|&ends| {
-            let scans = &self.scene.scans;
-            places(player, ends).is_some_and(|ends| ends.iter().all(|end| scans.holds(end.0)) && !scans.flows(ends))
-        });
-        wanted.map_or(Vec::new(), |ends| ends.to_vec())
-    }
-
-    /// Takes how frames `from` and `to` flow into each other, as the module found it that reads scanned frames; nothing where they do not.
-    pub fn take_flow(&mut self, player: &Player, from: u32, to: u32, flow: &[u8]) {
-        if let Some(ends) = places(player, [from, to]) {
-            self.scene.scans.take_flow(ends, flow);
-        }
-    }
-
     /// How much of the last picture's actor came from scanned frames, from 0 to 1; the rest was the registered mesh.
     #[must_use]
     pub fn scan_shown(&self) -> f32 {
@@ -80,10 +62,4 @@ impl Stage {
     pub fn scan_carried(&self) -> bool {
         self.scene.scans.is_carried()
     }
-}
-
-/// Group and frame of scanned frames.
-fn places(player: &Player, frames: [u32; 2]) -> Option<[(u32, u32); 2]> {
-    let index = player.inner.scans()?;
-    Some([index.place_of(frames[0])?, index.place_of(frames[1])?])
 }
