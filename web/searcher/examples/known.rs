@@ -27,7 +27,6 @@ fn known(actor: &str) -> Result<Vec<u8>, String> {
     let reader = BundleReader::from_bytes(&bytes).map_err(|error| error.to_string())?;
     let parts = reader.timeline().zip(reader.graph()).zip(reader.motion()).zip(reader.topology());
     let (((timeline, graph), motion), topology) = parts.ok_or("it has no graph, or no motion: pack it again")?;
-    println!("{} transitions", graph.transitions().len());
     let words = words(timeline, graph, motion, topology.vertex_count() as u32);
     Ok(words.iter().flat_map(|word| word.to_le_bytes()).collect())
 }
