@@ -99,8 +99,11 @@ fn a_walk_of_motion_capture_is_joined_to_the_performers() {
     let report = done(&builder(folder, &["drive", clip, "--actor", "p", "-o", "more", "--json"]));
     let report: Value = serde_json::from_str(&report).unwrap();
     check_joins(&report);
-    for join in joins(&report) {
-        let cost = |when: &str| join[when]["cost"].as_f64().unwrap_or(f64::INFINITY);
+    // The way in from a turn stays as it is driven: any edit would make it more abrupt.
+    let edited: Vec<Value> = joins(&report).into_iter().filter(|join| join["after"].is_object()).collect();
+    assert!(!edited.is_empty(), "{report}");
+    for join in edited {
+        let cost = |when: &str| join[when]["cost"].as_f64().unwrap();
         assert!(cost("after") < 0.8 * cost("before"), "{join}");
     }
     let number = |name: &str, at: usize| report["measures"][name][at].as_f64().unwrap();

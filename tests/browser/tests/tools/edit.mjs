@@ -294,7 +294,7 @@ export const tests = {
       [one({ handles: [{ vertex, to: [Number.NaN, 0, 0] }] }), /number/],
       [one({ handles: [{ vertex, to: [1e9, 0, 0] }] }), /10,000 metres/],
       [one({ handles: [] }), /no handle/],
-      [one({ method: 'magic' }), /rig, learned, arap, laplace/],
+      [one({ method: 'magic' }), /rig, learned, parts, arap, laplace/],
     ]) {
       assert.match(await set(document), words, JSON.stringify(document));
       assert.deepEqual(await edits(player), [edit]);
