@@ -1,4 +1,4 @@
-/** Bundles with a section more, for what the demo's actor does not have (docs/bundle-format.md). */
+/** Bundles with a section more or less, for what the demo's actor does not have or always has (docs/bundle-format.md). */
 
 const HEADER = 48;
 const ENTRY = 40;
@@ -36,4 +36,21 @@ export function withSection(bundle, { kind, minor, raw }) {
   head.writeUInt32LE(0, 28);
   head.writeUInt32LE(checksum(head), 28);
   return Buffer.concat([head, bundle.subarray(table), raw]);
+}
+
+/** A kind that no version knows. */
+const NOBODYS = 0xfff0;
+
+/**
+ * The bundle as one reads it that does not know the kind, which has to be an optional one.
+ * @param {Buffer} bundle
+ * @param {number} kind
+ */
+export function withoutSection(bundle, kind) {
+  const changed = Buffer.from(bundle);
+  const end = HEADER + ENTRY * changed.readUInt32LE(16);
+  for (let at = HEADER; at < end; at += ENTRY) if (changed.readUInt16LE(at) === kind) changed.writeUInt16LE(NOBODYS, at);
+  changed.writeUInt32LE(0, 28);
+  changed.writeUInt32LE(checksum(changed.subarray(0, changed.readUInt32LE(12))), 28);
+  return changed;
 }

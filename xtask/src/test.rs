@@ -47,7 +47,8 @@ pub fn test() -> Result<()> {
 /// they have to be.
 fn tests() -> Command {
     let mut tests = cargo();
-    tests.args(["test", "--workspace", "--exclude", "xtask"]);
+    // One that fails hides none of the others.
+    tests.args(["test", "--workspace", "--exclude", "xtask", "--no-fail-fast"]);
     let captures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     if captures.is_dir() || std::env::var_os("CI").is_some() {
         tests.args(["--", "--include-ignored"]);

@@ -2,6 +2,8 @@
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
+import { bundlePath } from '../browser.mjs';
+import { withoutSection } from '../sections.mjs';
 import { tests as errors } from './errors.mjs';
 import { tests as loading } from './loading.mjs';
 import { tests as page } from './page.mjs';
@@ -11,6 +13,9 @@ import { tests as walking } from './walking.mjs';
 
 const www = new URL('../../../www/', import.meta.url);
 const docs = new URL('../../../docs/embedding.md', import.meta.url);
+
+/** The kind of section with alternatives of recorded stretches. */
+const ALTERNATIVES = 91;
 
 /** An empty page of the same site, with players made by the test. */
 async function bare(browser, options) {
@@ -345,7 +350,7 @@ export const tests = {
     await player.close();
   },
 
-  'variety is a share from 0 to 1, and has no slider where an actor has no alternatives': async (browser) => {
+  'variety is a share from 0 to 1, and its slider sets it': async (browser) => {
     const player = await loaded(browser);
     const seen = await player.run(async (element) => {
       element.controls = true;
@@ -358,7 +363,21 @@ export const tests = {
       element.variety = 0.5;
       return { told, attribute: element.getAttribute('variety'), varies: element.info.varies };
     });
-    assert.deepEqual(seen, { told: [0.25, 1, 1, 1], attribute: '0.5', varies: false });
+    assert.deepEqual(seen, { told: [0.25, 1, 1, 1], attribute: '0.5', varies: true });
+    const slider = player.part('.toolbar [aria-label="Variety"]');
+    await player.until('the slider', (element) => element.shadowRoot.querySelector('.toolbar [aria-label="Variety"]')?.value === '0.5');
+    await slider.fill('0.2');
+    assert.equal(await player.run((element) => element.variety), 0.2);
+    await player.close();
+  },
+
+  'an actor without alternatives has no slider for variety': async (browser) => {
+    const body = withoutSection(await readFile(bundlePath), ALTERNATIVES);
+    const before = (page) => page.route('**/plain.reprise', (route) => route.fulfill({ body, contentType: 'application/octet-stream' }));
+    const player = await bare(browser, { before });
+    await player.page.evaluate(() => window.make({ src: '/plain.reprise', controls: '' }));
+    await player.loaded();
+    assert.equal(await player.run(async (element) => (await element.testing.searching(), element.info.varies)), false);
     await player.until('the tools', (element) => element.shadowRoot.querySelector('.toolbar'));
     assert.equal(await player.part('.toolbar [aria-label="Variety"]').isVisible(), false);
     await player.close();
