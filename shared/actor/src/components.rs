@@ -36,7 +36,9 @@ impl Adjacency {
         Self { first, ends }
     }
 
-    fn of(&self, node: u32) -> &[u32] {
+    /// What `node` leads to.
+    #[must_use]
+    pub fn of(&self, node: u32) -> &[u32] {
         &self.ends[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 
@@ -73,6 +75,8 @@ pub struct StrongComponents {
     pub component_of_frame: Vec<u32>,
     /// The component of the most frames; of several, the one of the first frame.
     pub largest: u32,
+    /// All frames, those of a component together, and each component after all that it leads to.
+    pub finished: Vec<u32>,
 }
 
 impl StrongComponents {
@@ -81,33 +85,126 @@ impl StrongComponents {
         let frames = self.component_of_frame.iter().enumerate();
         frames.filter(|&(_, &component)| component == self.largest).map(|(frame, _)| frame as u32)
     }
+
+    /// For every frame, whether a walk leads from it into the largest component. `ends` are what each frame leads to, as
+    /// [`components_of`] was told.
+    pub fn leading_into_largest<I: Iterator<Item = u32>>(&self, ends: impl Fn(u32) -> I) -> Vec<bool> {
+        let component = |frame: u32| self.component_of_frame[frame as usize];
+        let mut leads = vec![false; self.component_of_frame.len()];
+        for members in self.finished.chunk_by(|&a, &b| component(a) == component(b)) {
+            let into = component(members[0]) == self.largest
+                || members.iter().any(|&member| ends(member).any(|end| leads[end as usize]));
+            members.iter().for_each(|&member| leads[member as usize] = into);
+        }
+        leads
+    }
 }
 
 /// The components of the graph of recorded steps and of `transitions` (from, to); those that name frames that do not exist
 /// are ignored.
-///
-/// Kosaraju and Sharir's algorithm: linear in frames and edges.
 #[must_use]
 pub fn strongly_connected(timeline: &Timeline, transitions: &[(u32, u32)]) -> StrongComponents {
     let frames = timeline.frame_count();
     let edges = with_recorded(timeline, transitions.iter().copied());
-    let forwards = Adjacency::new(frames, edges.iter().copied());
-    let backwards = Adjacency::new(frames, edges.iter().map(|&(from, to)| (to, from)));
+    let adjacency = Adjacency::new(frames, edges.iter().copied());
+    components_of(frames, |frame| adjacency.of(frame).iter().copied())
+}
 
-    let mut seen = vec![false; frames as usize];
-    let finished: Vec<u32> = (0..frames).flat_map(|frame| forwards.visit(frame, &mut seen)).collect();
-    seen.fill(false);
-    let mut component_of_frame = vec![u32::MAX; frames as usize];
-    for &frame in finished.iter().rev() {
-        let members = backwards.visit(frame, &mut seen);
-        let name = members.iter().copied().min().unwrap_or(frame);
-        members.iter().for_each(|&member| component_of_frame[member as usize] = name);
+/// The components of a graph over nodes below `count`, each of which leads to its `ends`.
+///
+/// Tarjan's algorithm (1972), with a stack of its own: it looks at every edge once, and wants none turned round.
+pub fn components_of<I: Iterator<Item = u32>>(count: u32, ends: impl Fn(u32) -> I) -> StrongComponents {
+    let mut search = Search::new(count);
+    let mut way = Vec::new();
+    for start in 0..count {
+        let mut next = (search.low[start as usize] == NEW).then_some(start);
+        loop {
+            if let Some(node) = next {
+                way.push((node, search.open(node), ends(node)));
+            }
+            let Some((node, number, rest)) = way.last_mut() else { break };
+            next = search.look(*node, rest);
+            if next.is_some() {
+                continue;
+            }
+            let (node, number) = (*node, *number);
+            way.pop();
+            let low = search.low[node as usize];
+            if low == number {
+                search.close(node);
+            } else if let Some((parent, ..)) = way.last() {
+                search.lower(*parent, low);
+            }
+        }
     }
-    numbered(component_of_frame)
+    numbered(search.component_of_frame, search.finished)
+}
+
+/// The number of a node that was not reached.
+const NEW: u32 = u32::MAX;
+/// The number of a node whose component is known: it lowers no other.
+const DONE: u32 = u32::MAX - 1;
+
+/// What Tarjan's algorithm knows so far.
+struct Search {
+    /// Nodes have numbers in the order in which they are reached: the lowest of an open node that each is known to lead to.
+    low: Vec<u32>,
+    /// Nodes that were reached and whose component is not known.
+    open: Vec<u32>,
+    /// Numbers that were given.
+    reached: u32,
+    component_of_frame: Vec<u32>,
+    finished: Vec<u32>,
+}
+
+impl Search {
+    fn new(count: u32) -> Self {
+        let count = count as usize;
+        let (low, component_of_frame) = (vec![NEW; count], vec![0; count]);
+        Self { low, open: Vec::new(), reached: 0, component_of_frame, finished: Vec::with_capacity(count) }
+    }
+
+    /// Gives a node its number.
+    fn open(&mut self, node: u32) -> u32 {
+        let number = self.reached;
+        self.reached += 1;
+        self.low[node as usize] = number;
+        self.open.push(node);
+        number
+    }
+
+    fn lower(&mut self, node: u32, low: u32) {
+        self.low[node as usize] = self.low[node as usize].min(low);
+    }
+
+    /// The next of the nodes that `node` leads to which was not reached.
+    fn look(&mut self, node: u32, ends: &mut impl Iterator<Item = u32>) -> Option<u32> {
+        let mut least = self.low[node as usize];
+        let found = ends.find(|&end| {
+            let low = self.low[end as usize];
+            // Not reached is the highest of numbers.
+            least = least.min(low);
+            low == NEW
+        });
+        self.low[node as usize] = least;
+        found
+    }
+
+    /// All that was reached since `node`, with it, is a component.
+    fn close(&mut self, node: u32) {
+        let first = self.open.iter().rposition(|&other| other == node).unwrap_or(0);
+        let members = self.open.split_off(first);
+        let name = members.iter().copied().min().unwrap_or(node);
+        for &member in &members {
+            self.low[member as usize] = DONE;
+            self.component_of_frame[member as usize] = name;
+        }
+        self.finished.extend(members);
+    }
 }
 
 /// Numbers components, so far named by their first frames, and finds the largest.
-fn numbered(mut component_of_frame: Vec<u32>) -> StrongComponents {
+fn numbered(mut component_of_frame: Vec<u32>, finished: Vec<u32>) -> StrongComponents {
     let mut sizes: Vec<u32> = Vec::new();
     for frame in 0..component_of_frame.len() {
         let name = component_of_frame[frame] as usize;
@@ -121,7 +218,7 @@ fn numbered(mut component_of_frame: Vec<u32>) -> StrongComponents {
         }
     }
     let largest = (0..sizes.len()).rev().max_by_key(|&component| sizes[component]).unwrap_or(0) as u32;
-    StrongComponents { component_of_frame, largest }
+    StrongComponents { component_of_frame, largest, finished }
 }
 
 #[cfg(test)]
@@ -167,6 +264,9 @@ mod tests {
             let most = (0..frames).map(|frame| size(of[frame])).max().unwrap();
             let first = (0..frames).find(|&frame| size(of[frame]) == most).unwrap();
             assert_eq!(found.largest_frames().next(), Some(first as u32));
+            let adjacency = Adjacency::new(frames as u32, with_recorded(&timeline, edges.iter().copied()).into_iter());
+            let leads = found.leading_into_largest(|frame| adjacency.of(frame).iter().copied());
+            assert!((0..frames).all(|frame| leads[frame] == reaches[frame][first]), "by {edges:?}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Where the actor never gets stuck: the largest set of frames that all reach each other (Prada and others 2016,
 //! section 7), and the frames that lead into it.
 
-use actor::components::{Adjacency, strongly_connected, with_recorded};
+use actor::components::{Adjacency, components_of, with_recorded};
 use actor::graph::EssentialGraph;
 use actor::timeline::Timeline;
 
@@ -18,40 +18,28 @@ pub struct MainComponent {
 /// The main component of the graph, and the frames that lead into it.
 #[must_use]
 pub fn main_component(graph: &EssentialGraph, timeline: &Timeline) -> MainComponent {
-    main_component_of(timeline, &edges(graph).collect::<Vec<_>>())
+    // As it lies there: pages do it, and graphs have hundreds of thousands of transitions.
+    main_of(graph.frame_count(), |frame| {
+        let transitions = &graph.transitions()[graph.transitions_from(frame)];
+        timeline.next(frame).into_iter().chain(transitions.iter().map(|transition| transition.to))
+    })
 }
 
 /// The same for recorded steps and any `transitions` (from, to); those that name frames that do not exist are ignored.
 #[must_use]
 pub fn main_component_of(timeline: &Timeline, transitions: &[(u32, u32)]) -> MainComponent {
-    let main = main_of(timeline, transitions);
-    let live = live_of(timeline, transitions.iter().copied(), &main);
-    MainComponent { main, live }
+    let edges = with_recorded(timeline, transitions.iter().copied());
+    let adjacency = Adjacency::new(timeline.frame_count(), edges.iter().copied());
+    main_of(timeline.frame_count(), |frame| adjacency.of(frame).iter().copied())
 }
 
-/// [`MainComponent::main`] alone, for whoever has other things to do meanwhile.
-pub(crate) fn main_frames(graph: &EssentialGraph, timeline: &Timeline) -> Vec<bool> {
-    main_of(timeline, &edges(graph).collect::<Vec<_>>())
-}
-
-/// [`MainComponent::live`] from what [`main_frames`] has found.
-pub(crate) fn live_frames(graph: &EssentialGraph, timeline: &Timeline, main: &[bool]) -> Vec<bool> {
-    live_of(timeline, edges(graph), main)
-}
-
-fn main_of(timeline: &Timeline, transitions: &[(u32, u32)]) -> Vec<bool> {
-    let components = strongly_connected(timeline, transitions);
-    let mut main = vec![false; timeline.frame_count() as usize];
+fn main_of<I: Iterator<Item = u32>>(frames: u32, ends: impl Fn(u32) -> I) -> MainComponent {
+    let components = components_of(frames, &ends);
+    let mut main = vec![false; frames as usize];
     components.largest_frames().for_each(|frame| main[frame as usize] = true);
-    main
-}
-
-fn live_of(timeline: &Timeline, transitions: impl Iterator<Item = (u32, u32)>, main: &[bool]) -> Vec<bool> {
-    let mut frames = (0_u32..).zip(main).filter_map(|(frame, &main)| main.then_some(frame));
-    match (frames.next(), frames.next()) {
-        (Some(first), Some(_)) => connected(timeline, &[first], transitions, |(from, to)| (to, from)),
-        _ => vec![true; main.len()],
-    }
+    let alone = components.largest_frames().nth(1).is_none();
+    let live = if alone { vec![true; frames as usize] } else { components.leading_into_largest(ends) };
+    MainComponent { main, live }
 }
 
 /// For every frame, whether a walk leads from it to any of `targets`.

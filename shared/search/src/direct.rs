@@ -14,12 +14,16 @@ use kernels::align::Placement;
 
 /// States that are expanded for a target unless told otherwise: about two seconds in a browser.
 pub const DEFAULT_EFFORT: u32 = 600_000;
+/// Expanded states that a pass of bending a walk counts as.
+const STATES_A_PASS: u32 = 100;
 
 /// A request that is being worked on.
 #[derive(Clone, Debug)]
 pub struct Direction {
     to_do: VecDeque<Target>,
     work: Option<Work>,
+    /// Whether its search has ended, so that only its best answer is to be bent before the next target begins.
+    is_settling: bool,
     seed: u64,
     /// States that may still be expanded for the present target, and for each later one.
     left: u32,
@@ -53,6 +57,7 @@ impl Direction {
         let mut direction = Self {
             to_do,
             work: None,
+            is_settling: false,
             seed: request.seed,
             left: effort,
             effort,
@@ -79,6 +84,10 @@ impl Direction {
     pub fn advance(&mut self, scene: &Scene, budget: u32) -> Result<Progress, RequestError> {
         let mut budget = budget;
         while budget > 0 {
+            if self.is_settling {
+                self.settle(scene, &mut budget)?;
+                continue;
+            }
             let is_search = self.work.as_ref().is_some_and(|work| work.search_progress().is_some());
             if is_search && self.progress() != Progress::Running {
                 // The last search keeps its answer, and what it has proven.
@@ -93,9 +102,7 @@ impl Direction {
             self.expanded += u64::from(expanded);
             // Key poses and wandering are exact and end by themselves; the others go on for as long as they may.
             let is_last = self.to_do.is_empty();
-            if (ended || is_search && self.left == 0) && !(is_search && is_last) {
-                self.settle(scene)?;
-            }
+            self.is_settling = (ended || is_search && self.left == 0) && !(is_search && is_last);
         }
         Ok(self.progress())
     }
@@ -147,8 +154,16 @@ impl Direction {
         }
     }
 
-    /// Takes the present target's best answer for good and goes on to the next.
-    fn settle(&mut self, scene: &Scene) -> Result<(), RequestError> {
+    /// Takes the present target's best answer for good and goes on to the next, unless the budget ends before.
+    fn settle(&mut self, scene: &Scene, budget: &mut u32) -> Result<(), RequestError> {
+        let mut is_over = || {
+            *budget = budget.saturating_sub(STATES_A_PASS);
+            *budget == 0
+        };
+        if self.work.as_mut().is_some_and(|work| !work.polish(scene, self.is_free, &mut is_over)) {
+            return Ok(());
+        }
+        self.is_settling = false;
         if let Some(work) = self.work.take() {
             work.apply(scene, &mut self.done, &mut self.start, self.is_free);
             self.is_free = false;

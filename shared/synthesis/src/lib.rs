@@ -18,6 +18,7 @@ mod bend;
 mod feet;
 mod frames;
 mod lean;
+mod low;
 pub mod steps;
 mod ties;
 mod varied;

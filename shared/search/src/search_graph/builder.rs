@@ -4,7 +4,7 @@ use glam::{Vec2, Vec2Swizzles, Vec3, Vec3Swizzles};
 
 use super::{Edge, SAMPLE_STRIDE, Sample, SearchGraph};
 use crate::behaviours::behaviours;
-use crate::components::{live_frames, main_frames};
+use crate::components::main_component;
 use crate::ground_pose::{GroundPose, half_turn, turn_of};
 use crate::members::members;
 use actor::blend::Blend;
@@ -53,7 +53,7 @@ impl SearchGraphBuilder {
             group,
             facings: motion.facings.clone(),
             faces: motion.facings.iter().map(|&facing| turn_of(facing).yx()).collect(),
-            main: main_frames(graph, timeline),
+            main: Vec::new(),
             live: Vec::new(),
             best_speed: 0.0,
             best_turn: 0.0,
@@ -82,7 +82,8 @@ impl SearchGraphBuilder {
     ) -> Result<bool, PoseError> {
         if self.search_graph.live.is_empty() {
             // As much work as many transitions.
-            self.search_graph.live = live_frames(graph, timeline, &self.search_graph.main);
+            let found = main_component(graph, timeline);
+            (self.search_graph.main, self.search_graph.live) = (found.main, found.live);
             return Ok(self.search_graph.frame_count() == 0);
         }
         let end = self.search_graph.edges.len().saturating_add(transitions);
