@@ -17,7 +17,6 @@ use kernels::poisson::{Effort, KeyedPose, Memory, PoissonInterpolator};
 use kernels::topology::Topology;
 
 use crate::feet::{self, Sides};
-use crate::low::let_down;
 use crate::steps::{FootStep, foot_steps};
 use crate::ties::Components;
 use crate::walker::Step;
@@ -190,7 +189,7 @@ impl FrameMaker {
                     ahead.effort = Some(interpolator.finish(&mut ahead.pose));
                     self.components.hold(over.graph.ties(), &self.placed, blend.lambda, &mut ahead.pose);
                     let plan = self.plan.as_ref();
-                    stand(over.graph, plan, (index, &blend), (&self.placed, &self.weights), &mut ahead.pose)?;
+                    keep_feet(over.graph, plan, (index, &blend), (&self.placed, &self.weights), &mut ahead.pose)?;
                 }
                 Ok(Piece { more: !is_done, factorised })
             }
@@ -283,7 +282,7 @@ impl FrameMaker {
         let effort = interpolator.interpolate(source, destination, blend.lambda, out);
         let effort = effort.map_err(|_| PoseError::Damaged(source.frame))?;
         self.components.hold(over.graph.ties(), &self.placed, blend.lambda, out);
-        stand(over.graph, self.plan.as_ref(), (index, &blend), (&self.placed, &self.weights), out)?;
+        keep_feet(over.graph, self.plan.as_ref(), (index, &blend), (&self.placed, &self.weights), out)?;
         Ok((Standing::Node { transition: index, blend }, effort))
     }
 
@@ -334,22 +333,6 @@ impl Ahead {
         };
         self.transition == transition && bits(self.placement) == bits(placement)
     }
-}
-
-/// Puts a node on the ground: its feet where they stand, and the body no higher than it is on both sides. Where nothing is known to
-/// stand, there is no ground.
-fn stand(
-    graph: &EssentialGraph,
-    plan: Option<&Plan>,
-    node: (u32, &Blend),
-    (placed, weights): (&[Vec<Vec3>; 2], &[f32]),
-    pose: &mut [Vec3],
-) -> Result<(), PoseError> {
-    keep_feet(graph, plan, node, (placed, weights), pose)?;
-    if graph.contacts().parts() > 0 {
-        let_down(placed, pose);
-    }
-    Ok(())
 }
 
 /// Puts the feet of a node where they stand. Where the transition arrives was stored with it: its feet are there already.

@@ -18,7 +18,6 @@ mod bend;
 mod feet;
 mod frames;
 mod lean;
-mod low;
 pub mod steps;
 mod ties;
 mod varied;
