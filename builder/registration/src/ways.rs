@@ -5,6 +5,8 @@ use super::survey::Survey;
 
 /// Where a frame is far from all that are known, it is tried from so many of them, and from the template.
 const FAR_TRIES: usize = 4;
+/// And from so many that are strained least, of other sequences.
+const CALM: usize = 2;
 /// What is far is tried so often: again when more is known.
 const FAR_ROUNDS: usize = 2;
 /// Frames that are nearer in time than so many are too much alike to try both.
@@ -43,6 +45,8 @@ pub(crate) struct Known {
     pub tried: Vec<usize>,
     /// How often it was tried as a frame that is far from all.
     pub far: usize,
+    /// How much the template is strained on it, where it is tracked ([`super::checks::Fit::strain`]).
+    pub strain: f64,
 }
 
 /// Chooses ways.
@@ -143,6 +147,13 @@ impl<'a> Ways<'a> {
         if known[self.root].tracked && !apart.contains(&self.root) {
             apart.push(self.root);
         }
+        // Calm poses are twisted least, however far they are.
+        tracked.sort_by(|&a, &b| known[a].strain.total_cmp(&known[b].strain).then(a.cmp(&b)));
+        for &frame in &tracked {
+            if apart.len() < FAR_TRIES + 1 + CALM && apart.iter().all(|&other| self.sequences[other] != self.sequences[frame]) {
+                apart.push(frame);
+            }
+        }
         apart
     }
 
@@ -178,6 +189,7 @@ mod tests {
             lost: Vec::new(),
             turned: Vec::new(),
             littered: Vec::new(),
+            mended: Vec::new(),
             groups: (0..places.len()).collect(),
         }
     }
