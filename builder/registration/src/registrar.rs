@@ -239,10 +239,8 @@ where
             found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
         // What a parent was found turned by is held against by all that are tracked from it: others may know better.
         let found = self.best_of_parents(if good.is_empty() { bad } else { good }, TURNED);
-        if std::env::var("DBG").is_ok() { for t in &found { eprintln!("  {k}: from {} bad {:.4} strain {:.4}", t.parent, t.fit.badness(template.scale), t.fit.strain); } }
         let turned = found.into_par_iter().map(|tried| self.unturned(tried, target)).collect::<Vec<_>>();
-        if std::env::var("DBG").is_ok() { for t in &turned { eprintln!("  {k}: turned from {} bad {:.4} strain {:.4}", t.parent, t.fit.badness(template.scale), t.fit.strain); } }
-        Some(self.unslipped(self.best(turned, 1).pop()?, target))
+        Some(self.unslipped(self.least_twisted(turned)?, target))
     }
 
     /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
@@ -282,13 +280,19 @@ where
             };
             let turned: Vec<Tried> = turn(&found).par_iter().map(tried).collect();
             let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, scale).is_none());
-            let better = |tried: &Tried| tried.fit.badness(scale) < found.fit.badness(scale);
-            match self.best(sound.filter(better).collect(), 1).pop() {
+            let better = |tried: &Tried| tried.fit.turned_badness(scale) < found.fit.turned_badness(scale);
+            match self.least_twisted(sound.filter(better).collect()) {
                 Some(better) => found = better,
                 None => break,
             }
         }
         found
+    }
+
+    /// The best of what was found, where it may be twisted.
+    fn least_twisted(&self, found: Vec<Tried>) -> Option<Tried> {
+        let bad = |tried: &Tried| tried.fit.turned_badness(self.template.scale);
+        found.into_iter().min_by(|a, b| bad(a).total_cmp(&bad(b)))
     }
 
     /// The best of what is found from `starts`.

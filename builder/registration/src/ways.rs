@@ -5,8 +5,8 @@ use super::survey::Survey;
 
 /// Where a frame is far from all that are known, it is tried from so many of them, and from the template.
 const FAR_TRIES: usize = 4;
-/// And from so many that are strained least, of other sequences.
-const CALM: usize = 2;
+/// And with those that are strained least, of other sequences, from so many in all.
+const FAR_MOST: usize = 7;
 /// What is far is tried so often: again when more is known.
 const FAR_ROUNDS: usize = 2;
 /// Frames that are nearer in time than so many are too much alike to try both.
@@ -134,7 +134,7 @@ impl<'a> Ways<'a> {
     }
 
     /// Tracked frames that are most alike to `k`, and not too much to each other; the template is one of them, for from there
-    /// nothing has drifted yet.
+    /// nothing has drifted yet, and so are calm poses of other sequences.
     pub fn nearest(&self, k: usize, known: &[Known]) -> Vec<usize> {
         let mut tracked: Vec<usize> = (0..known.len()).filter(|&p| known[p].tracked).collect();
         tracked.sort_by(|&a, &b| self.unlike(k, a).total_cmp(&self.unlike(k, b)).then(a.cmp(&b)));
@@ -150,7 +150,8 @@ impl<'a> Ways<'a> {
         // Calm poses are twisted least, however far they are.
         tracked.sort_by(|&a, &b| known[a].strain.total_cmp(&known[b].strain).then(a.cmp(&b)));
         for &frame in &tracked {
-            if apart.len() < FAR_TRIES + 1 + CALM && apart.iter().all(|&other| self.sequences[other] != self.sequences[frame]) {
+            let is_other = apart.iter().all(|&other| self.sequences[other] != self.sequences[frame]);
+            if apart.len() < FAR_MOST && is_other {
                 apart.push(frame);
             }
         }
@@ -224,5 +225,21 @@ mod tests {
         assert_eq!(next(&known), [(3, true, vec![4, 2, 0])]);
         known[3].far = 2;
         assert!(next(&known).is_empty());
+    }
+
+    #[test]
+    fn what_is_far_is_tried_from_calm_poses_of_other_takes_too() {
+        // Eight takes of one frame: the last one is far from all, and those most unlike it are strained less than the others.
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 20.0];
+        let survey = survey(&places);
+        let parents: Vec<Option<usize>> = (0..8).map(|k| (k == 7).then_some(6)).collect();
+        let ways = Ways::new(&survey, (6, &parents), |frame| frame);
+        let strains = [0.05, 0.09, 0.04, 0.1, 0.1, 0.1, 0.0];
+        let strain = |k: usize| strains.get(k).copied();
+        let known: Vec<Known> = (0..8)
+            .map(|k| Known { tracked: strain(k).is_some(), strain: strain(k).unwrap_or(0.0), ..Known::default() })
+            .collect();
+        let [(7, Way::Far(parents))] = &ways.next(&known)[..] else { panic!("{:?}", ways.next(&known)) };
+        assert_eq!(parents[..], [6, 5, 4, 3, 2, 0, 1]);
     }
 }
