@@ -14,9 +14,6 @@ const UNCOVERED: f64 = 0.2;
 /// surface that only slid, or a leg that is taken for the other. Chosen on pairs of frames of the performer.
 const STRAIN: f64 = 0.1;
 const COLOUR: f64 = 0.25;
-/// Strain counts so much more where results differ by how what is round was turned: it tells a twisted waist, and hardly anything else does.
-/// Chosen on nine frames of the performer's scan of 40, with their truth.
-const TWIST: f64 = 0.2;
 
 /// How the template lies on a frame. Measured by area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,12 +70,6 @@ impl Fit {
     #[must_use]
     pub fn badness(&self, scale: f32) -> f64 {
         self.rms_backward / f64::from(scale) + UNCOVERED * self.uncovered + STRAIN * self.strain + COLOUR * self.colour
-    }
-
-    /// The same, to compare results of which something round was turned.
-    #[must_use]
-    pub fn turned_badness(&self, scale: f32) -> f64 {
-        self.badness(scale) + TWIST * self.strain
     }
 
     /// What is wrong with a frame that was far from all that were known, if anything: there, parts may be taken for others.

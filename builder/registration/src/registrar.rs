@@ -240,7 +240,7 @@ where
         // What a parent was found turned by is held against by all that are tracked from it: others may know better.
         let found = self.best_of_parents(if good.is_empty() { bad } else { good }, TURNED);
         let turned = found.into_par_iter().map(|tried| self.unturned(tried, target)).collect::<Vec<_>>();
-        Some(self.unslipped(self.least_twisted(turned)?, target))
+        Some(self.unslipped(self.best(turned, 1).pop()?, target))
     }
 
     /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
@@ -280,19 +280,13 @@ where
             };
             let turned: Vec<Tried> = turn(&found).par_iter().map(tried).collect();
             let sound = turned.into_iter().filter(|tried| tried.fit.far_fault(limits, scale).is_none());
-            let better = |tried: &Tried| tried.fit.turned_badness(scale) < found.fit.turned_badness(scale);
-            match self.least_twisted(sound.filter(better).collect()) {
+            let better = |tried: &Tried| tried.fit.badness(scale) < found.fit.badness(scale);
+            match self.best(sound.filter(better).collect(), 1).pop() {
                 Some(better) => found = better,
                 None => break,
             }
         }
         found
-    }
-
-    /// The best of what was found, where it may be twisted.
-    fn least_twisted(&self, found: Vec<Tried>) -> Option<Tried> {
-        let bad = |tried: &Tried| tried.fit.turned_badness(self.template.scale);
-        found.into_iter().min_by(|a, b| bad(a).total_cmp(&bad(b)))
     }
 
     /// The best of what is found from `starts`.

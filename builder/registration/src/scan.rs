@@ -154,7 +154,8 @@ impl Cleaned {
 
 /// Of `count` triangles with `corners` those that have an area and do not lie on one before them, and how many others there are.
 fn single(count: usize, corners: impl Fn(usize) -> [u32; 3]) -> (Vec<usize>, Mended) {
-    let (mut seen, mut kept, mut mended) = (HashSet::with_capacity(count), Vec::with_capacity(count), Mended::default());
+    let (mut seen, mut kept, mut mended) =
+        (HashSet::with_capacity(count), Vec::with_capacity(count), Mended::default());
     for k in 0..count {
         let mut sorted = corners(k);
         sorted.sort_unstable();

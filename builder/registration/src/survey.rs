@@ -159,7 +159,12 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
         let found = cleaned(&mut scan).map(|(cleaned, turned)| {
             let surface = &cleaned.surface;
             let handles = handles_of(surface, cleaned.parts);
-            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, [turned, cleaned.debris > 0], cleaned.mended, mark)
+            (
+                Candidate { parts: cleaned.parts, handles, area: surface.area() },
+                [turned, cleaned.debris > 0],
+                cleaned.mended,
+                mark,
+            )
         });
         looked_at("looking at scans", &done)?;
         Ok(found)

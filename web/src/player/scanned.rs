@@ -166,7 +166,9 @@ impl Player {
             FrameKind::Synthetic { .. } => Coming::Made,
         };
         let mut frames: Vec<Coming> = self.next.iter().map(told).collect();
-        frames.extend(self.given.iter().map(|shown| if shown.origin == Origin::Made { Coming::Made } else { told(shown) }));
+        frames.extend(
+            self.given.iter().map(|shown| if shown.origin == Origin::Made { Coming::Made } else { told(shown) }),
+        );
         let (Some(walker), Some(graph)) = (self.producer.walker(), self.graph(actor)) else { return frames };
         let mut walker = walker.clone();
         while let (Some(step), true) = (walker.next(&actor.timeline), frames.len() < most) {
