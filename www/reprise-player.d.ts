@@ -367,8 +367,8 @@ export interface PlayerState {
   synthesis_ms: number;
   /** The alternative of the recorded stretch that most is shown of, from 1; none where it is as recorded. */
   alternative?: number;
-  /** Where there are scanned frames: whether the last picture showed one, those of a transition's ends, carried by the mesh that all of them
-   * were brought onto, or that mesh. */
+  /** Where there are scanned frames: whether the last picture showed one, one that an edit has changed or those of a transition's ends, carried
+   * by the mesh that all of them were brought onto, or that mesh. */
   shown?: 'scan' | 'carried' | 'template';
 }
 

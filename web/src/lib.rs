@@ -10,6 +10,7 @@
 
 #[cfg(target_arch = "wasm32")]
 pub mod bindings;
+pub mod brought;
 pub mod camera;
 pub mod gpu;
 pub mod pick;

@@ -40,7 +40,7 @@ export class Facts {
     if (info.varies) this.row('alternative', state.alternative === undefined ? 'as recorded' : String(state.alternative), 'The variation of the recorded stretch that most is shown of; another one is mixed in');
     // Where none is performed, the figure is a dash.
     for (const { name, parameter, unit, value } of families) this.row(`${words(name)}, ${parameter}`, `${figure(value)} ${unit}`);
-    if (info.scanned) this.row('shown', { scan: 'as scanned', carried: 'scans, carried' }[state.shown] ?? 'on one mesh', 'Recorded frames as they were scanned; in transitions those of both ends, carried by the mesh that all were brought onto; else that mesh');
+    if (info.scanned) this.row('shown', { scan: 'as scanned', carried: 'scans, carried' }[state.shown] ?? 'on one mesh', 'Recorded frames as they were scanned; edited ones, and those of both ends of a transition, carried by the mesh that all were brought onto; else that mesh');
     this.row('surface', `${info.vertices.toLocaleString('en')} vertices, ${info.triangles.toLocaleString('en')} triangles`);
     this.row('capture', `${info.frames.toLocaleString('en')} frames at ${figure(info.fps).replace(/\.?0+$/, '')} a second`);
     this.row('essential graph', `${info.transitions.toLocaleString('en')} transitions`, 'Edges that lie on a shortest path, consecutive frames not counted');

@@ -43,6 +43,7 @@ where
         registrar.work(&open, &mut state, &known, &done)?;
         for (k, way) in &open {
             known[*k].tracked = state[*k].pose.is_some();
+            known[*k].strain = state[*k].tracked.as_ref().map_or(0.0, |tracked| tracked.fit.strain);
             known[*k].tried.extend(way.parents());
             known[*k].far += usize::from(matches!(way, Way::Far(_)));
         }

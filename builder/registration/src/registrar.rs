@@ -27,6 +27,8 @@ const TURNS: [f32; 3] = [0.0, 0.8, -0.8];
 /// Of the poses that came near so many are refined, and of those so many once more.
 const REFINED: usize = 10;
 const AGAIN: usize = 4;
+/// What is found from so many parents is turned, each by itself.
+const TURNED: usize = 4;
 /// So often what is round is turned, as a whole and by its shares.
 const MOST_TURNS: usize = 4;
 const MOST_SLIPS: usize = 4;
@@ -235,8 +237,10 @@ where
         let found: Vec<Tried> = found.par_iter().map(|tried| self.again(tried, target)).collect();
         let (good, bad): (Vec<Tried>, Vec<Tried>) =
             found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
-        let found = self.best(if good.is_empty() { bad } else { good }, 1).pop()?;
-        Some(self.unslipped(self.unturned(found, target), target))
+        // What a parent was found turned by is held against by all that are tracked from it: others may know better.
+        let found = self.best_of_parents(if good.is_empty() { bad } else { good }, TURNED);
+        let turned = found.into_par_iter().map(|tried| self.unturned(tried, target)).collect::<Vec<_>>();
+        Some(self.unslipped(self.best(turned, 1).pop()?, target))
     }
 
     /// What is found once more from `tried`, held against itself: what was far from the start may bend now.
@@ -299,7 +303,29 @@ where
                 .map(|manner| self.tried(tried.parent, (&tried.start, &tried.pose), target, manner))
         };
         let refined: Vec<[Tried; 2]> = near.par_iter().map(refined).collect();
-        self.best(refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect(), AGAIN)
+        let found = refined.into_iter().flatten().chain(plain.into_iter().flatten()).collect();
+        let (mut best, mut others) = (self.best(found, usize::MAX), Vec::new());
+        if best.len() > AGAIN {
+            others = best.split_off(AGAIN);
+        }
+        // And the best from each parent that is not among these.
+        for other in others {
+            if best.iter().all(|tried| tried.parent != other.parent) {
+                best.push(other);
+            }
+        }
+        best
+    }
+
+    /// The best of what was found from each parent, of the `count` best parents.
+    fn best_of_parents(&self, found: Vec<Tried>, count: usize) -> Vec<Tried> {
+        let mut best: Vec<Tried> = Vec::new();
+        for tried in self.best(found, usize::MAX) {
+            if best.len() < count && best.iter().all(|other| other.parent != tried.parent) {
+                best.push(tried);
+            }
+        }
+        best
     }
 
     /// The start of `tried`, turned as parts of the body were.

@@ -28,6 +28,17 @@ pub struct Scan {
     pub colours: Vec<Vec3>,
 }
 
+/// Triangles of a scan that are no part of its surface: what was left out without a loss.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mended {
+    /// They lie on others.
+    pub doubled: usize,
+    /// They have no area once vertices of one place are one.
+    pub collapsed: usize,
+    /// They hang together with fewer than [`CRUMB`].
+    pub crumbs: usize,
+}
+
 /// A scan without its faults.
 #[derive(Clone, Debug)]
 pub struct Cleaned {
@@ -41,8 +52,8 @@ pub struct Cleaned {
     pub parts: usize,
     /// Parts that were more than crumbs, but float about.
     pub debris: usize,
-    /// Triangles that were crumbs, debris, doubled, or without an area.
-    pub dropped: usize,
+    /// Triangles that were left out, but for debris.
+    pub mended: Mended,
 }
 
 impl Scan {
@@ -54,16 +65,8 @@ impl Scan {
         // Of a body that is not a person's size, so much less or more.
         let tolerance = WELD * (high - low).max_element() / 1.8;
         let number = welded(&self.positions, tolerance.max(1e-9));
-        let mut seen = HashSet::with_capacity(self.triangles.len());
-        let kept: Vec<usize> = (0..self.triangles.len())
-            .filter(|&k| {
-                let [a, b, c] = self.triangles[k].map(|v| number[v as usize]);
-                let mut sorted = [a, b, c];
-                sorted.sort_unstable();
-                a != b && b != c && c != a && seen.insert(sorted)
-            })
-            .collect();
         let corners = |k: usize| self.triangles[k].map(|v| number[v as usize]);
+        let (kept, mut mended) = single(self.triangles.len(), corners);
         let pairs = kept.iter().flat_map(|&k| {
             let [a, b, c] = corners(k);
             [[a, b], [b, c]]
@@ -82,6 +85,8 @@ impl Scan {
             DEBRIS * kept.iter().map(|&k| area_of(corners(k).map(|v| self.positions[v as usize]))).sum::<f32>();
         let is_debris = |&(count, area): &(usize, f32)| count >= least && area < smallest;
         let is_body = |size: &(usize, f32)| size.0 >= least && !is_debris(size);
+        let in_crumbs = |count: &usize| *count < least;
+        mended.crumbs = sizes.values().map(|size| size.0).filter(in_crumbs).sum();
         let kept: Vec<usize> = kept.into_iter().filter(|&k| is_body(&sizes[&part[corners(k)[0] as usize]])).collect();
         let parts = sizes.values().filter(|size| is_body(size)).count();
         let debris = sizes.values().filter(|size| is_debris(size)).count();
@@ -107,9 +112,8 @@ impl Scan {
         let uvs = if self.uvs.is_empty() { Vec::new() } else { kept.iter().map(|&k| self.uvs[k]).collect() };
         let colours = (colours.len() == positions.len()).then_some(colours);
         let surface = Surface::new(Mesh { positions, triangles }, colours);
-        let dropped = self.triangles.len() - kept.len();
         let kept = kept.into_iter().map(|k| k as u32).collect();
-        Some(Cleaned { surface, uvs, kept, parts, debris, dropped })
+        Some(Cleaned { surface, uvs, kept, parts, debris, mended })
     }
 }
 
@@ -146,6 +150,24 @@ impl Cleaned {
         let colours = self.surface.colours.is_some().then_some(colours);
         Surface::new(Mesh { positions, triangles }, colours)
     }
+}
+
+/// Of `count` triangles with `corners` those that have an area and do not lie on one before them, and how many others there are.
+fn single(count: usize, corners: impl Fn(usize) -> [u32; 3]) -> (Vec<usize>, Mended) {
+    let (mut seen, mut kept, mut mended) =
+        (HashSet::with_capacity(count), Vec::with_capacity(count), Mended::default());
+    for k in 0..count {
+        let mut sorted = corners(k);
+        sorted.sort_unstable();
+        if sorted[0] == sorted[1] || sorted[1] == sorted[2] {
+            mended.collapsed += 1;
+        } else if seen.insert(sorted) {
+            kept.push(k);
+        } else {
+            mended.doubled += 1;
+        }
+    }
+    (kept, mended)
 }
 
 fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
@@ -228,7 +250,7 @@ mod tests {
         scan.uvs.extend([[Vec2::splat(-1.0); 3]; 3]);
         let cleaned = scan.cleaned().unwrap();
         cleaned.surface.mesh.check_closed().unwrap();
-        assert_eq!((cleaned.parts, cleaned.dropped), (1, 3));
+        assert_eq!((cleaned.parts, cleaned.mended), (1, Mended { doubled: 1, collapsed: 1, crumbs: 1 }));
         assert!(cleaned.surface.mesh.volume() > 0.0);
         let wanted: Vec<_> = (0..whole).map(|k| [Vec2::splat(k as f32); 3]).collect();
         assert_eq!(cleaned.uvs, wanted);

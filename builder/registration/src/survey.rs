@@ -11,7 +11,7 @@ use super::checks::{Fault, Fit, Limits};
 use super::descriptor::{Descriptor, DescriptorOptions};
 use super::dissimilarity::Dissimilarity;
 use super::groups::{MeshMark, groups};
-use super::scan::{Cleaned, Scan};
+use super::scan::{Cleaned, Mended, Scan};
 use super::surface::Surface;
 use super::template::Template;
 use super::track::TrackOptions;
@@ -122,12 +122,14 @@ pub struct Survey {
     pub turned: Vec<usize>,
     /// Frames of which parts that float about were left out.
     pub littered: Vec<usize>,
+    /// Frames of which single triangles were left out, and how many.
+    pub mended: Vec<(usize, Mended)>,
     /// The keyframe group of each of `frames`.
     pub groups: Vec<usize>,
 }
 
-/// What a frame is like, whether it was turned inside out and whether parts of it float about, and what tells its mesh.
-type Look = (Candidate, [bool; 2], MeshMark);
+/// What a frame is like, whether it was turned inside out and whether parts of it float about, what else was mended, and what tells its mesh.
+type Look = (Candidate, [bool; 2], Mended, MeshMark);
 
 /// A frame, cleaned; whether it was turned, for its triangles faced inwards. `None` where nothing is left.
 pub fn cleaned(scan: &mut Scan) -> Option<(Cleaned, bool)> {
@@ -157,7 +159,12 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
         let found = cleaned(&mut scan).map(|(cleaned, turned)| {
             let surface = &cleaned.surface;
             let handles = handles_of(surface, cleaned.parts);
-            (Candidate { parts: cleaned.parts, handles, area: surface.area() }, [turned, cleaned.debris > 0], mark)
+            (
+                Candidate { parts: cleaned.parts, handles, area: surface.area() },
+                [turned, cleaned.debris > 0],
+                cleaned.mended,
+                mark,
+            )
         });
         looked_at("looking at scans", &done)?;
         Ok(found)
@@ -166,26 +173,27 @@ pub fn survey<S: Source>(source: &S, options: &RegisterOptions, job: &Job) -> Re
     let seen: Vec<Option<Look>> = seen.into_iter().collect::<Result<_, _>>()?;
     let usual = usual(seen.iter().flatten().map(|(candidate, ..)| candidate.area));
     let (mut frames, mut candidates, mut lost) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut turned, mut littered, mut marks) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut turned, mut littered, mut mended, mut marks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (frame, seen) in seen.into_iter().enumerate() {
         match seen {
             None => lost.push((frame, Lost::Empty)),
             Some((candidate, ..)) if !(usual / MOST_GROWTH..=usual * MOST_GROWTH).contains(&candidate.area) => {
                 lost.push((frame, Lost::Size(candidate.area / usual)));
             }
-            Some((candidate, [inside_out, debris], mark)) => {
+            Some((candidate, [inside_out, debris], left_out, mark)) => {
                 frames.push(frame);
                 candidates.push(candidate);
                 marks.push(mark);
                 turned.extend(inside_out.then_some(frame));
                 littered.extend(debris.then_some(frame));
+                mended.extend((left_out != Mended::default()).then_some((frame, left_out)));
             }
         }
     }
     let descriptors = described(source, &frames, &candidates, options, job)?;
     job.begin("comparing scans")?;
     let dissimilarity = Dissimilarity::new(&descriptors);
-    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, groups: groups(&marks) })
+    Ok(Survey { frames, candidates, dissimilarity, lost, turned, littered, mended, groups: groups(&marks) })
 }
 
 /// What `frames` of `source` are like; their areas, of `candidates`, say how large the body is.
@@ -263,6 +271,7 @@ impl Survey {
             lost: Vec::new(),
             turned: Vec::new(),
             littered: Vec::new(),
+            mended: Vec::new(),
             groups: which.iter().map(|&k| self.groups[k]).collect(),
         }
     }

@@ -5,6 +5,8 @@ use super::survey::Survey;
 
 /// Where a frame is far from all that are known, it is tried from so many of them, and from the template.
 const FAR_TRIES: usize = 4;
+/// And with those that are strained least, of other sequences, from so many in all.
+const FAR_MOST: usize = 7;
 /// What is far is tried so often: again when more is known.
 const FAR_ROUNDS: usize = 2;
 /// Frames that are nearer in time than so many are too much alike to try both.
@@ -43,6 +45,8 @@ pub(crate) struct Known {
     pub tried: Vec<usize>,
     /// How often it was tried as a frame that is far from all.
     pub far: usize,
+    /// How much the template is strained on it, where it is tracked ([`super::checks::Fit::strain`]).
+    pub strain: f64,
 }
 
 /// Chooses ways.
@@ -130,7 +134,7 @@ impl<'a> Ways<'a> {
     }
 
     /// Tracked frames that are most alike to `k`, and not too much to each other; the template is one of them, for from there
-    /// nothing has drifted yet.
+    /// nothing has drifted yet, and so are calm poses of other sequences.
     pub fn nearest(&self, k: usize, known: &[Known]) -> Vec<usize> {
         let mut tracked: Vec<usize> = (0..known.len()).filter(|&p| known[p].tracked).collect();
         tracked.sort_by(|&a, &b| self.unlike(k, a).total_cmp(&self.unlike(k, b)).then(a.cmp(&b)));
@@ -142,6 +146,14 @@ impl<'a> Ways<'a> {
         }
         if known[self.root].tracked && !apart.contains(&self.root) {
             apart.push(self.root);
+        }
+        // Calm poses are twisted least, however far they are.
+        tracked.sort_by(|&a, &b| known[a].strain.total_cmp(&known[b].strain).then(a.cmp(&b)));
+        for &frame in &tracked {
+            let is_other = apart.iter().all(|&other| self.sequences[other] != self.sequences[frame]);
+            if apart.len() < FAR_MOST && is_other {
+                apart.push(frame);
+            }
         }
         apart
     }
@@ -178,6 +190,7 @@ mod tests {
             lost: Vec::new(),
             turned: Vec::new(),
             littered: Vec::new(),
+            mended: Vec::new(),
             groups: (0..places.len()).collect(),
         }
     }
@@ -212,5 +225,20 @@ mod tests {
         assert_eq!(next(&known), [(3, true, vec![4, 2, 0])]);
         known[3].far = 2;
         assert!(next(&known).is_empty());
+    }
+
+    #[test]
+    fn what_is_far_is_tried_from_calm_poses_of_other_takes_too() {
+        // Eight takes of one frame: the last one is far from all, and those most unlike it are strained less than the others.
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 20.0];
+        let survey = survey(&places);
+        let parents: Vec<Option<usize>> = (0..8).map(|k| (k == 7).then_some(6)).collect();
+        let ways = Ways::new(&survey, (6, &parents), |frame| frame);
+        let strains = [0.05, 0.09, 0.04, 0.1, 0.1, 0.1, 0.0];
+        let strain = |k: usize| strains.get(k).copied();
+        let known: Vec<Known> = (0..8)
+            .map(|k| Known { tracked: strain(k).is_some(), strain: strain(k).unwrap_or(0.0), ..Known::default() })
+            .collect();
+        assert_eq!(ways.nearest(7, &known), [6, 5, 4, 3, 2, 0, 1]);
     }
 }

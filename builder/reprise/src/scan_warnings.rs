@@ -6,6 +6,7 @@ use capture_io::export::WrittenSequence;
 use capture_io::import::{Scans, Warning};
 use registration::checks::Fit;
 use registration::register::{Lost, Registered, Survey};
+use registration::scan::Mended;
 
 use super::scan_report::LostReport;
 use super::scan_source::{RegisterError, first_of, place};
@@ -101,6 +102,11 @@ pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, root: usize, lost: 
     let littered = told(scans, "W_SCAN_DEBRIS", &survey.littered, |_| {
         "parts of less than a hundredth of its surface float about: they are left out; what belongs to the body must touch it".into()
     });
+    let frames: Vec<usize> = survey.mended.iter().map(|mended| mended.0).collect();
+    let mended = told(scans, "W_SCAN_MENDED", &frames, |frame| {
+        let found = survey.mended.iter().find(|mended| mended.0 == frame).map(|mended| mended.1).unwrap_or_default();
+        format!("{}: left out, nothing else need be done", left_out(found))
+    });
     let parts = survey.frames.iter().position(|&frame| frame == root).map_or(1, |k| survey.candidates[k].parts);
     let apart = (parts > 1).then(|| {
         let message = format!(
@@ -116,7 +122,19 @@ pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, root: usize, lost: 
         let why = found.map(|&(_, why)| with_remedy(why)).unwrap_or_default();
         format!("it is left out, and its sequence cut there: {why}")
     });
-    turned.into_iter().chain(littered).chain(apart).chain(lost).collect()
+    turned.into_iter().chain(littered).chain(mended).chain(apart).chain(lost).collect()
+}
+
+/// How many triangles are no part of a frame's surface, and why.
+fn left_out(mended: Mended) -> String {
+    let counts = [
+        (mended.doubled, "lie on others"),
+        (mended.collapsed, "have no area"),
+        (mended.crumbs, "are loose crumbs of fewer than 60"),
+    ];
+    let some = counts.iter().filter(|(count, _)| *count > 0);
+    let words: Vec<String> = some.map(|(count, what)| format!("{count} {what}")).collect();
+    format!("of its triangles {}", words.join(", "))
 }
 
 pub(crate) fn colourless() -> Warning {

@@ -191,6 +191,9 @@ fn millimetres_inside_out_doubled_and_debris_are_mended_and_told() {
     assert_told(&report, "W_UNIT_ASSUMED", 0, "--unit");
     assert_told(&report, "W_SCAN_INSIDE_OUT", 1, "they were turned");
     assert_told(&report, "W_SCAN_DEBRIS", 2, "must touch it");
+    let twice = Frame::of(0).triangles.len().div_ceil(5);
+    assert_told(&report, "W_SCAN_MENDED", 0, &format!("{twice} lie on others"));
+    assert_told(&report, "W_SCAN_MENDED", 0, "so it is with 3 more frames");
     // Six vertices of a soup are one again.
     let clean = Frame::of(report.template);
     let most = (clean.positions.len(), clean.triangles.len());

@@ -119,6 +119,46 @@ export const tests = {
     await player.close();
   },
 
+  'scans: an edited frame carries its own scan, which stands where the edit moves nothing': async (browser) => {
+    const player = await open(browser);
+    if (!player) return;
+    await player.run((element) => element.seek(25));
+    await shows(player, 'scan');
+    // The frame as it is, edited by nothing, and with all above the hips moved aside: the same pixels, and the same below.
+    const seen = await player.run(async (element) => {
+      const { testing } = element;
+      const pixels = async (pose) => {
+        testing.player.set_edited(25, pose);
+        testing.core.draw();
+        return [testing.core.director.shown, await testing.stage.read_pixels()];
+      };
+      const recorded = testing.player.recorded_pose(25);
+      const height = recorded.filter((_, k) => k % 3 === 1).reduce((a, b) => Math.max(a, b), 0);
+      const moved = recorded.map((value, k) => (k % 3 === 0 ? value + 0.3 * Math.max(0, recorded[k + 1] - 0.55 * height) : value));
+      const all = [await pixels([]), await pixels(recorded), await pixels(moved), await pixels([])];
+      const [scan] = all.map(([, picture]) => picture);
+      const differ = (picture) => {
+        let count = 0;
+        for (let at = 0; at < scan.length; at += 4) count += Number(scan[at] !== picture[at] || scan[at + 1] !== picture[at + 1] || scan[at + 2] !== picture[at + 2]);
+        return count;
+      };
+      testing.player.set_edited(25, moved);
+      return { shown: all.map(([shown]) => shown), differ: all.map(([, picture]) => differ(picture)) };
+    });
+    assert.deepEqual(seen.shown, ['scan', 'carried', 'carried', 'scan']);
+    const [, nothing, moved, again] = seen.differ;
+    assert.equal(nothing, 0, 'an edit that moves nothing changes the picture');
+    assert.equal(again, 0, 'the scan is another one once the edit is gone');
+    assert.ok(moved > 1000, JSON.stringify(seen));
+    assert.ok((await blue(player)) > 0.015);
+    await player.picture('edited');
+    await compare(player, 'template');
+    await shows(player, 'template');
+    assert.ok((await blue(player)) < 0.002);
+    await player.picture('edited-template');
+    await player.close();
+  },
+
   'scans: one gives way to the other little by little, and not by a jump': async (browser) => {
     const player = await open(browser);
     if (!player) return;

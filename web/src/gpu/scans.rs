@@ -9,6 +9,7 @@ use kernels::align::Placement;
 use super::context::Gpu;
 use super::mesh::{DrawnCorner, Mesh, Shape, Worn};
 use super::pose::{ActorUniform, Numbered, PoseGroup};
+use crate::brought::{Brought, changed, placed};
 
 /// A group as it was read.
 pub struct Scan {
@@ -55,8 +56,8 @@ impl Scan {
 pub struct Wanted {
     /// Group and frame.
     pub place: (u32, u32),
-    /// The number of its pose, and where it stands, as it was scanned; `None` where the registered mesh carries it.
-    pub stands: Option<(u64, Placement)>,
+    /// How it is brought to where it is shown.
+    pub brought: Brought,
     /// How much of it is seen, from 0 to 1.
     pub share: f32,
 }
@@ -89,8 +90,8 @@ struct Held {
     risen: f32,
 }
 
-/// Group and frame, and whether the registered mesh carries it.
-type Shown = ((u32, u32), bool);
+/// Group and frame, and how it was brought.
+type Shown = ((u32, u32), std::mem::Discriminant<Brought>);
 
 /// What is drawn of a scanned frame.
 #[derive(Default)]
@@ -194,7 +195,8 @@ impl Scans {
     /// Whether what is drawn is carried by the registered mesh.
     #[must_use]
     pub fn is_carried(&self) -> bool {
-        self.slots.iter().any(|slot| slot.shown.is_some_and(|(_, carried)| carried))
+        let placed = std::mem::discriminant(&Brought::Placed(0, Placement::IDENTITY));
+        self.slots.iter().any(|slot| slot.shown.is_some_and(|(_, brought)| brought != placed))
     }
 
     /// What is drawn in place of the actor: its shape, where it is, and what it wears.
@@ -222,7 +224,7 @@ impl Slot {
     ) -> Option<(Option<Vec<Vec3>>, bool)> {
         let frame = wanted.place.1 as usize;
         let scanned = held.poses.get(frame)?;
-        let shown = (wanted.place, wanted.stands.is_none());
+        let shown = (wanted.place, std::mem::discriminant(&wanted.brought));
         if self.pose.as_ref().is_none_or(|group| group.room() < scanned.len()) {
             self.pose = Some(PoseGroup::new(gpu, layout, scanned.len()));
         }
@@ -230,16 +232,21 @@ impl Slot {
         if before != Some(shown) {
             group.forget();
         }
-        let written = match wanted.stands {
-            Some((number, placement)) => {
-                let mut world = scanned.clone();
-                placement.apply_all(&mut world);
-                let numbered = Numbered { number, pose: &world };
-                let changed = group.write(gpu, &held.triangles, numbered, numbered, uniform);
-                (Some(world), changed)
+        let carried = held.carried.chunks_exact(scanned.len().max(1)).nth(frame);
+        let mut stand = |number: u64, world: Vec<Vec3>| {
+            let numbered = Numbered { number, pose: &world };
+            let changed = group.write(gpu, &held.triangles, numbered, numbered, uniform);
+            (Some(world), changed)
+        };
+        let written = match wanted.brought {
+            Brought::Placed(number, placement) => stand(number, placed(scanned, placement)),
+            Brought::Changed(placement) => {
+                let by = if carrier.weight < 0.5 { carrier.before } else { carrier.after };
+                let surface = Surface::new(carrier.triangles, by.pose);
+                stand(by.number, changed(&surface, carried?, placed(scanned, placement)))
             }
-            None => {
-                let carried = held.carried.chunks_exact(scanned.len().max(1)).nth(frame)?;
+            Brought::Blended => {
+                let carried = carried?;
                 let placed = |by: Numbered<'_>| {
                     // What is there already is not looked at.
                     if group.has(by.number) {

@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 use kernels::align::{Placement, centre_of_mass};
 use synthesis::FrameKind;
 
+use super::loading::Origin;
 use super::produce::ShownFrame;
 use super::{Player, PlayerError};
 
@@ -41,7 +42,7 @@ impl Player {
             let placement = Placement { heading, translation: Vec2::ZERO };
             let ground = Vec2::new(centre.x, centre.z);
             let number = self.producer.count();
-            self.given.push_back(ShownFrame { number, pose, kind, placement, ground, as_recorded: false });
+            self.given.push_back(ShownFrame { number, pose, kind, placement, ground, origin: Origin::Made });
         }
         [self.given.len() as u32, self.expected]
     }

@@ -27,6 +27,17 @@ pub struct Actor {
     pub first_frame: u32,
 }
 
+/// Whose pose a frame has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// That of a recorded frame.
+    Recorded,
+    /// That of a recorded frame, edited or varied.
+    Changed,
+    /// It was made, in a transition or elsewhere.
+    Made,
+}
+
 /// Where recorded poses come from, and what stands in for them.
 pub struct Source {
     /// The poses as they were recorded.
@@ -50,11 +61,12 @@ impl Source {
         Self { recorded, edited: Vec::new(), varied: None }
     }
 
-    /// Whether what is read of `frame` now is what was recorded.
+    /// Whether what is read of `frame` now is what was recorded, or was changed.
     #[must_use]
-    pub fn as_recorded(&self, frame: u32) -> bool {
+    pub fn origin(&self, frame: u32) -> Origin {
         let varied = self.varied.as_ref().and_then(Varied::present);
-        varied.is_none() && self.edited.iter().all(|(edited, _)| *edited != frame)
+        let changed = varied.is_some() || self.edited.iter().any(|(edited, _)| *edited == frame);
+        if changed { Origin::Changed } else { Origin::Recorded }
     }
 }
 

@@ -9,7 +9,7 @@ use kernels::sort::sort;
 use kernels::topology::Topology;
 use synthesis::{FrameInfo, FrameKind, Made, Step, Synthesiser, Walker};
 
-use super::loading::{Actor, Loading};
+use super::loading::{Actor, Loading, Origin};
 
 /// Times kept of which the median is told.
 const TIMES: usize = 60;
@@ -27,8 +27,8 @@ pub struct ShownFrame {
     pub placement: Placement,
     /// The centre of mass on the ground (X, Z), metres.
     pub ground: Vec2,
-    /// Whether the pose is that of a recorded frame, neither edited nor varied nor made elsewhere.
-    pub as_recorded: bool,
+    /// Whose pose it is.
+    pub origin: Origin,
 }
 
 /// Makes numbered frames.
@@ -73,7 +73,7 @@ impl Producer {
         let mut pose = vec![Vec3::ZERO; actor.topology.vertex_count()];
         self.synthesiser(actor).place(&mut loading.source, frame, placement, &mut pose)?;
         let shown = self.number(&actor.topology, pose, FrameKind::Recorded { frame }, placement);
-        Ok(ShownFrame { as_recorded: loading.source.as_recorded(frame), ..shown })
+        Ok(ShownFrame { origin: loading.source.origin(frame), ..shown })
     }
 
     /// The actor stands in `frame` from now on, without a route.
@@ -135,8 +135,8 @@ impl Producer {
         if kind.is_synthetic() {
             self.note((self.now)() - start);
         }
-        let as_recorded = !kind.is_synthetic() && loading.source.as_recorded(kind.frame());
-        Ok(Some(ShownFrame { as_recorded, ..self.number(&actor.topology, pose, kind, placement) }))
+        let origin = if kind.is_synthetic() { Origin::Made } else { loading.source.origin(kind.frame()) };
+        Ok(Some(ShownFrame { origin, ..self.number(&actor.topology, pose, kind, placement) }))
     }
 
     /// The frame from which what comes next can be chosen freely, and its placement once the actor is there.
@@ -216,7 +216,7 @@ impl Producer {
     fn number(&mut self, topology: &Topology, pose: Vec<Vec3>, kind: FrameKind, placement: Placement) -> ShownFrame {
         let centre = centre_of_mass(&pose, topology.weights());
         let ground = Vec2::new(centre.x, centre.z);
-        ShownFrame { number: self.count(), pose, kind, placement, ground, as_recorded: false }
+        ShownFrame { number: self.count(), pose, kind, placement, ground, origin: Origin::Made }
     }
 }
 

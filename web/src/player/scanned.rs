@@ -3,11 +3,12 @@
 //! The player knows no scanned mesh: a page fetches groups of them, and the stage draws what has come in time.
 
 use bundle::{BundleError, ScannedHead, ScannedIndex};
-use kernels::align::Placement;
 use synthesis::{FrameKind, Step};
 
 use super::Player;
+use super::loading::Origin;
 use super::produce::ShownFrame;
+use crate::brought::Brought;
 
 /// Steps ahead that are looked at for what will be wanted.
 const AHEAD: usize = 48;
@@ -25,8 +26,8 @@ pub struct ScanShown {
     pub place: (u32, u32),
     /// The recorded frame.
     pub frame: u32,
-    /// The number of its pose and the world from the scan, as it was scanned; `None` where the registered mesh carries it.
-    pub stands: Option<(u64, Placement)>,
+    /// How it is brought to where it is shown.
+    pub brought: Brought,
     /// How much of it is seen, the rest being another one or the registered mesh in the same pose.
     pub share: f32,
 }
@@ -49,17 +50,20 @@ impl Player {
         self.loading.reader()?.scanned()
     }
 
-    /// The scanned frames that stand for what is shown: that of the nearer frame, where that is a recorded one that was neither edited
-    /// nor varied, nor driven; within a transition those of its two ends, which the registered mesh carries from the one to the other.
+    /// The scanned frames that stand for what is shown: that of the nearer frame, where that is a recorded one and not driven, carried by
+    /// the registered mesh where it was edited or varied; within a transition those of its two ends, carried from the one to the other.
     #[must_use]
     pub fn scan(&self) -> [Option<ScanShown>; 2] {
         let Some(nearer) = self.nearer() else { return [None; 2] };
         if let FrameKind::Synthetic { transition, .. } = nearer.kind {
             return self.carried_scans(transition);
         }
-        let stands = Some((nearer.number, nearer.placement));
+        let brought = match nearer.origin {
+            Origin::Changed => Brought::Changed(nearer.placement),
+            _ => Brought::Placed(nearer.number, nearer.placement),
+        };
         let shown = self.scan_of(nearer);
-        [shown.map(|(frame, place)| ScanShown { place, frame, stands, share: self.scan_share() }), None]
+        [shown.map(|(frame, place)| ScanShown { place, frame, brought, share: self.scan_share() }), None]
     }
 
     /// The scans of both ends of `transition`, by as much of each as the blend has of its pose.
@@ -72,8 +76,8 @@ impl Player {
         let (from, to) = (lambda(picture.before, 0.0), lambda(picture.after, 1.0));
         let lambda = (to - from).mul_add(picture.weight as f32, from);
         let Some(ends) = self.ends_of(transition) else { return [None; 2] };
-        let shown =
-            |frame: u32, share: f32| Some(ScanShown { place: self.scan_at(frame)?, frame, stands: None, share });
+        let brought = Brought::Blended;
+        let shown = |frame: u32, share: f32| Some(ScanShown { place: self.scan_at(frame)?, frame, brought, share });
         [shown(ends[0], 1.0 - lambda), shown(ends[1], lambda)]
     }
 
@@ -83,16 +87,15 @@ impl Player {
         graph.transitions().get(transition as usize).map(|transition| [transition.from, transition.to])
     }
 
-    /// Where the scan of recorded frame `frame` is, if it has one and is shown as it was recorded.
+    /// Where the scan of recorded frame `frame` is, if it has one.
     fn scan_at(&self, frame: u32) -> Option<(u32, u32)> {
-        self.scans()?.place_of(frame).filter(|_| self.loading.source.as_recorded(frame))
+        self.scans()?.place_of(frame)
     }
 
-    /// The recorded frame that `shown` is as it was recorded, and where its scan is, where there is one.
+    /// The recorded frame that `shown` is, and where its scan is, where there is one.
     fn scan_of(&self, shown: &ShownFrame) -> Option<(u32, (u32, u32))> {
         let FrameKind::Recorded { frame } = shown.kind else { return None };
-        let place = self.scans()?.place_of(frame).filter(|_| shown.as_recorded)?;
-        Some((frame, place))
+        (shown.origin != Origin::Made).then_some((frame, self.scan_at(frame)?))
     }
 
     /// How much of the scan is seen: less the nearer the frames are that have none, on both sides; but a transition carries it. What was
@@ -163,7 +166,9 @@ impl Player {
             FrameKind::Synthetic { .. } => Coming::Made,
         };
         let mut frames: Vec<Coming> = self.next.iter().map(told).collect();
-        frames.extend(self.given.iter().map(|shown| if shown.as_recorded { told(shown) } else { Coming::Made }));
+        frames.extend(
+            self.given.iter().map(|shown| if shown.origin == Origin::Made { Coming::Made } else { told(shown) }),
+        );
         let (Some(walker), Some(graph)) = (self.producer.walker(), self.graph(actor)) else { return frames };
         let mut walker = walker.clone();
         while let (Some(step), true) = (walker.next(&actor.timeline), frames.len() < most) {

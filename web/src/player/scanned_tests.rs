@@ -9,6 +9,7 @@ use super::loading::{Loading, Phase};
 use super::scanned::ScanShown;
 use super::tests::capture;
 use super::{Player, PlayerError};
+use crate::brought::Brought;
 
 /// Two sequences, of which frame 7 was lost and frames 20 and 21 are one mesh; a transition leads from 4 to 26.
 fn bundle() -> Vec<u8> {
@@ -60,12 +61,18 @@ fn scan_of(player: &Player) -> Option<u32> {
 }
 
 fn stands(player: &Player) -> Option<ScanShown> {
-    player.scan()[0].filter(|scan| scan.stands.is_some())
+    player.scan()[0].filter(|scan| matches!(scan.brought, Brought::Placed(..)))
+}
+
+/// The frame that the changed mesh of the same frame carries.
+fn changed(player: &Player) -> Option<u32> {
+    let scan = player.scan()[0].filter(|scan| matches!(scan.brought, Brought::Changed(_)))?;
+    Some(scan.frame)
 }
 
 /// Frames that the registered mesh carries, and how much is seen of each.
 fn carried(player: &Player) -> Vec<(u32, f32)> {
-    let carried = player.scan().into_iter().flatten().filter(|scan| scan.stands.is_none());
+    let carried = player.scan().into_iter().flatten().filter(|scan| scan.brought == Brought::Blended);
     carried.map(|scan| (scan.frame, scan.share)).collect()
 }
 
@@ -81,7 +88,8 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
     let words: Vec<u32> = player.scans().unwrap().groups[5].words().collect();
     assert_eq!(player.scan_head(5, section).unwrap(), words);
     let mut pose = player.scans().unwrap().read(5, section).unwrap().poses.remove(0);
-    scan.stands.unwrap().1.apply_all(&mut pose);
+    let Brought::Placed(_, placement) = scan.brought else { panic!("{scan:?}") };
+    placement.apply_all(&mut pose);
     let shown = player.picture().unwrap().pose();
     let near = |p: &Vec3| shown.iter().any(|q| p.distance(*q) < 5e-4);
     assert!(pose.iter().all(near), "{pose:?} {shown:?}");
@@ -99,14 +107,14 @@ fn recorded_frames_are_shown_as_scanned_where_they_stand() {
 }
 
 #[test]
-fn what_is_edited_or_driven_is_shown_on_the_registered_mesh_and_transitions_carry_both_ends() {
+fn what_is_edited_carries_its_scan_what_is_driven_shows_the_mesh_and_transitions_carry_both_ends() {
     let (mut player, _) = player();
     player.seek(5.0).unwrap();
     let pose = player.recorded_pose(5).unwrap();
     player.set_edited(5, Some(pose.clone())).unwrap();
-    assert_eq!(scan_of(&player), None);
+    assert_eq!((scan_of(&player), changed(&player)), (None, Some(5)));
     player.set_edited(5, None).unwrap();
-    assert_eq!(scan_of(&player), Some(5));
+    assert_eq!((scan_of(&player), changed(&player)), (Some(5), None));
     // Through the transition: its nodes are made, all frames before and behind are scanned.
     player.seek(0.0).unwrap();
     player.go_to(30).unwrap();
@@ -130,14 +138,14 @@ fn what_is_edited_or_driven_is_shown_on_the_registered_mesh_and_transitions_carr
         }
     }
     assert!(made > 2 && scanned > 10 && lambda > 0.6, "{made} {scanned} {lambda}");
-    // Where an end was edited, the mesh is seen in its place.
+    // Where an end was edited, its scan is carried as well.
     player.seek(4.0).unwrap();
     player.set_edited(26, Some(pose.clone())).unwrap();
     player.go_to(30).unwrap();
     while !player.nearer().unwrap().kind.is_synthetic() {
         player.tick(1.0 / 100.0);
     }
-    assert!(matches!(carried(&player)[..], [(4, share)] if share < 1.0), "{:?}", player.scan());
+    assert!(matches!(carried(&player)[..], [(4, _), (26, _)]), "{:?}", player.scan());
     player.set_edited(26, None).unwrap();
     player.cancel();
     while player.playing() && player.nearer().unwrap().kind.is_synthetic() {
@@ -150,7 +158,7 @@ fn what_is_edited_or_driven_is_shown_on_the_registered_mesh_and_transitions_carr
     while player.picture().unwrap().after.kind.frame() != 3 {
         player.tick(1.0 / 100.0);
     }
-    assert_eq!(scan_of(&player).filter(|&frame| frame == 3), None);
+    assert_eq!(player.scan()[0].filter(|scan| scan.frame == 3), None);
 }
 
 #[test]
@@ -200,6 +208,15 @@ fn a_scan_gives_way_little_by_little() {
     }
     assert!(seen.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.02), "{seen:?}");
     assert!(seen.contains(&0.0) && seen.contains(&1.0), "{seen:?}");
+    // Frames that were edited need no such thing.
+    let pose = player.recorded_pose(17).unwrap();
+    player.set_edited(17, Some(pose)).unwrap();
+    while player.nearer().unwrap().kind.frame() < 18 {
+        let frame = player.nearer().unwrap().kind.frame();
+        let shown = player.scan()[0].unwrap();
+        assert_eq!((shown.frame, shown.share), (frame, if frame > 13 { 1.0 } else { shown.share }));
+        player.tick(1.0 / 25.0 / 20.0);
+    }
     // Where it stands nothing is mixed, nor where it was set down.
     player.pause();
     player.seek(6.0).unwrap();

@@ -17,6 +17,7 @@ use web_sys::HtmlCanvasElement;
 
 use super::error::{ErrorKind, error};
 use super::player::Player;
+use crate::brought::Brought;
 use crate::camera::Camera;
 use crate::gpu::pose::Numbered;
 use crate::gpu::scans::Wanted;
@@ -141,8 +142,8 @@ impl Stage {
             let scan = scan.filter(|scan| !self.template && self.scene.scans.holds(scan.place.0))?;
             let risen = self.scene.scans.rise(scan.place.0, step);
             self.rising |= risen < 1.0;
-            let stands = scan.stands.filter(|_| !self.scan_carried);
-            Some(Wanted { place: scan.place, stands, share: self.scan_share.unwrap_or(scan.share * risen) })
+            let brought = if self.scan_carried { Brought::Blended } else { scan.brought };
+            Some(Wanted { place: scan.place, brought, share: self.scan_share.unwrap_or(scan.share * risen) })
         });
         let share = scans.map(|scan| scan.map_or(0.0, |scan| scan.share));
         let drawn = Drawn { numbers, weight, share };
