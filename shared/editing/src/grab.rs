@@ -278,8 +278,10 @@ impl Editor {
     pub(crate) fn by_modes(&self, space: &Space, pose: &[Vec3], grip: &Grip, held: &Held) -> Learned {
         let mut modes = (space.facing(pose, &self.weights), space.variances().to_vec());
         if let Some(rig) = self.rig.as_ref().filter(|_| grip.method == Method::Parts) {
-            let part = |vertex: u32| rig.bones()[rig.bone_of(vertex)].limb;
-            modes = by_part(&modes, &(0..pose.len() as u32).map(part).collect::<Vec<_>>());
+            let parts = rig.bones().iter().map(|bone| bone.limb + 1).max().unwrap_or(0);
+            modes = by_part(&modes, parts, |vertex, part| {
+                rig.influences()[vertex].sum(|bone| rig.bones()[bone].limb == part)
+            });
         }
         Learned::new(held, pose.len(), modes, self.prior)
     }

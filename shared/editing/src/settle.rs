@@ -8,6 +8,8 @@ use crate::grab::{By, Editor, FIRST_STEPS, Grab};
 
 /// Local and global steps of as-rigid-as-possible surfaces, at most.
 const MOST_ITERATIONS: usize = 80;
+/// The same once a surface has been stopped at the ground.
+const AGAIN: usize = 20;
 
 /// A grab on its way to rest.
 pub struct Settling {
@@ -30,6 +32,7 @@ impl Stage {
     fn of(grab: &mut Grab) -> Self {
         match &mut grab.by {
             By::Modes { learned, .. } => Self::Descend(Box::new(Descent::new(learned, grab.pose.len()))),
+            _ if grab.rounds > 0 => Self::Relax(AGAIN),
             _ => Self::Relax(MOST_ITERATIONS),
         }
     }
