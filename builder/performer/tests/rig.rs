@@ -98,7 +98,7 @@ fn drag(topology: &Topology, pose: &[Vec3], rig: Rig) {
     let own = (0..count).filter(|&v| editor.rig().unwrap().bone_of(v) == forearm);
     let hand = own.reduce(|a, b| if pose[b as usize].y < pose[a as usize].y { b } else { a }).unwrap();
     let pins = (0..count).filter(|&v| pose[v as usize].y < 0.02).collect();
-    let grip = Grip { handles: vec![hand], pins, scope: Scope::Body, method: Method::Rig };
+    let grip = Grip { handles: vec![hand], pins, eased: Vec::new(), scope: Scope::Body, method: Method::Rig };
     let began = Instant::now();
     let mut grab = editor.grab(pose, &grip).unwrap();
     let grabbed = began.elapsed();

@@ -6,20 +6,19 @@ use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
-use crate::carry::{handle_target, pin_targets, skin};
+use crate::carry::handle_target;
+use crate::deform::once;
 use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
 use crate::error::{EditError, PreparedError};
+use crate::floor::{above, ground, lift, telling};
 use crate::grab::{Editor, FOLLOW, Grab, Grip, REST, Released};
-use crate::propagate::{firmness, share, window};
-use crate::reach::{Bend, Reach, Role, Target};
-use crate::rig::Rig;
+use crate::propagate::{share, window};
+use crate::reach::{Bend, Reach, Role};
 use crate::rotation::turn_by;
 use crate::settle::Settling;
-use crate::soles::{lowest, sole};
+use crate::soles::{firm, is_grabbed, lowest, sole};
 use crate::space::Space;
-
-/// Steps by which feet are brought back to where they stand, and handles to where they are wanted.
-const STEPS: usize = 12;
+use crate::stand::{STEPS, stand};
 
 /// What recorded frames are read from, and what is known of them.
 pub struct Recording<'a> {
@@ -118,7 +117,7 @@ impl Edits {
         let mut edits = Vec::with_capacity(frames.len());
         for (frame, edit) in frames.into_iter().zip(&document.edits) {
             let same =
-                before.iter_mut().find(|(other, at, keyed)| *at == frame && keyed.is_some() && is_same(other, edit));
+                before.iter_mut().find(|(other, at, keyed)| *at == frame && keyed.is_some() && other.does_as(edit));
             let keyed = same.and_then(|(_, _, keyed)| keyed.take());
             edits.push((frame, window(edit, timeline), keyed));
         }
@@ -171,31 +170,52 @@ impl Edits {
     /// # Errors
     /// A frame that cannot be read; an edit that cannot be made, or is none.
     pub fn grab(&mut self, recording: &mut Recording, edit: usize) -> Result<(Grab, Vec<Vec3>), PreparedError> {
-        let (grip, recorded) = self.grip(recording, edit)?;
-        let grab = self.editor.grab(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+        let (grip, recorded, ground) = self.grip(recording, edit)?;
+        let mut grab = self.editor.grab(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+        grab.stand_on(ground);
         Ok((grab, recorded))
     }
 
-    /// What edit `edit` grabs in its frame, and the frame as it was recorded.
-    fn grip(&self, recording: &mut Recording, edit: usize) -> Result<(Grip, Vec<Vec3>), PreparedError> {
+    /// The frames whose recorded poses edit `edit` is made of: its own, and where the ground is told by others, these. None where there
+    /// is no such edit.
+    #[must_use]
+    pub fn needs(&self, (timeline, feet): (&Timeline, &Feet), edit: usize) -> Vec<u32> {
+        let Some(frame) = self.frame(edit) else { return Vec::new() };
+        let others = telling(timeline, feet, frame).into_iter().filter(|&other| other != frame);
+        std::iter::once(frame).chain(others).collect()
+    }
+
+    /// What edit `edit` grabs in its frame, the frame as it was recorded, and how high the ground is under it.
+    fn grip(&self, recording: &mut Recording, edit: usize) -> Result<(Grip, Vec<Vec3>, f32), PreparedError> {
         let nothing = EditError::Edit { edit, reason: "there is no such edit" };
         let (Some(&(frame, _, _)), Some(asked)) = (self.edits.get(edit), self.document.edits.get(edit)) else {
             return Err(nothing.into());
         };
         let mut recorded = vec![Vec3::ZERO; self.weights.len()];
         recording.source.read(frame, &mut recorded)?;
-        let pins = match &asked.pins {
-            Pins::Contacts if recording.feet.count() == 0 => lowest(&recorded),
-            Pins::Contacts => (0..recording.feet.count())
-                .filter(|&foot| recording.feet.stands(frame, foot))
-                .flat_map(|foot| sole(recording.feet, foot))
-                .collect(),
-            Pins::None => Vec::new(),
-            Pins::Vertices(pins) => pins.clone(),
-        };
-        let handles = asked.handles.iter().map(|handle| handle.vertex).collect();
-        let grip = Grip { handles, pins, scope: asked.scope, method: asked.method };
-        Ok((grip, recorded))
+        let ground = ground((recording.timeline, recording.feet), recording.source, frame, &recorded)?;
+        let feet = recording.feet;
+        let handles: Vec<u32> = asked.handles.iter().map(|handle| handle.vertex).collect();
+        let (mut pins, mut eased) = (Vec::new(), Vec::new());
+        match &asked.pins {
+            Pins::Contacts if feet.count() == 0 => pins = lowest(&recorded),
+            Pins::Contacts => {
+                for (foot, firm) in firm(recording.timeline, feet, frame, &recorded, ground).into_iter().enumerate() {
+                    match firm {
+                        1.0 => pins.extend(sole(feet, foot)),
+                        // Who grabs a foot that is about to stand takes it along.
+                        firm if firm > 0.0 && !is_grabbed(feet, foot, &handles) => {
+                            eased.extend(sole(feet, foot).map(|vertex| (vertex, firm)));
+                        }
+                        _ => {}
+                    }
+                }
+            }
+            Pins::None => {}
+            Pins::Vertices(vertices) => pins.clone_from(vertices),
+        }
+        let grip = Grip { handles, pins, eased, scope: asked.scope, method: asked.method };
+        Ok((grip, recorded, ground))
     }
 
     /// Drags what [`Self::grab`] has taken hold of to `to`, one place for each handle, in metres as the frame was recorded:
@@ -232,8 +252,9 @@ impl Edits {
         let (_, mut settling, recorded) = match self.settling.take().filter(|(of, _, _)| *of == edit) {
             Some(begun) => begun,
             None => {
-                let (grip, recorded) = self.grip(recording, edit)?;
-                let grab = self.editor.hold(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+                let (grip, recorded, ground) = self.grip(recording, edit)?;
+                let mut grab = self.editor.hold(&recorded, &grip).map_err(|error| error.of_edit(edit))?;
+                grab.stand_on(ground);
                 self.settling = Some((edit, Settling::new(grab, &to), recorded));
                 return Ok(false);
             }
@@ -296,13 +317,16 @@ impl Edits {
             pose.copy_from_slice(&keyed.released.pose);
             return Ok(());
         }
+        let floor = self.floor(&active, pose);
+        let pins = self.pins(recording, frame, &active, pose);
+        let held = self.held(&pins, &active);
         let (linear, others): (Vec<Active>, Vec<Active>) =
             active.into_iter().partition(|one| self.document.edits[one.edit].propagate == Propagation::Linear);
         let (bones, surfaces): (Vec<Active>, Vec<Active>) = others
             .into_iter()
             .partition(|one| self.edits[one.edit].2.as_ref().is_some_and(|keyed| keyed.released.bones.is_some()));
         if !bones.is_empty() {
-            self.bend(recording, frame, &bones, pose)?;
+            self.bend(&pins, &bones, (pose, floor))?;
         }
         if !surfaces.is_empty() {
             self.reshape(&surfaces, pose)?;
@@ -313,17 +337,32 @@ impl Edits {
                 *point += one.turn * (displacement * one.share);
             }
         }
+        lift(&mut self.editor.deformer, pose, &held, FOLLOW, floor).map_err(EditError::from)?;
         Ok(())
+    }
+
+    /// Below what nothing of `pose` goes, in metres.
+    fn floor(&self, active: &[Active], pose: &[Vec3]) -> f32 {
+        let grounds = active.iter().filter_map(|one| Some(self.edits[one.edit].2.as_ref()?.released.ground));
+        grounds.fold(crate::floor::lowest(pose), f32::min)
+    }
+
+    /// The vertices that are where they are to be, whatever is lifted.
+    fn held(&self, pins: &[(u32, f32)], active: &[Active]) -> Vec<u32> {
+        let mut held: Vec<u32> = pins.iter().filter(|(_, firm)| *firm == 1.0).map(|(pin, _)| *pin).collect();
+        for one in active.iter().filter(|one| one.share > 0.9) {
+            held.extend(self.document.edits[one.edit].handles.iter().map(|handle| handle.vertex));
+        }
+        held
     }
 
     /// Edits that bones made: their rotation vectors are added up, feet brought back to where they stand, and the surface
     /// solved for once.
     fn bend(
         &mut self,
-        recording: &Recording,
-        frame: u32,
+        pins: &[(u32, f32)],
         active: &[Active],
-        pose: &mut [Vec3],
+        (pose, floor): (&mut [Vec3], f32),
     ) -> Result<(), PreparedError> {
         let Some(rig) = &self.editor.rig else { return Ok(()) };
         let count = rig.bones().len();
@@ -362,7 +401,6 @@ impl Edits {
             }));
         }
         centre.turns = sums.into_iter().map(turn_by).collect();
-        let pins = self.pins(recording, frame, active);
         let rig = match &self.editor.rig {
             Some(rig) => rig,
             None => return Ok(()),
@@ -370,15 +408,17 @@ impl Edits {
         let motions = rig.fit(pose);
         let staying: Vec<u32> = pins.iter().map(|(pin, _)| rig.bones()[rig.bone_of(*pin)].limb).collect();
         let reach = Reach::new(rig, &motions, free, |limb| Role::of(limb, &limbs, &staying), vec![false; count]);
-        let reach = reach.allowing(&centre);
-        let bend = stand(&reach, goals, &centre, (rig, pose, &pins));
-        let (turns, told) = skin(rig, pose, &reach.motions(&bend), &carried);
+        let mut reach = reach.allowing(&centre);
+        let mut bend = centre.clone();
+        stand(&reach, (&mut goals, false), (&centre, &mut bend), (rig, pose, pins));
+        let bent = (&mut reach, &mut goals, &centre, &mut bend);
+        let (turns, told) = above((rig, pose, &carried), floor, bent, STEPS);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         for &(vertex, exactly, wanted, beyond) in &handles {
             let by_skin = told[vertex as usize] + beyond;
             held.push((vertex, by_skin.lerp(wanted, exactly)));
         }
-        for &(pin, firm) in &pins {
+        for &(pin, firm) in pins {
             held.push((pin, told[pin as usize] * (1.0 - firm)));
         }
         // Of a vertex that is held twice the first one counts: handles before pins.
@@ -390,13 +430,15 @@ impl Edits {
         Ok(())
     }
 
-    /// Vertices that stay in `frame`, and how firmly.
-    fn pins(&self, recording: &Recording, frame: u32, active: &[Active]) -> Vec<(u32, f32)> {
-        let mut pins = Vec::new();
+    /// Vertices that stay in `frame`, and how firmly: feet that stand, and where none does those that are on the ground, the ones going
+    /// over into the others.
+    fn pins(&self, recording: &Recording, frame: u32, active: &[Active], pose: &[Vec3]) -> Vec<(u32, f32)> {
+        let (mut pins, feet) = (Vec::new(), recording.feet);
+        let ground = active.iter().filter_map(|one| Some(self.edits[one.edit].2.as_ref()?.released.ground));
+        let ground = ground.fold(f32::INFINITY, f32::min);
         let asked: Vec<&Pins> = active.iter().map(|one| &self.document.edits[one.edit].pins).collect();
         if asked.iter().any(|pins| matches!(pins, Pins::Contacts)) {
-            for foot in 0..recording.feet.count() {
-                let firm = firmness(recording.timeline, frame, |frame| recording.feet.stands(frame, foot));
+            for (foot, firm) in firm(recording.timeline, feet, frame, pose, ground).into_iter().enumerate() {
                 if firm > 0.0 {
                     pins.extend(sole(recording.feet, foot).map(|vertex| (vertex, firm)));
                 }
@@ -451,53 +493,4 @@ impl Edits {
         pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
     }
-}
-
-/// The bend that reaches `goals` and brings feet back to where they stand: first those that stand; then, from where that has taken them,
-/// those that are about to stand or have stood, as far as they are firm. So nothing jumps where a foot begins to be held.
-fn stand(
-    reach: &Reach,
-    mut goals: Vec<Target>,
-    centre: &Bend,
-    (rig, pose, pins): (&Rig, &[Vec3], &[(u32, f32)]),
-) -> Bend {
-    let mut bend = centre.clone();
-    let mut firmest = f32::INFINITY;
-    loop {
-        let next = pins.iter().map(|(_, firm)| *firm).filter(|firm| *firm < firmest).fold(0.0, f32::max);
-        if next <= 0.0 {
-            break;
-        }
-        let (is_first, alike) = (firmest == f32::INFINITY, |firm: f32| firm == next);
-        firmest = next;
-        let own: Vec<u32> = pins.iter().filter(|(_, firm)| alike(*firm)).map(|(pin, _)| *pin).collect();
-        let mut targets = pin_targets(rig, pose, &own);
-        let begun = reach.motions(&bend);
-        for target in &mut targets {
-            target.to = Reach::place(target, &begun).lerp(target.to, next.min(1.0));
-        }
-        let drifts = |target: &Target| Reach::place(target, &begun).distance(target.to) > 1e-5;
-        let has_goals = is_first && !goals.is_empty();
-        let moves = has_goals || targets.iter().any(drifts);
-        goals.extend(targets);
-        if moves {
-            reach.solve(&goals, centre, &mut bend, STEPS);
-        }
-    }
-    if firmest == f32::INFINITY && !goals.is_empty() {
-        reach.solve(&goals, centre, &mut bend, STEPS);
-    }
-    bend
-}
-
-/// Whether two edits do the same to the same frame, however far that reaches.
-fn is_same(one: &Edit, other: &Edit) -> bool {
-    let says = |edit: &Edit| (edit.handles.clone(), edit.pins.clone(), edit.scope, edit.method);
-    says(one) == says(other)
-}
-
-/// Of what is said of one vertex several times only the first stays; there are `count` vertices.
-fn once(held: &mut Vec<(u32, Vec3)>, count: usize) {
-    let mut seen = vec![false; count];
-    held.retain(|(vertex, _)| !std::mem::replace(&mut seen[*vertex as usize], true));
 }

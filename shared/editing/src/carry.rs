@@ -72,7 +72,7 @@ pub(crate) fn free(rig: &Rig, scope: Scope, limbs: &[u32]) -> Vec<bool> {
 /// What brings a handle to where it is wanted.
 pub(crate) fn handle_target(carried: &Carried, pose: &[Vec3]) -> Target {
     let point = pose[carried.vertex as usize];
-    Target { parts: vec![(carried.bone, 1.0, point)], to: point, weight: Vec3::splat(HANDLE) }
+    Target { parts: vec![(carried.bone, 1.0, point)], to: point, weight: Vec3::splat(HANDLE), is_floor: false }
 }
 
 /// Targets that hold the vertices `pins` where they are: of each bone the outermost along each axis.
@@ -89,7 +89,7 @@ pub(crate) fn pin_targets(rig: &Rig, pose: &[Vec3], pins: &[u32]) -> Vec<Target>
         }
         targets.extend(chosen.into_iter().map(|pin| {
             let point = pose[pin as usize];
-            Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN) }
+            Target { parts: vec![(bone, 1.0, point)], to: point, weight: Vec3::splat(PIN), is_floor: false }
         }));
     }
     targets

@@ -223,6 +223,12 @@ impl Deformer {
     }
 }
 
+/// Of what is said of one vertex several times only the first stays; there are `count` vertices.
+pub(crate) fn once(held: &mut Vec<(u32, Vec3)>, count: usize) {
+    let mut seen = vec![false; count];
+    held.retain(|(vertex, _)| !std::mem::replace(&mut seen[*vertex as usize], true));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -117,6 +117,14 @@ pub enum Method {
     Laplace,
 }
 
+impl Edit {
+    /// Whether the two do the same to the same frame, however far that reaches.
+    pub(crate) fn does_as(&self, other: &Self) -> bool {
+        let says = |edit: &Self| (edit.handles.clone(), edit.pins.clone(), edit.scope, edit.method);
+        says(self) == says(other)
+    }
+}
+
 impl Method {
     /// Whether it goes by the learned space.
     #[must_use]

@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 use kernels::align::centre_of_mass;
 use kernels::topology::Topology;
 
-use crate::carry::{Carried, carry, free, handle_target, pin_targets, size, skin};
+use crate::carry::{Carried, carry, free, handle_target, pin_targets, size};
 use crate::deform::{Deformer, Held};
 use crate::document::{Method, Scope};
 use crate::error::EditError;
@@ -28,10 +28,6 @@ const STEPS: usize = 6;
 pub(crate) const FIRST_STEPS: usize = 40;
 /// How far a handle takes hold of its bone over the surface, as a share of the body's size.
 const HOLD: f32 = 0.14;
-/// Further than this share of its size the surface is not stretched beyond what the bones reach.
-const STRETCH: f32 = 0.03;
-/// The bones are not pulled further than so many sizes.
-const PULL: f32 = 1.2;
 /// Further than this share no handle goes without a rig; of a region, than so many radii.
 const FARTHEST: f32 = 0.5;
 const FARTHEST_RADII: f32 = 1.5;
@@ -46,6 +42,8 @@ pub struct Grip {
     pub handles: Vec<u32>,
     /// Vertices that stay; handles are none.
     pub pins: Vec<u32>,
+    /// Vertices that bones take along in part, and how firmly they stay, from 0 to 1: feet about to stand.
+    pub eased: Vec<(u32, f32)>,
     /// What may move.
     pub scope: Scope,
     /// How it moves; [`Method::Rig`] where there is no rig and [`Method::Learned`] where there is no space are
@@ -53,24 +51,48 @@ pub struct Grip {
     pub method: Method,
 }
 
+impl Grip {
+    /// All vertices of which something is said.
+    fn mentioned(&self) -> impl Iterator<Item = u32> {
+        self.handles.iter().chain(&self.pins).copied().chain(self.eased.iter().map(|(vertex, _)| *vertex))
+    }
+}
+
 /// A pose that is being dragged.
 pub struct Grab {
     pub(crate) pose: Vec<Vec3>,
-    grip: Grip,
-    size: f32,
+    pub(crate) grip: Grip,
+    pub(crate) size: f32,
     pub(crate) held: Held,
     pub(crate) by: By,
     /// Displacement of each handle: what was wanted, or the nearest sensible one.
-    wanted: Vec<Vec3>,
+    pub(crate) wanted: Vec<Vec3>,
     pub(crate) displacements: Vec<Vec3>,
     pub(crate) is_first: bool,
+    /// Height of the ground, and below what nothing goes, in metres.
+    pub(crate) ground: f32,
+    pub(crate) floor: f32,
+    /// How far vertices go that are held at the ground, the last of those that are held, and how often some were found.
+    pub(crate) stopped: Vec<Vec3>,
+    pub(crate) rounds: usize,
 }
 
 /// What moves the surface.
 pub(crate) enum By {
-    Bones { reach: Box<Reach>, bend: Bend, carried: Vec<Carried>, targets: Vec<Target>, skinned: Vec<Vec3> },
+    Bones(Box<Bones>),
     Surface { turns: Vec<Quat>, outside: Vec<u32> },
     Modes { learned: Box<Learned>, outside: Vec<u32> },
+}
+
+/// Bones that are bent.
+pub(crate) struct Bones {
+    pub reach: Reach,
+    /// As far as what is held firmly goes, and with what is held in part.
+    pub bend: Bend,
+    pub eased: Bend,
+    pub carried: Vec<Carried>,
+    pub targets: Vec<Target>,
+    pub skinned: Vec<Vec3>,
 }
 
 /// What came of a drag.
@@ -99,6 +121,8 @@ pub struct Released {
     /// What modes moved the vertices by before they turned; nothing where there were none.
     pub(crate) rest: Vec<Vec3>,
     pub(crate) outside: Vec<u32>,
+    /// Height of the ground, in metres.
+    pub(crate) ground: f32,
 }
 
 /// What the bones did.
@@ -115,7 +139,7 @@ pub(crate) struct ReleasedBones {
 pub struct Editor {
     pub(crate) deformer: Deformer,
     pub(crate) rig: Option<Rig>,
-    space: Option<Space>,
+    pub(crate) space: Option<Space>,
     weights: Vec<f32>,
     /// The prior's weight beside the modes of the space.
     prior: f64,
@@ -181,7 +205,7 @@ impl Editor {
     pub(crate) fn hold(&mut self, pose: &[Vec3], grip: &Grip) -> Result<Grab, EditError> {
         let mut grip = grip.clone();
         let count = self.weights.len();
-        if let Some(&vertex) = grip.handles.iter().chain(&grip.pins).find(|&&vertex| vertex as usize >= count) {
+        if let Some(vertex) = grip.mentioned().find(|&vertex| vertex as usize >= count) {
             return Err(EditError::Vertex { edit: 0, vertex, count });
         }
         if grip.handles.is_empty() {
@@ -191,6 +215,7 @@ impl Editor {
         grip.pins.iter().for_each(|&pin| is_pin[pin as usize] = true);
         grip.handles.iter().for_each(|&handle| is_pin[handle as usize] = false);
         grip.pins = (0..count as u32).filter(|&vertex| is_pin[vertex as usize]).collect();
+        grip.eased.retain(|(vertex, _)| !is_pin[*vertex as usize] && !grip.handles.contains(vertex));
         let with_bones = grip.method == Method::Rig && !matches!(grip.scope, Scope::Region { .. });
         if with_bones && self.rig.is_some() { self.grab_bones(pose, grip) } else { self.grab_surface(pose, grip) }
     }
@@ -210,17 +235,20 @@ impl Editor {
         for one in carried.iter().filter(|one| one.bone > 0 && rig.bones()[one.bone].limb == 0) {
             steady[one.bone] = true;
         }
-        let staying: Vec<u32> = grip.pins.iter().map(|&pin| rig.bones()[rig.bone_of(pin)].limb).collect();
+        let eased = grip.eased.iter().map(|(vertex, _)| vertex);
+        let staying = grip.pins.iter().chain(eased.clone()).map(|&pin| rig.bones()[rig.bone_of(pin)].limb);
+        let staying: Vec<u32> = staying.collect();
         let reach = Reach::new(rig, &motions, free.clone(), |limb| Role::of(limb, &limbs, &staying), steady);
         let mut targets: Vec<Target> = carried.iter().map(|one| handle_target(one, pose)).collect();
         targets.extend(pin_targets(rig, pose, &grip.pins));
         if free[0] && !grip.pins.is_empty() {
             targets.extend(self.balance_target(rig, pose));
         }
-        let fixed: Vec<u32> = grip.handles.iter().chain(&grip.pins).copied().collect();
+        let fixed: Vec<u32> = grip.handles.iter().chain(&grip.pins).chain(eased).copied().collect();
         let bend = Bend::none(rig.bones().len());
         let held = self.deformer.hold(pose, &fixed, FOLLOW)?;
-        let by = By::Bones { reach: Box::new(reach), bend, carried, targets, skinned: Vec::new() };
+        let eased = bend.clone();
+        let by = By::Bones(Box::new(Bones { reach, bend, eased, carried, targets, skinned: Vec::new() }));
         Ok(Grab::new(pose, grip, size, held, by))
     }
 
@@ -238,17 +266,24 @@ impl Editor {
         let held = self.deformer.hold(pose, &fixed, REST)?;
         let by = match self.space.as_ref().filter(|_| grip.method.is_learned()) {
             Some(space) => {
-                let mut modes = (space.facing(pose, &self.weights), space.variances().to_vec());
-                if let Some(rig) = self.rig.as_ref().filter(|_| grip.method == Method::Parts) {
-                    let part = |vertex: u32| rig.bones()[rig.bone_of(vertex)].limb;
-                    modes = by_part(&modes, &(0..pose.len() as u32).map(part).collect::<Vec<_>>());
-                }
-                let learned = Learned::new(&held, pose.len(), modes, self.prior);
-                By::Modes { learned: Box::new(learned), outside }
+                let learned = Box::new(self.by_modes(space, pose, &grip, &held));
+                By::Modes { learned, outside }
             }
             None => By::Surface { turns: vec![Quat::IDENTITY; pose.len()], outside },
         };
         Ok(Grab::new(pose, grip, size(pose), held, by))
+    }
+
+    /// A pose that moves by the modes of `space`.
+    pub(crate) fn by_modes(&self, space: &Space, pose: &[Vec3], grip: &Grip, held: &Held) -> Learned {
+        let mut modes = (space.facing(pose, &self.weights), space.variances().to_vec());
+        if let Some(rig) = self.rig.as_ref().filter(|_| grip.method == Method::Parts) {
+            let parts = rig.bones().iter().map(|bone| bone.limb + 1).max().unwrap_or(0);
+            modes = by_part(&modes, parts, |vertex, part| {
+                rig.influences()[vertex].sum(|bone| rig.bones()[bone].limb == part)
+            });
+        }
+        Learned::new(held, pose.len(), modes, self.prior)
     }
 
     /// The centre of mass rather stays over the ground where it is.
@@ -264,7 +299,12 @@ impl Editor {
         let parts = sums.into_iter().enumerate().filter(|(_, (mass, _))| *mass > 0.0);
         let parts = parts.map(|(bone, (mass, sum))| (bone, mass / whole, sum / mass)).collect();
         let weight = Vec3::new(BALANCE, 0.0, BALANCE);
-        (whole > 0.0).then(|| Target { parts, to: centre_of_mass(pose, &self.weights) / whole, weight })
+        (whole > 0.0).then(|| Target {
+            parts,
+            to: centre_of_mass(pose, &self.weights) / whole,
+            weight,
+            is_floor: false,
+        })
     }
 
     /// Drags the handles to `to`, in metres, one place for each handle.
@@ -273,9 +313,11 @@ impl Editor {
     /// Places that are not finite, or of another number.
     pub fn drag(&mut self, grab: &mut Grab, to: &[Vec3]) -> Result<Dragged, EditError> {
         let mut notes = Vec::new();
+        let to = &grab.allowed(to, &mut notes);
         if self.aim(grab, to, &mut notes)? {
+            let anchor = grab.held.anchor();
             match &grab.by {
-                By::Bones { .. } => self.pull_bones(grab, to, STEPS, &mut notes)?,
+                By::Bones(_) => self.pull_bones(grab, to, STEPS, &mut notes)?,
                 By::Surface { .. } => {
                     let mut left = ITERATIONS;
                     while left > 0 && !self.relax(grab, left == 1)? {
@@ -284,6 +326,7 @@ impl Editor {
                 }
                 By::Modes { .. } => self.pull_modes(grab)?,
             }
+            self.lift(grab, anchor)?;
             grab.is_first = false;
         }
         Ok(Dragged { pose: grab.moved(), notes })
@@ -300,7 +343,7 @@ impl Editor {
             self.still(grab)?;
             return Ok(false);
         }
-        if !matches!(grab.by, By::Bones { .. }) {
+        if !matches!(grab.by, By::Bones(_)) {
             let most = match grab.grip.scope {
                 Scope::Region { radius } => FARTHEST_RADII * radius,
                 _ => FARTHEST * grab.size,
@@ -314,54 +357,6 @@ impl Editor {
             }
         }
         Ok(true)
-    }
-
-    /// Inverse kinematics of at least `steps` steps, the skin, and the surface.
-    pub(crate) fn pull_bones(
-        &mut self,
-        grab: &mut Grab,
-        to: &[Vec3],
-        steps: usize,
-        notes: &mut Vec<String>,
-    ) -> Result<(), EditError> {
-        let (By::Bones { reach, bend, carried, targets, skinned }, Some(rig)) = (&mut grab.by, &self.rig) else {
-            return Ok(());
-        };
-        for ((target, &to), &handle) in targets.iter_mut().zip(to).zip(&grab.grip.handles) {
-            let from = grab.pose[handle as usize];
-            // What is far away must not pull the feet from where they stand.
-            target.to = from + (to - from).clamp_length_max(PULL * grab.size);
-        }
-        let (steps, none) = (if grab.is_first { FIRST_STEPS } else { steps }, Bend::none(rig.bones().len()));
-        reach.solve(targets, &none, bend, steps);
-        let mut motions = reach.motions(bend);
-        let most = STRETCH * grab.size;
-        let mut is_short = false;
-        for target in targets.iter_mut().take(carried.len()) {
-            let place = Reach::place(target, &motions);
-            let off = target.to - place;
-            if off.length() > most {
-                (target.to, is_short) = (place + off.normalize_or_zero() * most, true);
-            }
-        }
-        if is_short {
-            reach.solve(targets, &none, bend, steps);
-            motions = reach.motions(bend);
-        }
-        for (index, (target, &to)) in targets.iter().zip(to).enumerate() {
-            let handle = grab.grip.handles[index];
-            let short = target.to.distance(to);
-            if short > 1e-6 {
-                grab.wanted[index] = target.to - grab.pose[handle as usize];
-                notes.push(far(handle, short));
-            }
-        }
-        let (turns, told) = skin(rig, &grab.pose, &motions, carried);
-        let still = grab.grip.pins.iter().map(|_| Vec3::ZERO);
-        let wanted: Vec<Vec3> = grab.wanted.iter().copied().chain(still).collect();
-        grab.displacements = self.deformer.solve(&grab.held, &grab.pose, &turns, &told, &wanted)?;
-        *skinned = told;
-        Ok(())
     }
 
     /// A step of a surface without bones and modes: all vertices for the turns as they are, then, unless it is the last, the turns. Whether
@@ -393,9 +388,11 @@ impl Editor {
         grab.displacements.fill(Vec3::ZERO);
         grab.is_first = true;
         match &mut grab.by {
-            By::Bones { bend, skinned, .. } => {
-                *bend = Bend::none(bend.turns.len());
-                skinned.clear();
+            By::Bones(bones) => {
+                bones.bend = Bend::none(bones.bend.turns.len());
+                bones.eased = bones.bend.clone();
+                bones.targets.retain(|target| !target.is_floor);
+                bones.skinned.clear();
             }
             By::Surface { turns, .. } => turns.fill(Quat::IDENTITY),
             By::Modes { learned, .. } => learned.still(&mut self.deformer, &grab.held, &grab.pose)?,
@@ -421,13 +418,15 @@ impl Editor {
             turns: Vec::new(),
             rest: Vec::new(),
             outside: Vec::new(),
+            ground: grab.ground,
         };
         let vectors = |turns: &[Quat]| turns.iter().map(|&turn| crate::reach::logarithm(turn)).collect();
         match &grab.by {
-            By::Bones { reach, bend, carried, skinned, .. } => {
+            By::Bones(bones) => {
+                let Bones { reach, eased, carried, skinned, .. } = bones.as_ref();
                 let skin_of = |one: &Carried| skinned.get(one.vertex as usize).copied().unwrap_or_default();
                 let beyond = carried.iter().zip(&released.wanted).map(|(one, &wanted)| wanted - skin_of(one)).collect();
-                let (free, bend, carried) = (reach.free().to_vec(), bend.clone(), carried.clone());
+                let (free, bend, carried) = (reach.free().to_vec(), eased.clone(), carried.clone());
                 released.bones = Some(ReleasedBones { free, bend, carried, beyond });
             }
             By::Surface { turns, outside } => {
@@ -446,7 +445,9 @@ impl Editor {
 impl Grab {
     fn new(pose: &[Vec3], grip: Grip, size: f32, held: Held, by: By) -> Self {
         let (wanted, displacements) = (vec![Vec3::ZERO; grip.handles.len()], vec![Vec3::ZERO; pose.len()]);
-        Self { pose: pose.to_vec(), grip, size, held, by, wanted, displacements, is_first: true }
+        let (ground, floor) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+        let (pose, is_first, stopped) = (pose.to_vec(), true, Vec::new());
+        Self { pose, grip, size, held, by, wanted, displacements, is_first, ground, floor, stopped, rounds: 0 }
     }
 
     /// What was grabbed.
@@ -455,10 +456,11 @@ impl Grab {
         &self.grip
     }
 
-    /// Displacements of all that is held: what is no handle stays.
+    /// Displacements of all that is held: what is no handle stays, or goes to the ground.
     pub(crate) fn held_wanted(&self) -> Vec<Vec3> {
         let mut wanted = self.wanted.clone();
-        wanted.resize(self.held.vertices().len(), Vec3::ZERO);
+        wanted.resize(self.held.vertices().len() - self.stopped.len(), Vec3::ZERO);
+        wanted.extend(&self.stopped);
         wanted
     }
 
@@ -467,7 +469,7 @@ impl Grab {
     }
 }
 
-fn far(vertex: u32, short: f32) -> String {
+pub(crate) fn far(vertex: u32, short: f32) -> String {
     // Whole numbers: to write others would weigh 6 KB on the page.
     let centimetres = (100.0 * short).round() as u32;
     let (metres, rest) = (centimetres / 100, centimetres % 100);

@@ -8,7 +8,7 @@
 use glam::{DMat3, Mat3, Quat, Vec3};
 
 use crate::dense::solve_dense;
-use crate::rig::Rig;
+use crate::rig::{Bone, Rig};
 use crate::rigid::Rigid;
 use crate::rotation::{cross_matrix, log_change, rotation_vector, turn_by};
 
@@ -69,6 +69,8 @@ pub struct Target {
     pub to: Vec3,
     /// Weight along each axis beside 1 for a handle.
     pub weight: Vec3,
+    /// Whether it asks for nothing where the mean is above `to`.
+    pub is_floor: bool,
 }
 
 /// What a limb does in an edit.
@@ -108,6 +110,8 @@ pub struct Reach {
     range: Vec<[Vec3; 2]>,
     /// Bones that rather keep their direction in the world.
     steady: Vec<bool>,
+    /// Bones of limbs that only go along.
+    idle: Vec<bool>,
     shifts: bool,
 }
 
@@ -120,6 +124,8 @@ impl Reach {
         let joints = rig.joints(motions);
         let mut rarity = Vec::with_capacity(bones.len());
         let mut rest = Vec::with_capacity(bones.len());
+        let idle = |bone: &Bone| bone.limb != 0 && role(bone.limb) == Role::Idle;
+        let idle = bones.iter().map(idle).collect();
         for (index, bone) in bones.iter().enumerate() {
             let parent = if index == 0 { Quat::IDENTITY } else { motions[bone.parent].rotation };
             let axes = Mat3::from_quat(parent);
@@ -144,7 +150,7 @@ impl Reach {
         let shifts = free[0];
         let parents = bones.iter().map(|bone| bone.parent).collect();
         let none = Bend::none(bones.len());
-        Self { parents, joints, free, rarity, rest, range, steady, shifts }.allowing(&none)
+        Self { parents, joints, free, rarity, rest, range, steady, idle, shifts }.allowing(&none)
     }
 
     /// The same where no bone is beyond its range that is turned by `bend`: what is there already is not taken back.
@@ -156,6 +162,15 @@ impl Reach {
             (*low, *high) = (*low + beyond.min(Vec3::ZERO), *high + beyond.max(Vec3::ZERO));
         }
         self
+    }
+
+    /// From now on `limb` bends as one that holds what stays, not as one that only goes along.
+    pub(crate) fn rouse(&mut self, rig: &Rig, limb: u32) {
+        for index in (0..self.idle.len()).filter(|&index| rig.bones()[index].limb == limb) {
+            if std::mem::take(&mut self.idle[index]) {
+                self.rarity[index] *= STAYING / IDLE;
+            }
+        }
     }
 
     /// Where `bend` takes what each bone carries, relative to the frame as it was recorded.
@@ -212,6 +227,12 @@ impl Reach {
         target.parts.iter().map(|&(bone, share, point)| motions[bone].apply(point) * share).sum()
     }
 
+    /// How far a target's mean point is off.
+    fn off(target: &Target, motions: &[Rigid]) -> Vec3 {
+        let off = Self::place(target, motions) - target.to;
+        if target.is_floor && off.y >= 0.0 { Vec3::ZERO } else { off }
+    }
+
     /// First unknown of each bone that may turn; the root's shift, if it may, comes first.
     fn unknowns(&self) -> (Vec<Option<usize>>, usize) {
         let mut count = if self.shifts { 3 } else { 0 };
@@ -246,7 +267,7 @@ impl Reach {
         let motions = self.motions(bend);
         let mut cost = f64::from(SHIFT * (bend.shift - centre.shift).length_squared());
         for target in targets {
-            let off = Self::place(target, &motions) - target.to;
+            let off = Self::off(target, &motions);
             cost += f64::from((off * off * target.weight).element_sum());
         }
         for index in 0..self.joints.len() {
@@ -281,8 +302,11 @@ impl Reach {
             equations.add(&[(0, Mat3::IDENTITY)], bend.shift - centre.shift, Mat3::from_diagonal(Vec3::splat(SHIFT)));
         }
         for target in targets {
+            let off = Self::off(target, &motions);
+            if target.is_floor && off == Vec3::ZERO {
+                continue;
+            }
             let blocks = self.target_blocks(target, &motions, &first);
-            let off = Self::place(target, &motions) - target.to;
             equations.add(&blocks, off, Mat3::from_diagonal(target.weight));
         }
         for (index, &unknown) in first.iter().enumerate() {
@@ -381,7 +405,6 @@ impl Equations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::Bone;
     use crate::skin::Influences;
 
     /// Four bones in a bent row, a fifth beside.
@@ -419,6 +442,7 @@ mod tests {
             parts: vec![(3, 0.7, point), (4, 0.3, point)],
             to: point + Vec3::new(0.3, -0.4, 0.2),
             weight: Vec3::new(1.0, 1.0, 0.5),
+            is_floor: false,
         }
     }
 

@@ -8,6 +8,8 @@ use crate::grab::{By, Editor, FIRST_STEPS, Grab};
 
 /// Local and global steps of as-rigid-as-possible surfaces, at most.
 const MOST_ITERATIONS: usize = 80;
+/// The same once a surface has been stopped at the ground.
+const AGAIN: usize = 20;
 
 /// A grab on its way to rest.
 pub struct Settling {
@@ -25,6 +27,17 @@ enum Stage {
     Descend(Box<Descent>),
 }
 
+impl Stage {
+    /// How a surface begins to come to rest.
+    fn of(grab: &mut Grab) -> Self {
+        match &mut grab.by {
+            By::Modes { learned, .. } => Self::Descend(Box::new(Descent::new(learned, grab.pose.len()))),
+            _ if grab.rounds > 0 => Self::Relax(AGAIN),
+            _ => Self::Relax(MOST_ITERATIONS),
+        }
+    }
+}
+
 impl Settling {
     /// `grab` will come to rest with its handles at `to`, in metres, one place for each.
     #[must_use]
@@ -40,20 +53,15 @@ impl Settling {
         let Self { grab, to, notes, stage } = self;
         let is_still = match stage {
             Stage::Begin => {
+                let to = &grab.allowed(to, notes);
                 if !editor.aim(grab, to, notes)? {
                     return Ok(true);
                 }
-                let count = grab.pose.len();
-                match &mut grab.by {
-                    By::Bones { .. } => {
-                        editor.pull_bones(grab, to, FIRST_STEPS, notes)?;
-                        grab.is_first = false;
-                        return Ok(true);
-                    }
-                    By::Surface { .. } => *stage = Stage::Relax(MOST_ITERATIONS),
-                    By::Modes { learned, .. } => *stage = Stage::Descend(Box::new(Descent::new(learned, count))),
+                match &grab.by {
+                    By::Bones(_) => editor.pull_bones(grab, to, FIRST_STEPS, notes)?,
+                    _ => *stage = Stage::of(grab),
                 }
-                false
+                matches!(grab.by, By::Bones(_))
             }
             Stage::Relax(left) => {
                 *left -= 1;
@@ -71,6 +79,14 @@ impl Settling {
                 }
             }
         };
+        if is_still && editor.hold_above(grab)? {
+            *stage = Stage::of(grab);
+            return Ok(false);
+        }
+        if is_still {
+            let anchor = grab.held.anchor();
+            editor.lift(grab, anchor)?;
+        }
         grab.is_first &= !is_still;
         Ok(is_still)
     }

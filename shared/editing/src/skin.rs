@@ -18,6 +18,14 @@ pub struct Influences {
     pub weights: [f32; INFLUENCES],
 }
 
+impl Influences {
+    /// How much of the vertex the bones of which `counts` is true move together.
+    pub(crate) fn sum(&self, counts: impl Fn(usize) -> bool) -> f32 {
+        let own = self.joints.iter().zip(&self.weights).filter(|&(&joint, _)| counts(joint as usize));
+        own.map(|(_, weight)| weight).sum()
+    }
+}
+
 /// A rigid motion as a dual quaternion.
 #[derive(Clone, Copy)]
 struct DualQuat {

@@ -48,15 +48,21 @@ impl Space {
     }
 }
 
-/// Modes of each part of the body alone, and their variances: of each those that move it most. `parts` has the part of each vertex.
+/// Modes of each part of the body alone, and their variances: of each those that move it most. `share` says how much of a vertex belongs to
+/// a part: between two of them modes fade, for a surface that moved with one alone to its very border would tear there.
 ///
 /// A part that has all modes to itself moves as it was seen to, whatever the others do: the covariance of its points is the same.
-pub(crate) fn by_part((modes, variances): &(Vec<Vec<Vec3>>, Vec<f64>), parts: &[u32]) -> (Vec<Vec<Vec3>>, Vec<f64>) {
+pub(crate) fn by_part(
+    (modes, variances): &(Vec<Vec<Vec3>>, Vec<f64>),
+    parts: u32,
+    share: impl Fn(usize, u32) -> f32,
+) -> (Vec<Vec<Vec3>>, Vec<f64>) {
     let mut of_parts = (Vec::new(), Vec::new());
-    for part in 0..=parts.iter().copied().max().unwrap_or(0) {
+    let count = modes.first().map_or(0, Vec::len);
+    for part in 0..parts {
+        let shares: Vec<f32> = (0..count).map(|vertex| share(vertex, part)).collect();
         let inside = |mode: &Vec<Vec3>| -> f64 {
-            let own = mode.iter().zip(parts).filter(|(_, of)| **of == part);
-            own.map(|(moved, _)| f64::from(moved.length_squared())).sum()
+            mode.iter().zip(&shares).map(|(&moved, &share)| f64::from((moved * share).length_squared())).sum()
         };
         let mut moved: Vec<f64> = modes.iter().zip(variances).map(|(mode, variance)| variance * inside(mode)).collect();
         for _ in 0..PART_MODES.min(modes.len()) {
@@ -65,7 +71,7 @@ pub(crate) fn by_part((modes, variances): &(Vec<Vec<Vec3>>, Vec<f64>), parts: &[
                 break;
             }
             moved[most] = 0.0;
-            let own = modes[most].iter().zip(parts).map(|(&moved, &of)| if of == part { moved } else { Vec3::ZERO });
+            let own = modes[most].iter().zip(&shares).map(|(&moved, &share)| moved * share);
             of_parts.0.push(own.collect());
             of_parts.1.push(variances[most]);
         }
@@ -186,7 +192,7 @@ mod tests {
     fn parts_have_the_modes_that_move_them_most() {
         let mode = |a: f32, b: f32| vec![Vec3::Y * a, Vec3::Y * a, Vec3::X * b];
         let modes = (vec![mode(1.0, 0.0), mode(0.5, 2.0)], vec![0.1, 0.2]);
-        let (own, variances) = by_part(&modes, &[0, 0, 2]);
+        let (own, variances) = by_part(&modes, 3, |vertex, part| f32::from(u8::from([0, 0, 2][vertex] == part)));
         assert_eq!(variances, [0.1, 0.2, 0.2], "the first mode does not move the second part, and part 1 is none");
         assert_eq!(own, [mode(1.0, 0.0), mode(0.5, 0.0), mode(0.0, 2.0)]);
     }

@@ -119,11 +119,16 @@ fn edit(poses: &Poses, vertex: u32, by: Vec3, more: &str) -> String {
 
 /// All frames with these edits, and the notes.
 fn edited(poses: &Poses, document: EditDocument, rig: Option<Rig>) -> (Vec<Vec<Vec3>>, Vec<String>) {
-    let (timeline, feet, topology) = (timeline(), feet(), topology());
+    edited_on(poses, &feet(), document, rig)
+}
+
+/// The same on feet of their own.
+fn edited_on(poses: &Poses, feet: &Feet, document: EditDocument, rig: Option<Rig>) -> (Vec<Vec<Vec3>>, Vec<String>) {
+    let (timeline, topology) = (timeline(), topology());
     let mut editor = Editor::new(&topology, None, rig).unwrap();
     editor.learn(space(poses)).unwrap();
     let mut source = poses.clone();
-    let mut edited = EditedPoses::new(&mut source, (&timeline, &feet), topology.weights(), editor, document).unwrap();
+    let mut edited = EditedPoses::new(&mut source, (&timeline, feet), topology.weights(), editor, document).unwrap();
     let notes = edited.prepare().unwrap().to_vec();
     let mut pose = vec![Vec3::ZERO; COUNT];
     let frames = (0..FRAMES).map(|frame| {
@@ -193,6 +198,58 @@ fn handles_are_met_pins_stay_and_the_window_ends() {
                 );
             }
         }
+    }
+}
+
+/// The tube hops: it is in the air in frames 11 to 19, highest in the key frame, and stands in all others.
+fn hop(height: f32) -> (Poses, Feet) {
+    let (still, mut poses) = (poses(0.05), Poses::new(COUNT));
+    let up = |frame: u32| height * (1.0 - ((frame as f32 - KEY as f32) / 5.0).powi(2)).max(0.0);
+    for (frame, pose) in (0..).zip(still.iter()) {
+        poses.push(&pose.iter().map(|&point| point + Vec3::Y * up(frame)).collect::<Vec<_>>());
+    }
+    let vertices = (0..AROUND).map(|vertex| FootVertex { vertex, leg: 255, sole: 255 });
+    let stands = (0..FRAMES).map(|frame| up(frame) == 0.0).collect();
+    (poses, Feet::new(vec![vertices.collect()], stands, COUNT, &timeline()).unwrap())
+}
+
+#[test]
+fn nothing_goes_below_the_ground_where_no_foot_stands() {
+    let down = Vec3::new(0.1, -0.5, 0.2);
+    let low = |pose: &[Vec3]| pose.iter().map(|point| point.y).fold(f32::INFINITY, f32::min);
+    for height in [0.005, 0.2] {
+        let (poses, feet) = hop(height);
+        for method in ["rig", "learned", "parts", "arap", "laplace"] {
+            for more in ["", r#","propagate":"linear""#, r#","propagate":"constraint""#, r#","pins":"none""#] {
+                let more = format!(r#","method":"{method}"{more}"#);
+                let asked = document(&[edit(&poses, TOP, down, &more)]);
+                let (frames, _) = edited_on(&poses, &feet, asked, Some(rig()));
+                for (frame, (pose, recorded)) in frames.iter().zip(poses.iter()).enumerate() {
+                    let (is, was) = (low(pose), low(recorded).min(0.0));
+                    assert!(is > was - 1e-5, "{more}, {height} m up, frame {frame}: {is} below {was}");
+                }
+                let at = frames[KEY as usize][TOP as usize];
+                let to = poses.frame(KEY)[TOP as usize] + down;
+                assert!(at.distance(to) < 1e-3, "{more}: {at} is not {to}");
+                let zero = document(&[edit(&poses, TOP, Vec3::ZERO, &more)]);
+                assert!(edited_on(&poses, &feet, zero, Some(rig())).0.iter().zip(poses.iter()).all(|(a, b)| a == b));
+            }
+        }
+        // What is dragged below the ground stops there, and a note says so.
+        let asked = document(&[edit(&poses, 2, Vec3::Y * -0.6, "")]);
+        let (frames, notes) = edited_on(&poses, &feet, asked, Some(rig()));
+        assert!(frames[KEY as usize][2].y.abs() < 1e-4, "{}", frames[KEY as usize][2]);
+        assert!(notes.iter().any(|note| note.contains("the ground")), "{notes:?}");
+    }
+}
+
+#[test]
+fn a_foot_on_the_ground_stays_though_none_was_found_to_stand() {
+    // Half a centimetre up, in the air as far as its feet say: a hand that is raised does not take it along.
+    let (poses, feet) = hop(0.005);
+    let (frames, _) = edited_on(&poses, &feet, document(&[edit(&poses, TOP, Vec3::Y * 0.1, "")]), Some(rig()));
+    for (frame, pose) in frames.iter().zip(poses.iter()) {
+        (0..AROUND as usize).for_each(|pin| assert!(frame[pin].distance(pose[pin]) < 1e-3));
     }
 }
 
@@ -298,7 +355,13 @@ fn a_learned_drag_meets_its_handle_at_once_and_goes_back_to_nothing() {
     let poses = poses(0.0);
     let mut editor = Editor::new(&topology(), None, None).unwrap();
     editor.learn(space(&poses)).unwrap();
-    let grip = Grip { handles: vec![TOP], pins: (0..AROUND).collect(), scope: Scope::Body, method: Method::Learned };
+    let grip = Grip {
+        handles: vec![TOP],
+        pins: (0..AROUND).collect(),
+        eased: Vec::new(),
+        scope: Scope::Body,
+        method: Method::Learned,
+    };
     let mut grab = editor.grab(poses.frame(KEY), &grip).unwrap();
     let from = poses.frame(KEY)[TOP as usize];
     for step in 1..=10 {
@@ -334,7 +397,13 @@ fn what_does_not_exist_is_named() {
 fn a_drag_goes_on_from_the_last_and_back_to_nothing() {
     let poses = poses(0.0);
     let mut editor = Editor::new(&topology(), None, Some(rig())).unwrap();
-    let grip = Grip { handles: vec![TOP], pins: (0..AROUND).collect(), scope: Scope::Body, method: Method::Rig };
+    let grip = Grip {
+        handles: vec![TOP],
+        pins: (0..AROUND).collect(),
+        eased: Vec::new(),
+        scope: Scope::Body,
+        method: Method::Rig,
+    };
     let mut grab = editor.grab(poses.frame(KEY), &grip).unwrap();
     let from = poses.frame(KEY)[TOP as usize];
     for step in 1..=10 {

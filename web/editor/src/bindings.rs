@@ -148,7 +148,7 @@ impl Editor {
 
     /// Whether each foot stands in a frame: 1 where it does.
     #[must_use]
-    pub fn stands(&self, frame: u32) -> Vec<u8> {
+    pub fn stands(&mut self, frame: u32) -> Vec<u8> {
         self.inner.stands(frame).into_iter().map(u8::from).collect()
     }
 

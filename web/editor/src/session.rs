@@ -129,7 +129,7 @@ impl Session {
             let missing = space.frames.iter().zip(poses).filter(|(_, pose)| pose.is_none());
             frames.extend(missing.map(|(&frame, _)| frame));
         }
-        for frame in (0..count).filter_map(|edit| edits.frame(edit)) {
+        for frame in (0..count).flat_map(|edit| edits.needs((&self.known.timeline, &self.known.feet), edit)) {
             if !self.given.has(frame) && !frames.contains(&frame) {
                 frames.push(frame);
             }
@@ -173,7 +173,8 @@ impl Session {
     /// Poses of frames that no edit is of are not kept.
     fn forget(&mut self) {
         let Some(edits) = &self.edits else { return };
-        let kept: Vec<u32> = (0..edits.document().edits.len()).filter_map(|edit| edits.frame(edit)).collect();
+        let known = (&self.known.timeline, &self.known.feet);
+        let kept: Vec<u32> = (0..edits.document().edits.len()).flat_map(|edit| edits.needs(known, edit)).collect();
         self.given.0.retain(|(frame, _)| kept.contains(frame));
     }
 
@@ -257,10 +258,12 @@ impl Session {
         Ok(pose)
     }
 
-    /// Whether each foot stands in `frame`.
+    /// Whether each foot stands in `frame`, as edits of it that say nothing of pins have it.
     #[must_use]
-    pub fn stands(&self, frame: u32) -> Vec<bool> {
-        (0..self.known.feet.count()).map(|foot| self.known.feet.stands(frame, foot)).collect()
+    pub fn stands(&mut self, frame: u32) -> Vec<bool> {
+        let Self { known: Known { timeline, feet, topology, .. }, given, .. } = self;
+        let found = editing::floor::standing_in((timeline, feet), given, frame, topology.vertex_count());
+        found.unwrap_or_else(|_| (0..feet.count()).map(|foot| feet.stands(frame, foot)).collect())
     }
 
     /// The vertices of a foot's sole.

@@ -23,7 +23,9 @@ const SHOWN: usize = 8;
 /// Seconds to both sides that an edit reaches, and between the edits of a style.
 const WINDOW: f32 = 0.4;
 /// From where a walk is seen, about +Y in radians.
-const ASIDE: f32 = 0.6;
+const ASIDE: f32 = 1.05;
+/// A foot swings where its lowest point is higher than this share of the body.
+const SWINGS: f32 = 0.02;
 
 /// What is drawn of: a sequence, and the vertices that are grabbed.
 #[derive(Clone, Copy)]
@@ -82,12 +84,20 @@ impl<'a> Scene<'a> {
         own.reduce(|best, v| if far(v) > far(best) { v } else { best }).unwrap_or(0)
     }
 
-    /// The frame around the middle in which a foot's lowest point is highest: its swing.
+    /// The frame around the middle in which a foot that swings is farthest ahead of the body: where its step goes.
     fn swing(&self, foot: &str) -> u32 {
         let (bone, count) = (bone(self.rig, foot).unwrap_or(0), self.sequence.frame_count);
         let own: Vec<u32> = (0..self.rig.rest().len() as u32).filter(|&v| self.rig.bone_of(v) == bone).collect();
-        let low = |frame: u32| own.iter().map(|&v| self.pose(frame)[v as usize].y).fold(f32::INFINITY, f32::min);
-        (count / 4..3 * count / 4).reduce(|best, frame| if low(frame) > low(best) { frame } else { best }).unwrap_or(0)
+        let low =
+            |frame: u32, of: &[u32]| of.iter().map(|&v| self.pose(frame)[v as usize].y).fold(f32::INFINITY, f32::min);
+        let all: Vec<u32> = (0..self.rig.rest().len() as u32).collect();
+        let swings = |frame: &u32| low(*frame, &own) - low(*frame, &all) > SWINGS * self.body;
+        let ahead = |frame: u32| {
+            let middle = centre_of_mass(self.pose(frame), self.capture.topology.weights());
+            own.iter().map(|&v| (self.pose(frame)[v as usize] - middle).dot(self.ahead(frame))).sum::<f32>()
+        };
+        let farther = |best, frame| if ahead(frame) > ahead(best) { frame } else { best };
+        (count / 4..3 * count / 4).filter(swings).reduce(farther).unwrap_or(count / 2)
     }
 
     /// The frames around one that an edit reaches.
@@ -170,14 +180,14 @@ impl<'a> Scene<'a> {
     /// Figure 3: one frame by each method.
     fn key_frame(&self) -> Result<Picture, EvaluateError> {
         let (foot, frame) = (self.end("foot_r"), self.swing("foot_r"));
-        let by = Vec3::Y * (0.2 * self.body) + self.ahead(frame) * (0.2 * self.body);
+        let by = Vec3::Y * (0.2 * self.body) + self.ahead(frame) * (0.1 * self.body);
         let mut row = vec![Shown::plain(self.pose(frame), RECORDED)];
         for method in ["laplace", "arap", "learned", "parts", "rig"] {
             let edit = self.edit(frame, &[(foot, by)], &json!({"method": method}));
             row.extend(self.edited(&[edit], &[frame])?.iter().map(|pose| Shown::plain(pose, EDITED)));
         }
         let caption = format!(
-            "Fig. 3: the right foot, in its swing, put {:.2} m up and as far ahead; recorded (blue), Laplacian, as rigid as possible, learned, \
+            "Fig. 3: the right foot, in its swing, put {:.2} m up and half as far ahead; recorded (blue), Laplacian, as rigid as possible, learned, \
              learned by part, rig",
             0.2 * self.body
         );
@@ -188,7 +198,7 @@ impl<'a> Scene<'a> {
     fn corrected(&self) -> Result<Picture, EvaluateError> {
         let toe = self.end("foot_l");
         let step = self.swing("foot_l");
-        let aside = self.ahead(step).cross(Vec3::Y) * -(0.12 * self.body);
+        let aside = self.ahead(step).cross(Vec3::Y) * -(0.15 * self.body);
         let middle = self.sequence.frame_count / 2;
         let head = self.edit(middle, &[(self.end("head"), Vec3::Y * -(0.18 * self.body))], &json!({}));
         let by = self.ahead(middle) * (0.15 * self.body) + Vec3::Y * (0.2 * self.body);

@@ -305,7 +305,7 @@ impl<'a> Scene<'a> {
         handles.sort_unstable();
         handles.dedup();
         let to: Vec<Vec3> = handles.iter().map(|&v| self.wanted[v as usize]).collect();
-        let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method };
+        let grip = Grip { handles, pins: Vec::new(), eased: Vec::new(), scope: Scope::Body, method };
         let grab = editor.grab(&self.reference, &grip).ok()?;
         let (grab, _) = editor.settle(grab, &to).ok()?;
         Some(editor.release(grab).pose)
@@ -316,7 +316,7 @@ impl<'a> Scene<'a> {
         let mut editor = Editor::new(&self.capture.topology, None, Some(self.rig.clone()?)).ok()?;
         let handles: Vec<u32> = self.patches.iter().map(|patch| patch[0]).collect();
         let to: Vec<Vec3> = handles.iter().map(|&v| self.wanted[v as usize]).collect();
-        let grip = Grip { handles, pins: Vec::new(), scope: Scope::Body, method: Method::Rig };
+        let grip = Grip { handles, pins: Vec::new(), eased: Vec::new(), scope: Scope::Body, method: Method::Rig };
         let grab = editor.grab(&self.reference, &grip).ok()?;
         let (grab, _) = editor.settle(grab, &to).ok()?;
         Some(editor.release(grab).pose)

@@ -138,7 +138,7 @@ fn of_method(capture: &Capture, rig: &Rig, method: Method) -> Result<Times, Stri
         let standing = (0..feet.count()).filter(|&foot| feet.stands(frame, foot));
         let pins: Vec<u32> = standing.flat_map(|foot| sole(&feet, foot)).filter(|&v| v != hand).collect();
         times.constraints.push(pins.len() as f64 + 1.0);
-        let grip = Grip { handles: vec![hand], pins, scope: Scope::Body, method };
+        let grip = Grip { handles: vec![hand], pins, eased: Vec::new(), scope: Scope::Body, method };
         let way = Vec3::Y * RAISED * tall(pose);
         let at = |share: f32| [pose[hand as usize] + way * share];
         let began = Instant::now();

@@ -1,0 +1,71 @@
+//! How bones are pulled: inverse kinematics to the handles, over the ground and with feet held, the skin, and one solve of the surface.
+
+use glam::Vec3;
+
+use crate::error::EditError;
+use crate::floor::above;
+use crate::grab::{Bones, By, Editor, FIRST_STEPS, Grab, far};
+use crate::reach::{Bend, Reach};
+use crate::stand::stand;
+
+/// Further than this share of its size the surface is not stretched beyond what the bones reach.
+const STRETCH: f32 = 0.03;
+/// The bones are not pulled further than so many sizes.
+const PULL: f32 = 1.2;
+
+impl Editor {
+    /// Inverse kinematics of at least `steps` steps, the skin, and the surface.
+    pub(crate) fn pull_bones(
+        &mut self,
+        grab: &mut Grab,
+        to: &[Vec3],
+        steps: usize,
+        notes: &mut Vec<String>,
+    ) -> Result<(), EditError> {
+        let (By::Bones(bones), Some(rig)) = (&mut grab.by, &self.rig) else { return Ok(()) };
+        let Bones { reach, bend, eased, carried, targets, skinned } = bones.as_mut();
+        for ((target, &to), &handle) in targets.iter_mut().zip(to).zip(&grab.grip.handles) {
+            let from = grab.pose[handle as usize];
+            // What is far away must not pull the feet from where they stand.
+            target.to = from + (to - from).clamp_length_max(PULL * grab.size);
+        }
+        let (steps, none) = (if grab.is_first { FIRST_STEPS } else { steps }, Bend::none(rig.bones().len()));
+        let body = (rig, grab.pose.as_slice(), carried.as_slice());
+        reach.solve(targets, &none, bend, steps);
+        let (mut turns, mut told) = above(body, grab.floor, (reach, targets, &none, bend), steps);
+        let motions = reach.motions(bend);
+        let most = STRETCH * grab.size;
+        let mut is_short = false;
+        for target in targets.iter_mut().take(carried.len()) {
+            let place = Reach::place(target, &motions);
+            let off = target.to - place;
+            if off.length() > most {
+                (target.to, is_short) = (place + off.normalize_or_zero() * most, true);
+            }
+        }
+        if is_short {
+            reach.solve(targets, &none, bend, steps);
+            (turns, told) = above(body, grab.floor, (reach, targets, &none, bend), steps);
+        }
+        for (index, (target, &to)) in targets.iter().zip(to).enumerate() {
+            let handle = grab.grip.handles[index];
+            let short = target.to.distance(to);
+            if short > 1e-6 {
+                grab.wanted[index] = target.to - grab.pose[handle as usize];
+                notes.push(far(handle, short));
+            }
+        }
+        eased.clone_from(bend);
+        if !grab.grip.eased.is_empty() {
+            let mut goals = targets.clone();
+            stand(reach, (&mut goals, true), (&none, eased), (rig, &grab.pose, &grab.grip.eased));
+            (turns, told) = above(body, grab.floor, (reach, &mut goals, &none, eased), steps);
+        }
+        let still = grab.grip.pins.iter().map(|_| Vec3::ZERO);
+        let partly = grab.grip.eased.iter().map(|&(vertex, firm)| told[vertex as usize] * (1.0 - firm));
+        let wanted: Vec<Vec3> = grab.wanted.iter().copied().chain(still).chain(partly).collect();
+        grab.displacements = self.deformer.solve(&grab.held, &grab.pose, &turns, &told, &wanted)?;
+        *skinned = told;
+        Ok(())
+    }
+}
