@@ -8,6 +8,8 @@
 //! Thesis chapter 5, with what it takes to work (docs/transfer.md). Knows no file.
 
 mod agreement;
+mod bones;
+mod carried;
 mod correct;
 mod densify;
 mod displace;

@@ -9,6 +9,7 @@ use learn::dense::Matrix;
 use learn::regression::RegressionOptions;
 use rayon::prelude::*;
 
+use crate::carried::Carried;
 use crate::correct::Examples;
 use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
@@ -16,7 +17,7 @@ use crate::limbs::matching;
 use crate::map::Map;
 use crate::pair::{Pair, TransferOptions};
 use crate::rebuild::Rebuilder;
-use crate::space::{Space, between, numbers, spaces};
+use crate::space::{Space, between, numbers, spaces, spaces_of};
 use crate::stand::Stance;
 use crate::subject::Subject;
 
@@ -33,6 +34,8 @@ pub struct Model<'a> {
     sources: Vec<Space>,
     maps: Vec<Map>,
     targets: Vec<Space>,
+    /// What the bones alone make of a pose, and of each part what shapes are beside that.
+    carried: Option<(Carried, Vec<Space>)>,
     displacement: Displacement,
     rebuilder: Rebuilder,
     /// Poses by whose lengths shapes are corrected.
@@ -77,12 +80,22 @@ impl<'a> Model<'a> {
             return Err(TransferError::Still("target"));
         }
         let x: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers_at(source, &sources, pair.source)).collect();
-        let y: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect();
+        let carried = if options.bones && order.is_some() { Carried::learn(source, target, &chosen) } else { None };
+        let carried = carried.map(|carried| {
+            let rests: Vec<Vec<Vec3>> = chosen.par_iter().map(|pair| carried.rest(source, target, pair)).collect();
+            let spaces = spaces_of(target, &rests, false);
+            (carried, spaces, rests)
+        });
+        let y: Vec<Vec<Vec<f64>>> = match &carried {
+            None => chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect(),
+            Some((_, spaces, rests)) => rests.par_iter().map(|rest| spaces.iter().map(|space| space.numbers(rest)).collect()).collect(),
+        };
         job.tell("learning to move", 1, 2)?;
         let floor = FLOOR * f64::from(target.size);
         let gain = f64::from(target.size / source.size.max(f32::MIN_POSITIVE));
         let regression = RegressionOptions { kernel: options.kernel, floor, gain, steps: STEPS };
-        let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
+        let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression, carried.is_some())).collect();
+        let carried = carried.map(|(carried, spaces, _)| (carried, spaces));
         let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(source, pair.source, x));
         let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
         let displacement = Displacement::fit(source, target, pairs, &learned, floor);
@@ -100,6 +113,7 @@ impl<'a> Model<'a> {
             sources,
             maps,
             targets,
+            carried,
             displacement,
             rebuilder,
             examples,
@@ -168,7 +182,7 @@ impl<'a> Model<'a> {
         let inputs = numbers_at(self.source, &self.sources, time);
         let root = self.displacement.at(&self.source.root_at(time), &pose(self.source, time, &inputs));
         let body = root.body();
-        Ok(self.shape_of(&inputs)?.into_iter().map(|point| body.place(point)).collect())
+        Ok(self.shape_of(time, &inputs)?.into_iter().map(|point| body.place(point)).collect())
     }
 
     /// The target's shape in its body's own frame, as the source is at a time.
@@ -176,22 +190,27 @@ impl<'a> Model<'a> {
     /// # Errors
     /// A surface that cannot be solved for.
     pub fn shape(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
-        self.shape_of(&numbers_at(self.source, &self.sources, time))
+        self.shape_of(time, &numbers_at(self.source, &self.sources, time))
     }
 
-    fn shape_of(&self, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
+    fn shape_of(&self, time: f64, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
         let predicted: Vec<Vec<f64>> = self.maps.iter().zip(inputs).map(|(map, input)| map.predict(input)).collect();
-        let parts: Vec<(&[u32], Vec<Vec3>)> = self
-            .targets
-            .iter()
-            .zip(&predicted)
-            .map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)))
-            .collect();
+        let spaces = self.carried.as_ref().map_or(&self.targets, |(_, spaces)| spaces);
+        let shapes = spaces.iter().zip(&predicted).map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)));
+        let parts: Vec<(&[u32], Vec<Vec3>)> = match &self.carried {
+            None => shapes.collect(),
+            Some((carried, _)) => {
+                let pose = carried.pose(&self.source.own_at(time));
+                shapes.map(|(vertices, rest)| (vertices, pose.with(vertices, &rest))).collect()
+            }
+        };
         let surface = self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))?;
-        match &self.examples {
-            Some(examples) => examples.correct(&self.rebuilder, &surface, &predicted),
-            None => Ok(surface),
-        }
+        let Some(examples) = &self.examples else { return Ok(surface) };
+        let predicted = match &self.carried {
+            None => predicted,
+            Some(_) => self.targets.iter().map(|space| space.numbers(&surface)).collect(),
+        };
+        examples.correct(&self.rebuilder, &surface, &predicted)
     }
 }
 
@@ -211,9 +230,9 @@ fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
     if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
 }
 
-fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions) -> Map {
+fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions, is_rest: bool) -> Map {
     let rows = |of: &[Vec<Vec<f64>>]| Matrix::from_fn(of.len(), of[0][part].len(), |row, k| of[row][part][k]);
-    Map::learn(&rows(x), &rows(y), options)
+    if is_rest { Map::rest(&rows(x), &rows(y), options) } else { Map::learn(&rows(x), &rows(y), options) }
 }
 
 /// The frame of the target that is nearest to its mean shape: triangles of the mean itself may have shrunk to nothing.

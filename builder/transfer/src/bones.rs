@@ -1,0 +1,69 @@
+//! The bones of a subject, found in how its surface moves, and where they are in the body's own frame.
+
+use actor::capture::Poses;
+use editing::{Rig, Rigid, Skin};
+use glam::{Quat, Vec3};
+use rig::RigOptions;
+
+use crate::carried::Pose;
+use crate::subject::Subject;
+
+/// Frames that bones are found in at most.
+const FRAMES: usize = 600;
+
+/// The bones of a human's body.
+#[derive(Clone, Debug)]
+pub struct Bones {
+    /// They, over the mesh.
+    pub rig: Rig,
+}
+
+impl Bones {
+    /// Those of a subject; `None` where nothing like a human's skeleton is found.
+    pub fn find(subject: &Subject) -> Option<Self> {
+        let count = subject.poses.len();
+        let mut poses = Poses::new(subject.poses.vertex_count());
+        (0..count).step_by(count.div_ceil(FRAMES).max(1)).for_each(|frame| poses.push(&subject.own(frame as u32)));
+        if poses.len() < 2 {
+            return None;
+        }
+        let found = rig::estimate(subject.topology, &poses, &RigOptions::default()).ok()?;
+        found.is_human.then_some(Self { rig: found.rig })
+    }
+
+    /// Where they are in a shape: motions from the rest pose.
+    pub fn at(&self, shape: &[Vec3]) -> Vec<Rigid> {
+        self.rig.fit(shape)
+    }
+
+    /// The bone of this name.
+    pub fn named(&self, name: &str) -> Option<usize> {
+        self.rig.bones().iter().position(|bone| bone.name == name)
+    }
+
+    /// The bone that a bone hangs on.
+    pub fn parent(&self, bone: usize) -> usize {
+        self.rig.bones()[bone].parent
+    }
+
+    /// How far a bone's joint is from where its parent has it; where the first bone's joint is.
+    pub fn slip(&self, motions: &[Rigid], bone: usize) -> Vec3 {
+        let joint = self.rig.bones()[bone].joint;
+        let there = motions[bone].apply(joint);
+        if bone == 0 { there } else { there - motions[self.parent(bone)].apply(joint) }
+    }
+
+    /// The surface that bones carry.
+    pub fn carry(&self, motions: &[Rigid]) -> Pose {
+        let still = Rigid { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
+        let skin = Skin::new(&vec![still; motions.len()], motions);
+        let rest = self.rig.rest().iter().zip(self.rig.influences());
+        let (shape, turns) = rest
+            .map(|(&point, influences)| {
+                let motion = skin.motion(influences);
+                (motion.apply(point), motion.rotation)
+            })
+            .unzip();
+        Pose { shape, turns }
+    }
+}
