@@ -36,9 +36,19 @@ impl Bones {
         self.rig.fit(shape)
     }
 
-    /// The bone of this name.
-    pub fn named(&self, name: &str) -> Option<usize> {
-        self.rig.bones().iter().position(|bone| bone.name == name)
+    /// For each bone the one of `other` with the same name; where there is none, that of what it hangs on.
+    pub fn like(&self, other: &Self) -> Vec<usize> {
+        let mut like: Vec<usize> = Vec::new();
+        for bone in self.rig.bones() {
+            let named = other.rig.bones().iter().position(|own| own.name == bone.name);
+            like.push(named.or_else(|| like.get(bone.parent).copied()).unwrap_or(0));
+        }
+        like
+    }
+
+    /// The middle of the hips in a pose.
+    pub fn hips(&self, pose: &[Vec3]) -> Vec3 {
+        self.at(pose)[0].apply(self.rig.bones()[0].joint)
     }
 
     /// The bone that a bone hangs on.
@@ -66,4 +76,13 @@ impl Bones {
             .unzip();
         Pose { shape, turns }
     }
+}
+
+/// The mean of rotations.
+pub fn mean(turns: impl Iterator<Item = Quat>) -> Quat {
+    let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+    for turn in turns {
+        sum += if turn.dot(sum) < 0.0 { -turn } else { turn };
+    }
+    if sum.length() > 1e-3 { sum.normalize() } else { Quat::IDENTITY }
 }

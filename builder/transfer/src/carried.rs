@@ -7,7 +7,7 @@ use editing::Rigid;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-use crate::bones::Bones;
+use crate::bones::{Bones, mean};
 use crate::pair::Pair;
 use crate::subject::Subject;
 
@@ -54,11 +54,7 @@ impl Carried {
     /// From pairs of frames; `None` where either has no human's bones.
     pub fn learn(source: &Subject, target: &Subject, pairs: &[Pair]) -> Option<Self> {
         let (source_bones, target_bones) = (source.bones()?.clone(), target.bones()?.clone());
-        let mut like: Vec<usize> = Vec::new();
-        for bone in target_bones.rig.bones() {
-            let above = like.get(bone.parent).copied().unwrap_or(0);
-            like.push(source_bones.named(&bone.name).unwrap_or(above));
-        }
+        let like = target_bones.like(&source_bones);
         let motions: Vec<[Vec<Rigid>; 2]> = pairs
             .par_iter()
             .map(|pair| [source_bones.at(&source.own_at(pair.source)), target_bones.at(&target.own(pair.target))])
@@ -102,13 +98,4 @@ impl Carried {
         }
         self.target.carry(&motions)
     }
-}
-
-/// The mean of rotations.
-fn mean(turns: impl Iterator<Item = Quat>) -> Quat {
-    let mut sum = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-    for turn in turns {
-        sum += if turn.dot(sum) < 0.0 { -turn } else { turn };
-    }
-    if sum.length() > 1e-3 { sum.normalize() } else { Quat::IDENTITY }
 }

@@ -25,6 +25,7 @@ mod rebuild;
 mod space;
 mod stand;
 mod subject;
+mod upright;
 
 pub use crate::densify::{Dense, Doubt, densify};
 pub use crate::error::TransferError;

@@ -92,6 +92,11 @@ impl<'a> Subject<'a> {
         self.poses.frame(frame).iter().map(|&point| body.own(point)).collect()
     }
 
+    /// The same actor, its body elsewhere.
+    pub(crate) fn with_roots(&self, roots: Vec<Root>) -> Self {
+        Self { parts: self.parts.clone(), roots, bones: self.bones.clone(), ..*self }
+    }
+
     /// Its bones, looked for once; `None` where nothing like a human's skeleton is found.
     pub(crate) fn bones(&self) -> Option<&Bones> {
         self.bones.get_or_init(|| Bones::find(self)).as_ref()

@@ -80,7 +80,9 @@ impl Both<'_> {
 /// What a sequence is there for.
 pub fn kind(sequence: &Sequence) -> Which {
     let is_learned = super::performed::LEARNED.iter().any(|name| sequence.labels.iter().any(|label| label == name));
-    match (is_learned, sequence.name.contains(" 1 ")) {
+    // Its seed is the second word: those of odd seeds are the takes that are learned from.
+    let seed = sequence.name.split(' ').nth(1).and_then(|seed| seed.parse::<u64>().ok());
+    match (is_learned, seed.is_some_and(|seed| seed % 2 == 1)) {
         (true, true) => Which::Seen,
         (true, false) => Which::Take,
         (false, _) => Which::Unseen,
