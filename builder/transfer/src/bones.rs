@@ -10,6 +10,8 @@ use crate::subject::Subject;
 
 /// Frames that bones are found in at most.
 const FRAMES: usize = 600;
+/// Rigid parts that a surface is split into, until a human is found.
+const PARTS: [usize; 3] = [26, 22, 32];
 
 /// The bones of a human's body.
 #[derive(Clone, Debug)]
@@ -23,12 +25,14 @@ impl Bones {
     pub fn find(subject: &Subject) -> Option<Self> {
         let count = subject.poses.len();
         let mut poses = Poses::new(subject.poses.vertex_count());
-        (0..count).step_by(count.div_ceil(FRAMES).max(1)).for_each(|frame| poses.push(&subject.own(frame as u32)));
-        if poses.len() < 2 {
-            return None;
-        }
-        let found = rig::estimate(subject.topology, &poses, &RigOptions::default()).ok()?;
-        found.is_human.then_some(Self { rig: found.rig })
+        let chosen = (0..count).step_by(count.div_ceil(FRAMES).max(1));
+        chosen.for_each(|frame| poses.push(subject.poses.frame(frame as u32)));
+        PARTS.into_iter().find_map(|parts| {
+            let mut options = RigOptions::default();
+            options.parts = parts;
+            let found = rig::estimate(subject.topology, &poses, &options).ok()?;
+            found.is_human.then_some(Self { rig: found.rig })
+        })
     }
 
     /// Where they are in a shape: motions from the rest pose.

@@ -39,7 +39,7 @@ pub struct Model<'a> {
     carried: Option<(Carried, Vec<Space>)>,
     displacement: Displacement,
     rebuilder: Rebuilder,
-    /// Poses by whose lengths shapes are corrected.
+    /// Poses by whose lengths shapes are corrected, where nothing carries them.
     examples: Option<Examples>,
     stance: Option<Stance>,
     /// Pairs that were learned from.
@@ -113,7 +113,7 @@ impl<'a> Model<'a> {
         let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, &target)), &weights)
             .map_err(|error| TransferError::Surface(error.to_string()))?;
         let examples = || Examples::of(&target, &frames(|pair| pair.target), &targets, &rebuilder, &weights);
-        let examples = options.correct.then(examples);
+        let examples = (options.correct && carried.is_none()).then(examples);
         let stance = if options.hold { Stance::of(&source, &target) } else { None };
         Ok(Self {
             source,
@@ -134,6 +134,12 @@ impl<'a> Model<'a> {
     #[must_use]
     pub fn parts(&self) -> usize {
         self.maps.len()
+    }
+
+    /// Whether bones carry the pose: both have a human's.
+    #[must_use]
+    pub fn has_bones(&self) -> bool {
+        self.carried.is_some()
     }
 
     /// What a metre of the source's way is for the target.
@@ -214,12 +220,10 @@ impl<'a> Model<'a> {
             }
         };
         let surface = self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))?;
-        let Some(examples) = &self.examples else { return Ok(surface) };
-        let predicted = match &self.carried {
-            None => predicted,
-            Some(_) => self.targets.iter().map(|space| space.numbers(&surface)).collect(),
-        };
-        examples.correct(&self.rebuilder, &surface, &predicted)
+        match &self.examples {
+            Some(examples) => examples.correct(&self.rebuilder, &surface, &predicted),
+            None => Ok(surface),
+        }
     }
 }
 
