@@ -109,6 +109,23 @@ impl Numbers {
         recorded.iter().zip(sums.as_chunks::<3>().0).map(place).collect()
     }
 
+    /// What the shape's numbers change edges by, in the pose `recorded` of the frame `offset` frames after the first one: x' A x is the mean square of
+    /// changes as parts of lengths, for the difference x of two rows.
+    pub fn stretches(&self, recorded: &[Vec3], offset: usize, edges: &[[usize; 2]]) -> Matrix {
+        let body = self.ways[offset].1;
+        let own = |vertex: usize| body.own(recorded[vertex]);
+        let part = |mode: &[f32], vertex: usize| Vec3::new(mode[3 * vertex], mode[3 * vertex + 1], mode[3 * vertex + 2]);
+        let share = self.scale / (edges.len().max(1) as f64).sqrt();
+        // A row a mode.
+        let changes = Matrix::from_fn(self.modes.len(), edges.len(), |mode, edge| {
+            let [a, b] = edges[edge];
+            let way = own(a) - own(b);
+            let mode = &self.modes[mode];
+            share * f64::from((part(mode, a) - part(mode, b)).dot(way) / way.length_squared().max(1e-12))
+        });
+        changes.gram()
+    }
+
     /// The sum of the modes times `amounts`: so many of them after each other for a piece of the surface that it need not be read from afar again.
     fn summed(&self, amounts: &[f32], vertices: usize) -> Vec<f32> {
         let mut sums = vec![0.0; 3 * vertices];

@@ -53,8 +53,8 @@ impl Source {
     /// Whether what is read of `frame` now is what was recorded.
     #[must_use]
     pub fn as_recorded(&self, frame: u32) -> bool {
-        let varied = self.varied.as_ref().and_then(Varied::present);
-        varied.is_none() && self.edited.iter().all(|(edited, _)| *edited != frame)
+        let varied = self.varied.as_ref().is_some_and(|varied| varied.differs(frame));
+        !varied && self.edited.iter().all(|(edited, _)| *edited != frame)
     }
 }
 
