@@ -28,7 +28,9 @@ fn main() {
     let names: Vec<String> = arguments.collect();
     let figure = Figure::of(Kind::Woman, 2500, 128);
     let triangles = figure.mesh.triangles.clone();
-    for (behaviour, (name, seconds)) in BEHAVIOURS.iter().enumerate().filter(|(_, own)| names.iter().any(|name| name == own.0)) {
+    for (behaviour, (name, seconds)) in
+        BEHAVIOURS.iter().enumerate().filter(|(_, own)| names.iter().any(|name| name == own.0))
+    {
         let frames = (seconds * FPS).round() as usize;
         let take = Take { name: (*name).into(), behaviour, first_frame: 0, frames, seed: mix(1, behaviour as u64) };
         let mut poses = Poses::new(figure.mesh.positions.len());
@@ -41,7 +43,8 @@ fn main() {
         let varied = vary(&poses, &topology, (0..count, FPS), &options, &Job::silent()).expect("nobody stops it");
         let feet = Feet::default();
         let seen = Seen::new(&varied, &poses, &feet, None);
-        let all: Vec<Vec<Vec<Vec3>>> = (0..8).map(|number| (0..count).map(|frame| seen.variation(number).pose(frame)).collect()).collect();
+        let all: Vec<Vec<Vec<Vec3>>> =
+            (0..8).map(|number| (0..count).map(|frame| seen.variation(number).pose(frame)).collect()).collect();
         let of_frame = |&frame: &u32| {
             let was = poses.frame(frame);
             let own = crossings(&triangles, was);
@@ -50,15 +53,24 @@ fn main() {
                 let mut shares: Vec<f32> = (0..8).map(|k| (0..4).map(|j| signed(draw, 4 * k + j)).sum()).collect();
                 for cut in 0..2 {
                     let length = shares.iter().skip(cut).step_by(2).map(|share| share * share).sum::<f32>().sqrt();
-                    shares.iter_mut().skip(cut).step_by(2).for_each(|share| *share /= length * std::f32::consts::SQRT_2);
+                    shares
+                        .iter_mut()
+                        .skip(cut)
+                        .step_by(2)
+                        .for_each(|share| *share /= length * std::f32::consts::SQRT_2);
                 }
                 let mut pose = was.to_vec();
                 for (share, poses) in shares.iter().zip(&all) {
-                    pose.iter_mut().zip(&poses[frame as usize]).zip(was).for_each(|((place, own), was)| *place += (*own - *was) * *share);
+                    pose.iter_mut()
+                        .zip(&poses[frame as usize])
+                        .zip(was)
+                        .for_each(|((place, own), was)| *place += (*own - *was) * *share);
                 }
                 off += pose.iter().zip(was).map(|(a, b)| f64::from(a.distance(*b))).sum::<f64>() / was.len() as f64;
                 let length = |pose: &[Vec3], [a, b, _]: [u32; 3]| pose[a as usize].distance(pose[b as usize]);
-                let change = |&triangle: &[u32; 3]| f64::from((length(&pose, triangle) / length(was, triangle).max(1e-6) - 1.0).abs());
+                let change = |&triangle: &[u32; 3]| {
+                    f64::from((length(&pose, triangle) / length(was, triangle).max(1e-6) - 1.0).abs())
+                };
                 edges += triangles.iter().map(change).sum::<f64>() / triangles.len() as f64;
                 let crossings = crossings(&triangles, &pose).saturating_sub(own);
                 found += crossings;
@@ -98,12 +110,15 @@ fn crossings(triangles: &[[u32; 3]], pose: &[Vec3]) -> usize {
     for &[a, b, c] in triangles {
         for [from, to] in [[a, b], [b, c], [c, a]].into_iter().filter(|[from, to]| from < to) {
             let ends = [pose[from as usize], pose[to as usize]];
-            let mut near: Vec<usize> = cells([ends[0], ends[1], ends[1]]).filter_map(|cell| grid.get(&cell)).flatten().copied().collect();
+            let mut near: Vec<usize> =
+                cells([ends[0], ends[1], ends[1]]).filter_map(|cell| grid.get(&cell)).flatten().copied().collect();
             near.sort_unstable();
             near.dedup();
             count += near
                 .into_iter()
-                .filter(|&k| !triangles[k].contains(&from) && !triangles[k].contains(&to) && goes_through(ends, at(triangles[k])))
+                .filter(|&k| {
+                    !triangles[k].contains(&from) && !triangles[k].contains(&to) && goes_through(ends, at(triangles[k]))
+                })
                 .count();
         }
     }

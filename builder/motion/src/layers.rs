@@ -1,7 +1,7 @@
 //! Layers of a surface that face each other, such as a thigh and the skirt over it: variations bring none through another.
 //!
-//! Nothing of the surface is pulled: where mixtures of a stretch's alternatives would bring layers through each other, all of them are drawn nearer
-//! to the recording for a while.
+//! Where mixtures of a stretch's alternatives would bring layers through each other, that which moves these layers towards each other is taken out of
+//! them; what moves layers together stays.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -9,11 +9,11 @@ use std::ops::Range;
 use actor::capture::Poses;
 use glam::{IVec3, Vec3};
 use kernels::topology::Topology;
+use learn::dense::Matrix;
 use rayon::prelude::*;
 
 use crate::numbers::Numbers;
-use crate::reach::Differences;
-use crate::smooth::smoothed;
+use crate::reach::{Differences, softened};
 
 /// Vertices that are looked at, at most.
 const LOOKED_AT: usize = 1500;
@@ -27,12 +27,12 @@ const ASIDE: f32 = 0.015;
 const OPPOSED: f32 = -0.3;
 /// So much nearer than their gap layers may come, in body sizes: 2 mm of 1.8 m. What lies on something is not held by it.
 const GIVES: f32 = 0.0011;
-/// Over so many learned frames what is drawn nearer goes back to what it would be.
-const BACK: f64 = 12.0;
-/// So many learned frames before and after are drawn as near.
-const WIDE: f64 = 5.0;
-/// Deviation of what smooths it, in learned frames.
-const SMOOTH: f64 = 2.0;
+/// How firmly layers are held apart: the first that is enough, or the last.
+const FIRM: [f64; 5] = [0.001, 0.003, 0.01, 0.03, 0.1];
+/// Enough is where no more than this part of vertices that face each other might meet.
+const MEET: f64 = 0.01;
+/// Deviation of what smooths it over time, in looked frames: what faces what changes from frame to frame.
+const SMOOTH: f64 = 1.5;
 
 /// What faces what, in the frames that a model learned.
 pub struct Layers {
@@ -70,58 +70,81 @@ impl Layers {
         Self { numbers: numbers.thinned(&chosen), frames, gives: GIVES * size }
     }
 
-    /// Draws all variations of each stretch nearer to the recording where mixtures of them would bring layers through each other.
+    /// Takes out of all variations of each stretch what moves layers through each other: more of it where they are near, and no more
+    /// than is needed that few of them meet.
     pub fn hold(&self, differences: &mut Differences, stretches: &[Range<usize>]) {
         for stretch in stretches {
-            let tight: Vec<(usize, f64)> = (0..self.frames.len())
-                .into_par_iter()
-                .filter(|looked| stretch.contains(&(looked * EVERY)))
-                .map(|looked| (looked * EVERY, self.share(differences, looked)))
-                .filter(|(_, share)| *share < 1.0)
-                .collect();
-            if tight.is_empty() {
+            let looked: Vec<usize> = (0..self.frames.len()).filter(|k| stretch.contains(&(k * EVERY))).collect();
+            if self.meet(differences, &looked) <= MEET {
                 continue;
             }
-            for (k, share) in eased(&tight, stretch).into_iter().enumerate() {
-                for one in differences.iter_mut() {
-                    one[stretch.start + k].iter_mut().for_each(|number| *number *= share);
+            let tight: Vec<Matrix> = looked.par_iter().map(|&k| self.tightness(k)).collect();
+            let given: Differences = differences.iter().map(|one| one[stretch.clone()].to_vec()).collect();
+            for firm in FIRM {
+                let softened: Vec<Option<Vec<Vec<f64>>>> = (0..stretch.len())
+                    .into_par_iter()
+                    .map(|k| {
+                        let rows: Vec<&Vec<f64>> = given.iter().map(|one| &one[k]).collect();
+                        softened(&rows, &between(&tight, looked[0] * EVERY, stretch.start + k), firm)
+                    })
+                    .collect();
+                for (k, rows) in softened.into_iter().enumerate() {
+                    for (one, row) in differences.iter_mut().zip(rows.unwrap_or_default()) {
+                        one[stretch.start + k] = row;
+                    }
+                }
+                if self.meet(differences, &looked) <= MEET {
+                    break;
                 }
             }
         }
     }
 
-    /// The largest share, up to one, of all variations by which no mixture of them brings layers through each other in a frame.
-    fn share(&self, differences: &Differences, looked: usize) -> f64 {
-        let (places, facing) = &self.frames[looked];
-        let k = looked * EVERY;
-        if facing.is_empty() {
-            return 1.0;
-        }
-        let mut squares = vec![0.0_f32; facing.len()];
-        for one in differences {
-            let moved = self.numbers.moved(places, k * self.numbers.stride as usize, &one[k]);
-            for (square, facing) in squares.iter_mut().zip(facing) {
-                let [own, other] = facing.ends.map(|vertex| moved[vertex] - places[vertex]);
-                *square += (own - other).dot(facing.normal).powi(2);
+    /// The part of vertices that face each other which mixtures of variations may bring through each other, in some looked frames.
+    fn meet(&self, differences: &Differences, looked: &[usize]) -> f64 {
+        let of = |&looked: &usize| -> [usize; 2] {
+            let (places, facing) = &self.frames[looked];
+            let k = looked * EVERY;
+            let mut squares = vec![0.0_f32; facing.len()];
+            for one in differences {
+                let moved = self.numbers.moved(places, k * self.numbers.stride as usize, &one[k]);
+                for (square, facing) in squares.iter_mut().zip(facing) {
+                    let [own, other] = facing.ends.map(|vertex| moved[vertex] - places[vertex]);
+                    *square += (own - other).dot(facing.normal).powi(2);
+                }
             }
-        }
-        // Of all vectors of length one, the mixture that brings these two nearest to each other does so by the length of what each does.
-        let share = |(square, facing): (&f32, &Facing)| (facing.gap + self.gives) / square.sqrt().max(f32::MIN_POSITIVE);
-        f64::from(squares.iter().zip(facing).map(share).fold(1.0, f32::min))
+            // Mixtures of length one bring two of them nearer to each other by at most the length of what each variation does; most do by half of it.
+            let meets = |(square, facing): &(&f32, &Facing)| 0.5 * square.sqrt() > facing.gap + self.gives;
+            [squares.iter().zip(facing).filter(meets).count(), facing.len()]
+        };
+        let counts: Vec<[usize; 2]> = looked.par_iter().map(of).collect();
+        let [meet, all] = counts.iter().fold([0, 0], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+        meet as f64 / all.max(1) as f64
+    }
+
+    /// What numbers move layers by towards each other in a frame, beside their gaps: x' A x is the mean square of that.
+    fn tightness(&self, looked: usize) -> Matrix {
+        let facing = &self.frames[looked].1;
+        let ways: Vec<([usize; 2], Vec3)> =
+            facing.iter().map(|one| (one.ends, one.normal / (one.gap + self.gives))).collect();
+        self.numbers.along(looked * EVERY * self.numbers.stride as usize, &ways)
     }
 }
 
-/// Shares for all frames of a stretch, from those that are tight.
-fn eased(tight: &[(usize, f64)], stretch: &Range<usize>) -> Vec<f64> {
-    let of = |k: usize| {
-        let from = |&(at, share): &(usize, f64)| {
-            let far = (at.abs_diff(k) as f64 - WIDE).max(0.0) / BACK;
-            share + far
-        };
-        vec![tight.iter().map(from).fold(1.0, f64::min)]
-    };
-    let shares: Vec<Vec<f64>> = stretch.clone().map(of).collect();
-    smoothed(&shares, SMOOTH).into_iter().map(|share| share[0].clamp(0.0, 1.0)).collect()
+/// The matrix of a learned frame, from those of looked frames, of which the first is at `first`.
+fn between(tight: &[Matrix], first: usize, frame: usize) -> Matrix {
+    let at = (frame as f64 - first as f64) / EVERY as f64;
+    let mut sum = Matrix::zeros(tight[0].rows(), tight[0].columns());
+    let mut total = 0.0;
+    for (k, own) in tight.iter().enumerate() {
+        let weight = (-0.5 * ((k as f64 - at) / SMOOTH).powi(2)).exp();
+        if weight > 1e-4 {
+            total += weight;
+            sum.values_mut().iter_mut().zip(own.values()).for_each(|(sum, own)| *sum += weight * own);
+        }
+    }
+    sum.values_mut().iter_mut().for_each(|value| *value /= f64::max(total, f64::MIN_POSITIVE));
+    sum
 }
 
 /// For each vertex the nearest one that faces it.
@@ -183,10 +206,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_tight_eases_in_and_out() {
-        let shares = eased(&[(30, 0.4)], &(0..61));
-        assert!((shares[30] - 0.4).abs() < 1e-6 && shares[0] == 1.0 && shares[60] == 1.0, "{shares:?}");
-        assert!(shares.windows(2).all(|two| (two[1] - two[0]).abs() <= 1.0 / BACK + 1e-9));
-        assert!((26..=34).all(|k| shares[k] < 0.45), "{shares:?}");
+    fn what_moves_layers_through_each_other_goes_and_what_moves_both_stays() {
+        // Two numbers: one moves both layers, one moves them towards each other by twice their gap.
+        let tight = Matrix::from_fn(2, 2, |row, column| if (row, column) == (1, 1) { 4.0 } else { 0.0 });
+        let row = vec![1.0, 1.0, 7.0];
+        let soft = softened(&[&row], &tight, 1.0).unwrap();
+        assert!((soft[0][0] - 1.0).abs() < 1e-9 && (soft[0][1] - 0.2).abs() < 1e-9 && soft[0][2] == 7.0, "{soft:?}");
+        let two = [tight.clone(), Matrix::zeros(2, 2)];
+        let of = |frame: usize| between(&two, 30, frame)[(1, 1)];
+        assert!(of(30) > of(32) && of(32) > of(34) && of(30) < 4.0 && of(34) > 0.0);
     }
 }

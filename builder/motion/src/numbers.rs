@@ -109,21 +109,21 @@ impl Numbers {
         recorded.iter().zip(sums.as_chunks::<3>().0).map(place).collect()
     }
 
-    /// What the shape's numbers change edges by, in the pose `recorded` of the frame `offset` frames after the first one: x' A x is the mean square of
-    /// changes as parts of lengths, for the difference x of two rows.
-    pub fn stretches(&self, recorded: &[Vec3], offset: usize, edges: &[[usize; 2]]) -> Matrix {
-        let body = self.ways[offset].1;
-        let own = |vertex: usize| body.own(recorded[vertex]);
-        let part = |mode: &[f32], vertex: usize| Vec3::new(mode[3 * vertex], mode[3 * vertex + 1], mode[3 * vertex + 2]);
-        let share = self.scale / (edges.len().max(1) as f64).sqrt();
+    /// How the shape's numbers move pairs of vertices against each other along ways, given in the world of the frame `offset` frames after the first one:
+    /// x' A x is the mean square of (own - other) . way, for the difference x of two rows.
+    pub fn along(&self, offset: usize, ways: &[([usize; 2], Vec3)]) -> Matrix {
+        let back = self.ways[offset].1.rotation.inverse();
+        let own: Vec<([usize; 2], Vec3)> = ways.iter().map(|(ends, way)| (*ends, back * *way)).collect();
+        let part =
+            |mode: &[f32], vertex: usize| Vec3::new(mode[3 * vertex], mode[3 * vertex + 1], mode[3 * vertex + 2]);
+        let share = self.scale / (ways.len().max(1) as f64).sqrt();
         // A row a mode.
-        let changes = Matrix::from_fn(self.modes.len(), edges.len(), |mode, edge| {
-            let [a, b] = edges[edge];
-            let way = own(a) - own(b);
+        let moves = Matrix::from_fn(self.modes.len(), own.len(), |mode, pair| {
+            let ([a, b], way) = own[pair];
             let mode = &self.modes[mode];
-            share * f64::from((part(mode, a) - part(mode, b)).dot(way) / way.length_squared().max(1e-12))
+            share * f64::from((part(mode, a) - part(mode, b)).dot(way))
         });
-        changes.gram()
+        moves.gram()
     }
 
     /// The sum of the modes times `amounts`: so many of them after each other for a piece of the surface that it need not be read from afar again.

@@ -29,7 +29,7 @@ const RAMP: usize = 30;
 /// to two fifths more of it.
 const EDGES: f64 = 0.014;
 /// How firmly edges are held, beside the numbers: the first that is enough.
-const FIRM: [f64; 6] = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2];
+const FIRM: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 /// Every so many learned frames are looked at for that.
 const EVERY: usize = 3;
 /// Edges that are looked at, at most.
@@ -132,8 +132,8 @@ impl Looked {
             let given = one[stretch.clone()].to_vec();
             let stiff = self.stiffness(stretch);
             let mut change = found;
-            for firm in FIRM.into_iter().filter(|_| std::env::var("H3_NO_FIRM").is_err()) {
-                let Some(soft) = self.softened(&given, &stiff, firm) else { break };
+            for firm in FIRM {
+                let Some(soft) = softened(&given.iter().collect::<Vec<_>>(), &stiff, firm) else { break };
                 one[stretch.clone()].clone_from_slice(&soft);
                 change = self.change(one, stretch);
                 if change <= EDGES {
@@ -158,26 +158,18 @@ impl Looked {
         let width = self.numbers.components();
         let mut sum = Matrix::zeros(width, width);
         for k in stretch.clone().step_by(EVERY) {
-            let own = self.numbers.stretches(&self.recorded[k], k * self.numbers.stride as usize, &self.edges);
+            let was = &self.recorded[k];
+            let way = |&[a, b]: &[usize; 2]| {
+                let edge = was[a] - was[b];
+                ([a, b], edge / edge.length_squared().max(1e-12))
+            };
+            let ways: Vec<([usize; 2], Vec3)> = self.edges.iter().map(way).collect();
+            let own = self.numbers.along(k * self.numbers.stride as usize, &ways);
             sum.values_mut().iter_mut().zip(own.values()).for_each(|(sum, own)| *sum += own);
         }
         let mean = (0..width).map(|k| sum[(k, k)]).sum::<f64>() / width.max(1) as f64;
         sum.values_mut().iter_mut().for_each(|value| *value /= mean.max(f64::MIN_POSITIVE));
         sum
-    }
-
-    /// The rows x nearest to the given ones d: with least (x - d)^2 + firm x' A x.
-    fn softened(&self, given: &[Vec<f64>], stiff: &Matrix, firm: f64) -> Option<Vec<Vec<f64>>> {
-        let width = self.numbers.components();
-        let normal = Matrix::from_fn(width, width, |row, column| {
-            firm * stiff[(row, column)] + if row == column { 1.0 } else { 0.0 }
-        });
-        let columns = Matrix::from_fn(width, given.len(), |row, column| given[column][row]);
-        let found = Cholesky::of(&normal)?.solve(&columns);
-        let row = |(k, given): (usize, &Vec<f64>)| {
-            given.iter().enumerate().map(|(c, own)| if c < width { found[(c, k)] } else { *own }).collect()
-        };
-        Some(given.iter().enumerate().map(row).collect())
     }
 
     /// Draws all variations of a stretch nearer to the recording, by one share, where their mixtures would be too far from each other or shake, on
@@ -247,6 +239,20 @@ impl Spread {
         }
         low
     }
+}
+
+/// The rows x nearest to the given ones d: those with least (x - d)^2 + firm x' A x, of which A is about the first numbers alone.
+pub fn softened(given: &[&Vec<f64>], stiff: &Matrix, firm: f64) -> Option<Vec<Vec<f64>>> {
+    let width = stiff.rows();
+    let normal = Matrix::from_fn(width, width, |row, column| {
+        firm * stiff[(row, column)] + if row == column { 1.0 } else { 0.0 }
+    });
+    let columns = Matrix::from_fn(width, given.len(), |row, column| given[column][row]);
+    let found = Cholesky::of(&normal)?.solve(&columns);
+    let row = |(k, given): (usize, &&Vec<f64>)| {
+        given.iter().enumerate().map(|(c, own)| if c < width { found[(c, k)] } else { *own }).collect()
+    };
+    Some(given.iter().enumerate().map(row).collect())
 }
 
 /// The root of the mean square of what differs, over frames that do.

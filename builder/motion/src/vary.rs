@@ -125,9 +125,7 @@ impl Drawn {
             let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
             lift(&mut own, stretches, least(amount, size), &|own| looked.distance(own));
             own.par_iter_mut().for_each(|one| looked.hold_edges(one, stretches));
-            if std::env::var("H3_NO_LAYERS").is_err() {
-                layers.hold(&mut own, stretches);
-            }
+            layers.hold(&mut own, stretches);
             looked.hold_apart(&mut own, stretches, size);
             for (number, one) in of_cut().zip(own) {
                 self.differences[number] = one;

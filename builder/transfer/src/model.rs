@@ -39,7 +39,7 @@ pub struct Model<'a> {
     carried: Option<(Carried, Vec<Space>)>,
     displacement: Displacement,
     rebuilder: Rebuilder,
-    /// Poses by whose lengths shapes are corrected, where nothing carries them.
+    /// Poses by whose lengths shapes are corrected.
     examples: Option<Examples>,
     stance: Option<Stance>,
     /// Pairs that were learned from.
@@ -67,7 +67,7 @@ impl<'a> Model<'a> {
         let indices: Vec<usize> = (0..most).map(|k| k * pairs.len() / most).collect();
         let chosen: Vec<Pair> = indices.iter().map(|&index| pairs[index]).collect();
         let order = if options.whole { None } else { matching(source, target, pairs) };
-        let upright = if options.bones && order.is_some() { upright(source, target, pairs) } else { None };
+        let upright = if options.bones { upright(source, target, pairs) } else { None };
         let has_bones = upright.is_some();
         let [source, target] = upright.unwrap_or_else(|| [source, target].map(|own| own.with_roots(own.roots.clone())));
         let frames = |of: fn(&Pair) -> u32| chosen.iter().map(of).collect::<Vec<u32>>();
@@ -87,7 +87,7 @@ impl<'a> Model<'a> {
         let carried = if has_bones { Carried::learn(&source, &target, &chosen) } else { None };
         let carried = carried.map(|carried| {
             let rests: Vec<Vec<Vec3>> = chosen.par_iter().map(|pair| carried.rest(&source, &target, pair)).collect();
-            let spaces = spaces_of(&target, &rests, false);
+            let spaces = spaces_of(&target, &rests, order.is_none());
             (carried, spaces, rests)
         });
         let y: Vec<Vec<Vec<f64>>> = match &carried {
@@ -113,7 +113,7 @@ impl<'a> Model<'a> {
         let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, &target)), &weights)
             .map_err(|error| TransferError::Surface(error.to_string()))?;
         let examples = || Examples::of(&target, &frames(|pair| pair.target), &targets, &rebuilder, &weights);
-        let examples = (options.correct && carried.is_none()).then(examples);
+        let examples = options.correct.then(examples);
         let stance = if options.hold { Stance::of(&source, &target) } else { None };
         Ok(Self {
             source,
@@ -220,10 +220,11 @@ impl<'a> Model<'a> {
             }
         };
         let surface = self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))?;
-        match &self.examples {
-            Some(examples) => examples.correct(&self.rebuilder, &surface, &predicted),
-            None => Ok(surface),
-        }
+        let Some(examples) = &self.examples else { return Ok(surface) };
+        // What bones carry is told apart by what came of it.
+        let came = || self.targets.iter().map(|space| space.numbers(&surface)).collect();
+        let numbers = if self.has_bones() { came() } else { predicted };
+        examples.correct(&self.rebuilder, &surface, &numbers)
     }
 }
 

@@ -42,7 +42,7 @@ pub struct TransferOptions {
     pub pairs: usize,
     /// Hold soles where the source's stand.
     pub hold: bool,
-    /// Stretch triangles as in the target's recorded poses, where maps alone make the pose: what bones carry has their lengths.
+    /// Stretch triangles as in the target's recorded poses.
     pub correct: bool,
     /// Let the bones of both carry the pose, where both have a human's: maps learn what they leave over.
     pub bones: bool,

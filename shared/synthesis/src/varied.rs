@@ -60,7 +60,8 @@ impl Varied {
     #[must_use]
     pub fn new(alternatives: Arc<Alternatives>, seed: u64, amount: f32) -> Self {
         let mut varied = Self { alternatives, seed, amount: 0.0, shown: Vec::new(), entered: None };
-        varied.shown = vec![Shown { drawn: 0, shares: Vec::new(), before: None }; varied.alternatives.stretches().len()];
+        varied.shown =
+            vec![Shown { drawn: 0, shares: Vec::new(), before: None }; varied.alternatives.stretches().len()];
         varied.set_amount(amount);
         varied
     }
@@ -249,7 +250,8 @@ mod tests {
         let sequence = Sequence { name: "a".into(), labels: vec![], first_frame: 0, frame_count: 200, cyclic: true };
         let timeline = Timeline::new(25.0, vec![sequence]).unwrap();
         let coefficients = vec![vec![900; 98], vec![-700; 98], vec![500; 98]];
-        let stretch = |first: u32| Stretch { first, last: first + 99, headings: vec![0; 98], coefficients: coefficients.clone() };
+        let stretch =
+            |first: u32| Stretch { first, last: first + 99, headings: vec![0; 98], coefficients: coefficients.clone() };
         let all = Alternatives::new(vec![vec![[127, 0, 0]]], vec![stretch(0), stretch(99)], 1, &timeline).unwrap();
         let mut varied = Varied::new(Arc::new(all), 5, 1.0);
         let shown = |varied: &Varied, frame: u32| {
