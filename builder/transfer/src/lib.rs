@@ -1,7 +1,8 @@
 //! One actor moves as another does, learned from a few pairs of poses that mean the same.
 //!
 //! ```text
-//! subject (own frame, parts) -> spaces (numbers a part) -> densify (keys to pairs, by DTW) -> model (Gaussian processes, displacement)
+//! subject (own frame, parts) -> spaces (numbers a part) -> densify (keys to pairs, by DTW)
+//!     -> upright, carried (the pose by the bones of both) -> model (Gaussian processes of what is left over, displacement)
 //!     -> rebuild (parts into one surface) -> stand (soles)
 //! ```
 //!
