@@ -1,12 +1,10 @@
-//! The bones of a subject, found in how its surface moves, and where they are in the body's own frame.
+//! Bones that are found in how a surface moves, where they are in a shape of it, and the surface that they carry.
 
 use actor::capture::Poses;
 use editing::{Rig, Rigid, Skin};
 use glam::{Quat, Vec3};
+use kernels::topology::Topology;
 use rig::RigOptions;
-
-use crate::carried::Pose;
-use crate::subject::Subject;
 
 /// Frames that bones are found in at most.
 const FRAMES: usize = 600;
@@ -20,17 +18,36 @@ pub struct Bones {
     pub rig: Rig,
 }
 
+/// A surface that bones carry.
+pub struct Pose {
+    /// The places of all vertices.
+    pub shape: Vec<Vec3>,
+    /// How the surface is turned at each.
+    pub turns: Vec<Quat>,
+}
+
+impl Pose {
+    /// The places of some vertices with what is beside the bones there.
+    pub fn with(&self, vertices: &[u32], rest: &[Vec3]) -> Vec<Vec3> {
+        let place = |(&vertex, &rest): (&u32, &Vec3)| {
+            let vertex = vertex as usize;
+            self.shape[vertex] + self.turns[vertex] * rest
+        };
+        vertices.iter().zip(rest).map(place).collect()
+    }
+}
+
 impl Bones {
-    /// Those of a subject; `None` where nothing like a human's skeleton is found.
-    pub fn find(subject: &Subject) -> Option<Self> {
-        let count = subject.poses.len();
-        let mut poses = Poses::new(subject.poses.vertex_count());
+    /// Those of a mesh that was recorded in these poses; `None` where nothing like a human's skeleton is found.
+    pub fn find(topology: &Topology, recorded: &Poses) -> Option<Self> {
+        let count = recorded.len();
+        let mut poses = Poses::new(recorded.vertex_count());
         let chosen = (0..count).step_by(count.div_ceil(FRAMES).max(1));
-        chosen.for_each(|frame| poses.push(subject.poses.frame(frame as u32)));
+        chosen.for_each(|frame| poses.push(recorded.frame(frame as u32)));
         PARTS.into_iter().find_map(|parts| {
             let mut options = RigOptions::default();
             options.parts = parts;
-            let found = rig::estimate(subject.topology, &poses, &options).ok()?;
+            let found = rig::estimate(topology, &poses, &options).ok()?;
             found.is_human.then_some(Self { rig: found.rig })
         })
     }

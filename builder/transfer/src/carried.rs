@@ -7,7 +7,7 @@ use editing::Rigid;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-use crate::bones::{Bones, mean};
+use crate::bones::{Bones, Pose, mean};
 use crate::pair::Pair;
 use crate::subject::Subject;
 
@@ -29,25 +29,6 @@ struct Joint {
     /// How far it is from where its parent has it, beside what it is in the source, on average: in metres in the parent's rest
     /// frame; of the first bone in the body's own.
     slip: Vec3,
-}
-
-/// A surface that bones carry.
-pub struct Pose {
-    /// The places of all vertices.
-    pub shape: Vec<Vec3>,
-    /// How the surface is turned at each.
-    pub turns: Vec<Quat>,
-}
-
-impl Pose {
-    /// The places of some vertices with what is beside the bones there.
-    pub fn with(&self, vertices: &[u32], rest: &[Vec3]) -> Vec<Vec3> {
-        let place = |(&vertex, &rest): (&u32, &Vec3)| {
-            let vertex = vertex as usize;
-            self.shape[vertex] + self.turns[vertex] * rest
-        };
-        vertices.iter().zip(rest).map(place).collect()
-    }
 }
 
 impl Carried {

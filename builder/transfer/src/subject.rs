@@ -99,7 +99,7 @@ impl<'a> Subject<'a> {
 
     /// Its bones, looked for once; `None` where nothing like a human's skeleton is found.
     pub(crate) fn bones(&self) -> Option<&Bones> {
-        self.bones.get_or_init(|| Bones::find(self)).as_ref()
+        self.bones.get_or_init(|| Bones::find(self.topology, self.poses)).as_ref()
     }
 
     /// The shape at a time between frames of one sequence.
