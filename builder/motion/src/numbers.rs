@@ -109,6 +109,23 @@ impl Numbers {
         recorded.iter().zip(sums.as_chunks::<3>().0).map(place).collect()
     }
 
+    /// How the shape's numbers move pairs of vertices against each other along ways, given in the world of the frame `offset` frames after the first one:
+    /// x' A x is the mean square of (own - other) . way, for the difference x of two rows.
+    pub fn along(&self, offset: usize, ways: &[([usize; 2], Vec3)]) -> Matrix {
+        let back = self.ways[offset].1.rotation.inverse();
+        let own: Vec<([usize; 2], Vec3)> = ways.iter().map(|(ends, way)| (*ends, back * *way)).collect();
+        let part =
+            |mode: &[f32], vertex: usize| Vec3::new(mode[3 * vertex], mode[3 * vertex + 1], mode[3 * vertex + 2]);
+        let share = self.scale / (ways.len().max(1) as f64).sqrt();
+        // A row a mode.
+        let moves = Matrix::from_fn(self.modes.len(), own.len(), |mode, pair| {
+            let ([a, b], way) = own[pair];
+            let mode = &self.modes[mode];
+            share * f64::from((part(mode, a) - part(mode, b)).dot(way))
+        });
+        moves.gram()
+    }
+
     /// The sum of the modes times `amounts`: so many of them after each other for a piece of the surface that it need not be read from afar again.
     fn summed(&self, amounts: &[f32], vertices: usize) -> Vec<f32> {
         let mut sums = vec![0.0; 3 * vertices];

@@ -11,6 +11,7 @@ use std::ops::Range;
 use actor::capture::Poses;
 use glam::Vec3;
 use kernels::topology::Topology;
+use learn::dense::{Cholesky, Matrix};
 
 use crate::numbers::Numbers;
 use crate::smooth::{ramp, smoothed};
@@ -27,6 +28,8 @@ const RAMP: usize = 30;
 /// Edges of a stretch change by this at most, on average, as a part of their lengths: mixtures of alternatives, and feet that stand, make up
 /// to two fifths more of it.
 const EDGES: f64 = 0.014;
+/// How firmly edges are held, beside the numbers: the first that is enough.
+const FIRM: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 /// Every so many learned frames are looked at for that.
 const EVERY: usize = 3;
 /// Edges that are looked at, at most.
@@ -118,19 +121,55 @@ impl Looked {
         sum / f64::max(count, 1.0)
     }
 
-    /// Draws the stretches of one variation nearer to the recording whose edges would change by more than the mark.
+    /// Takes out of the stretches of one variation what changes edges by more than the mark: first what does so most for what it moves, then
+    /// some of all.
     pub fn hold_edges(&self, one: &mut [Vec<f64>], stretches: &[Range<usize>]) {
         for stretch in stretches {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for k in stretch.clone().step_by(EVERY) {
-                sum += changes(&self.edges, &self.moved(k, &one[k]), &self.recorded[k]);
-                count += 1.0;
+            let found = self.change(one, stretch);
+            if found <= EDGES {
+                continue;
             }
-            let change = sum / f64::max(count, 1.0);
+            let given = one[stretch.clone()].to_vec();
+            let stiff = self.stiffness(stretch);
+            let mut change = found;
+            for firm in FIRM {
+                let Some(soft) = softened(&given.iter().collect::<Vec<_>>(), &stiff, firm) else { break };
+                one[stretch.clone()].clone_from_slice(&soft);
+                change = self.change(one, stretch);
+                if change <= EDGES {
+                    break;
+                }
+            }
             if change > EDGES {
                 scale_by(one[stretch.clone()].iter_mut(), EDGES / change);
             }
         }
+    }
+
+    /// How much edges change in a stretch of a variation, on average, as a part of their lengths.
+    fn change(&self, one: &[Vec<f64>], stretch: &Range<usize>) -> f64 {
+        let looked = || stretch.clone().step_by(EVERY);
+        let sum = looked().map(|k| changes(&self.edges, &self.moved(k, &one[k]), &self.recorded[k])).sum::<f64>();
+        sum / looked().count().max(1) as f64
+    }
+
+    /// What numbers change edges by in a stretch, on average, over the mean of all numbers.
+    fn stiffness(&self, stretch: &Range<usize>) -> Matrix {
+        let width = self.numbers.components();
+        let mut sum = Matrix::zeros(width, width);
+        for k in stretch.clone().step_by(EVERY) {
+            let was = &self.recorded[k];
+            let way = |&[a, b]: &[usize; 2]| {
+                let edge = was[a] - was[b];
+                ([a, b], edge / edge.length_squared().max(1e-12))
+            };
+            let ways: Vec<([usize; 2], Vec3)> = self.edges.iter().map(way).collect();
+            let own = self.numbers.along(k * self.numbers.stride as usize, &ways);
+            sum.values_mut().iter_mut().zip(own.values()).for_each(|(sum, own)| *sum += own);
+        }
+        let mean = (0..width).map(|k| sum[(k, k)]).sum::<f64>() / width.max(1) as f64;
+        sum.values_mut().iter_mut().for_each(|value| *value /= mean.max(f64::MIN_POSITIVE));
+        sum
     }
 
     /// Draws all variations of a stretch nearer to the recording, by one share, where their mixtures would be too far from each other or shake, on
@@ -200,6 +239,20 @@ impl Spread {
         }
         low
     }
+}
+
+/// The rows x nearest to the given ones d: those with least (x - d)^2 + firm x' A x, of which A is about the first numbers alone.
+pub fn softened(given: &[&Vec<f64>], stiff: &Matrix, firm: f64) -> Option<Vec<Vec<f64>>> {
+    let width = stiff.rows();
+    let normal = Matrix::from_fn(width, width, |row, column| {
+        firm * stiff[(row, column)] + if row == column { 1.0 } else { 0.0 }
+    });
+    let columns = Matrix::from_fn(width, given.len(), |row, column| given[column][row]);
+    let found = Cholesky::of(&normal)?.solve(&columns);
+    let row = |(k, given): (usize, &&Vec<f64>)| {
+        given.iter().enumerate().map(|(c, own)| if c < width { found[(c, k)] } else { *own }).collect()
+    };
+    Some(given.iter().enumerate().map(row).collect())
 }
 
 /// The root of the mean square of what differs, over frames that do.

@@ -15,6 +15,7 @@ use learn::stretch::{StretchOptions, sample_stretch};
 use rayon::prelude::*;
 
 use crate::body::body_size;
+use crate::layers::Layers;
 use crate::numbers::Numbers;
 use crate::reach::{Differences, Looked, least, lift};
 use crate::seen::Model;
@@ -118,11 +119,13 @@ impl Drawn {
     /// Sees to it that variations go as far as is asked for, and no farther than edges allow and than is meant.
     fn reach(&mut self, numbers: &Numbers, topology: &Topology, poses: &Poses, (size, amount): (f64, f64)) {
         let looked = Looked::new(numbers, topology, poses);
+        let layers = Layers::new(numbers, topology, poses, size);
         for (cut, stretches) in self.cuts.iter().enumerate() {
             let of_cut = || (cut..self.differences.len()).step_by(CUTS);
             let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
             lift(&mut own, stretches, least(amount, size), &|own| looked.distance(own));
             own.par_iter_mut().for_each(|one| looked.hold_edges(one, stretches));
+            layers.hold(&mut own, stretches);
             looked.hold_apart(&mut own, stretches, size);
             for (number, one) in of_cut().zip(own) {
                 self.differences[number] = one;

@@ -148,6 +148,8 @@ pub struct TransferSummary {
     pub learned: usize,
     /// Parts of the body that were learned apart.
     pub parts: usize,
+    /// Whether bones of both carry the pose, and maps learn what they leave over.
+    pub bones: bool,
     /// What a metre of the source's way is for the target.
     pub ratio: f64,
     /// How much of the target's poses some pairs foretell of others: 1 for all, 0 where the mean pose would do as well; none of too
@@ -211,6 +213,7 @@ pub fn transfer(
         pairs: pairs.len(),
         learned: model.learned,
         parts: model.parts(),
+        bones: model.has_bones(),
         ratio: model.ratio(),
         agreement,
         doubts,

@@ -29,6 +29,16 @@ impl Map {
         Self { learned: Learned::of(inputs, outputs, options), range }
     }
 
+    /// Learns what is left over of a part that something else foretells: far from what was seen nothing is added.
+    pub fn rest(inputs: &Matrix, outputs: &Matrix, options: &RegressionOptions) -> Self {
+        let range = (0..outputs.columns()).map(|k| range(outputs, k)).collect();
+        let learned = match Regression::train(inputs, outputs, options) {
+            Some(map) => Learned::Moves(Box::new(map), None),
+            None => Learned::still(outputs),
+        };
+        Self { learned, range }
+    }
+
     /// The target's numbers. They never leave what was seen by much: a few poses lead anywhere.
     pub fn predict(&self, input: &[f64]) -> Vec<f64> {
         let output = match &self.learned {
@@ -43,12 +53,17 @@ impl Map {
 }
 
 impl Learned {
+    /// The mean of what was seen.
+    fn still(outputs: &Matrix) -> Self {
+        let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
+        Self::Still((0..outputs.columns()).map(mean).collect())
+    }
+
     fn of(inputs: &Matrix, outputs: &Matrix, options: &RegressionOptions) -> Self {
         let linear = |kernel| Regression::train(inputs, outputs, &RegressionOptions { kernel, ..*options });
         let is_linear = matches!(options.kernel, Kernel::Linear | Kernel::Affine);
         let Some(first) = linear(if is_linear { options.kernel } else { Kernel::Linear }) else {
-            let mean = |k: usize| (0..outputs.rows()).map(|row| outputs[(row, k)]).sum::<f64>() / outputs.rows() as f64;
-            return Self::Still((0..outputs.columns()).map(mean).collect());
+            return Self::still(outputs);
         };
         if is_linear {
             return Self::Moves(Box::new(first), None);

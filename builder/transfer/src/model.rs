@@ -9,6 +9,7 @@ use learn::dense::Matrix;
 use learn::regression::RegressionOptions;
 use rayon::prelude::*;
 
+use crate::carried::Carried;
 use crate::correct::Examples;
 use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
@@ -16,9 +17,10 @@ use crate::limbs::matching;
 use crate::map::Map;
 use crate::pair::{Pair, TransferOptions};
 use crate::rebuild::Rebuilder;
-use crate::space::{Space, between, numbers, spaces};
+use crate::space::{Space, between, numbers, spaces, spaces_of};
 use crate::stand::Stance;
 use crate::subject::Subject;
+use crate::upright::upright;
 
 /// The noise's deviation at least, relative to the body's size: 3 mm of 1.8 m.
 const FLOOR: f64 = 0.0017;
@@ -27,12 +29,14 @@ const STEPS: usize = 40;
 
 /// How a target moves when a source does.
 pub struct Model<'a> {
-    source: &'a Subject<'a>,
-    target: &'a Subject<'a>,
+    source: Subject<'a>,
+    target: Subject<'a>,
     /// Of each part of the target: the source's numbers, what they mean, and the target's shape.
     sources: Vec<Space>,
     maps: Vec<Map>,
     targets: Vec<Space>,
+    /// What the bones alone make of a pose, and of each part what shapes are beside that.
+    carried: Option<(Carried, Vec<Space>)>,
     displacement: Displacement,
     rebuilder: Rebuilder,
     /// Poses by whose lengths shapes are corrected.
@@ -63,9 +67,12 @@ impl<'a> Model<'a> {
         let indices: Vec<usize> = (0..most).map(|k| k * pairs.len() / most).collect();
         let chosen: Vec<Pair> = indices.iter().map(|&index| pairs[index]).collect();
         let order = if options.whole { None } else { matching(source, target, pairs) };
+        let upright = if options.bones { upright(source, target, pairs) } else { None };
+        let has_bones = upright.is_some();
+        let [source, target] = upright.unwrap_or_else(|| [source, target].map(|own| own.with_roots(own.roots.clone())));
         let frames = |of: fn(&Pair) -> u32| chosen.iter().map(of).collect::<Vec<u32>>();
-        let own = spaces(source, &frames(|pair| pair.source as u32), order.is_none());
-        let targets = spaces(target, &frames(|pair| pair.target), order.is_none());
+        let own = spaces(&source, &frames(|pair| pair.source as u32), order.is_none());
+        let targets = spaces(&target, &frames(|pair| pair.target), order.is_none());
         let sources: Vec<Space> = match &order {
             Some(order) => order.iter().map(|&part| own[part].clone()).collect(),
             None => own,
@@ -76,34 +83,49 @@ impl<'a> Model<'a> {
         if targets.iter().all(|space| space.width() == 0) {
             return Err(TransferError::Still("target"));
         }
-        let x: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers_at(source, &sources, pair.source)).collect();
-        let y: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers(target, &targets, pair.target)).collect();
+        let x: Vec<Vec<Vec<f64>>> = chosen.par_iter().map(|pair| numbers_at(&source, &sources, pair.source)).collect();
+        let carried = if has_bones { Carried::learn(&source, &target, &chosen) } else { None };
+        let carried = carried.map(|carried| {
+            let rests: Vec<Vec<Vec3>> = chosen.par_iter().map(|pair| carried.rest(&source, &target, pair)).collect();
+            let spaces = spaces_of(&target, &rests, order.is_none());
+            (carried, spaces, rests)
+        });
+        let y: Vec<Vec<Vec<f64>>> = match &carried {
+            None => chosen.par_iter().map(|pair| numbers(&target, &targets, pair.target)).collect(),
+            Some((_, spaces, rests)) => {
+                rests.par_iter().map(|rest| spaces.iter().map(|space| space.numbers(rest)).collect()).collect()
+            }
+        };
         job.tell("learning to move", 1, 2)?;
         let floor = FLOOR * f64::from(target.size);
         let gain = f64::from(target.size / source.size.max(f32::MIN_POSITIVE));
         let regression = RegressionOptions { kernel: options.kernel, floor, gain, steps: STEPS };
-        let maps: Vec<Map> = (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression)).collect();
-        let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(source, pair.source, x));
+        let maps: Vec<Map> =
+            (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression, carried.is_some())).collect();
+        let carried = carried.map(|(carried, spaces, _)| (carried, spaces));
+        let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(&source, pair.source, x));
         let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
-        let displacement = Displacement::fit(source, target, pairs, &learned, floor);
+        let displacement = Displacement::fit(&source, &target, pairs, &learned, floor);
         let weights: Vec<&[f32]> = match order {
             Some(_) => (0..target.parts.count()).map(|part| target.parts.weights(part)).collect(),
             None => Vec::new(),
         };
-        let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, target)), &weights)
+        let rebuilder = Rebuilder::new(target.topology, &target.own(middle(&targets, &chosen, &target)), &weights)
             .map_err(|error| TransferError::Surface(error.to_string()))?;
-        let examples = || Examples::of(target, &frames(|pair| pair.target), &targets, &rebuilder, &weights);
+        let examples = || Examples::of(&target, &frames(|pair| pair.target), &targets, &rebuilder, &weights);
         let examples = options.correct.then(examples);
+        let stance = if options.hold { Stance::of(&source, &target) } else { None };
         Ok(Self {
             source,
             target,
             sources,
             maps,
             targets,
+            carried,
             displacement,
             rebuilder,
             examples,
-            stance: if options.hold { Stance::of(source, target) } else { None },
+            stance,
             learned: chosen.len(),
         })
     }
@@ -112,6 +134,12 @@ impl<'a> Model<'a> {
     #[must_use]
     pub fn parts(&self) -> usize {
         self.maps.len()
+    }
+
+    /// Whether bones carry the pose: both have a human's.
+    #[must_use]
+    pub fn has_bones(&self) -> bool {
+        self.carried.is_some()
     }
 
     /// What a metre of the source's way is for the target.
@@ -148,7 +176,7 @@ impl<'a> Model<'a> {
         };
         let mut poses = times.par_iter().map(frame).collect::<Result<Vec<_>, TransferError>>()?;
         if let Some(stance) = &self.stance {
-            stance.hold(self.target, self.source, times, &mut poses);
+            stance.hold(&self.target, &self.source, times, &mut poses);
         }
         Ok(poses)
     }
@@ -156,8 +184,8 @@ impl<'a> Model<'a> {
     /// How far the target's soles move from frame to frame while the source's stand, in metres, on average: of `poses` at `times`.
     #[must_use]
     pub fn slide(&self, times: &[f64], poses: &[Vec<Vec3>]) -> Option<f32> {
-        let stance = Stance::of(self.source, self.target)?;
-        Some(stance.slide(self.target, self.source, times, poses))
+        let stance = Stance::of(&self.source, &self.target)?;
+        Some(stance.slide(&self.target, &self.source, times, poses))
     }
 
     /// The target as the source is at a time, alone: no sole is held.
@@ -165,10 +193,10 @@ impl<'a> Model<'a> {
     /// # Errors
     /// A surface that cannot be solved for.
     pub fn still(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
-        let inputs = numbers_at(self.source, &self.sources, time);
-        let root = self.displacement.at(&self.source.root_at(time), &pose(self.source, time, &inputs));
+        let inputs = numbers_at(&self.source, &self.sources, time);
+        let root = self.displacement.at(&self.source.root_at(time), &pose(&self.source, time, &inputs));
         let body = root.body();
-        Ok(self.shape_of(&inputs)?.into_iter().map(|point| body.place(point)).collect())
+        Ok(self.shape_of(time, &inputs)?.into_iter().map(|point| body.place(point)).collect())
     }
 
     /// The target's shape in its body's own frame, as the source is at a time.
@@ -176,22 +204,27 @@ impl<'a> Model<'a> {
     /// # Errors
     /// A surface that cannot be solved for.
     pub fn shape(&self, time: f64) -> Result<Vec<Vec3>, TransferError> {
-        self.shape_of(&numbers_at(self.source, &self.sources, time))
+        self.shape_of(time, &numbers_at(&self.source, &self.sources, time))
     }
 
-    fn shape_of(&self, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
+    fn shape_of(&self, time: f64, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
         let predicted: Vec<Vec<f64>> = self.maps.iter().zip(inputs).map(|(map, input)| map.predict(input)).collect();
-        let parts: Vec<(&[u32], Vec<Vec3>)> = self
-            .targets
-            .iter()
-            .zip(&predicted)
-            .map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)))
-            .collect();
+        let spaces = self.carried.as_ref().map_or(&self.targets, |(_, spaces)| spaces);
+        let shapes =
+            spaces.iter().zip(&predicted).map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)));
+        let parts: Vec<(&[u32], Vec<Vec3>)> = match &self.carried {
+            None => shapes.collect(),
+            Some((carried, _)) => {
+                let pose = carried.pose(&self.source.own_at(time));
+                shapes.map(|(vertices, rest)| (vertices, pose.with(vertices, &rest))).collect()
+            }
+        };
         let surface = self.rebuilder.surface(&parts).map_err(|error| TransferError::Surface(error.to_string()))?;
-        match &self.examples {
-            Some(examples) => examples.correct(&self.rebuilder, &surface, &predicted),
-            None => Ok(surface),
-        }
+        let Some(examples) = &self.examples else { return Ok(surface) };
+        // What bones carry is told apart by what came of it.
+        let came = || self.targets.iter().map(|space| space.numbers(&surface)).collect();
+        let numbers = if self.has_bones() { came() } else { predicted };
+        examples.correct(&self.rebuilder, &surface, &numbers)
     }
 }
 
@@ -211,9 +244,9 @@ fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
     if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
 }
 
-fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions) -> Map {
+fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions, is_rest: bool) -> Map {
     let rows = |of: &[Vec<Vec<f64>>]| Matrix::from_fn(of.len(), of[0][part].len(), |row, k| of[row][part][k]);
-    Map::learn(&rows(x), &rows(y), options)
+    if is_rest { Map::rest(&rows(x), &rows(y), options) } else { Map::learn(&rows(x), &rows(y), options) }
 }
 
 /// The frame of the target that is nearest to its mean shape: triangles of the mean itself may have shrunk to nothing.

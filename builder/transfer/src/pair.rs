@@ -44,10 +44,12 @@ pub struct TransferOptions {
     pub hold: bool,
     /// Stretch triangles as in the target's recorded poses.
     pub correct: bool,
+    /// Let the bones of both carry the pose, where both have a human's: maps learn what they leave over.
+    pub bones: bool,
 }
 
 impl Default for TransferOptions {
     fn default() -> Self {
-        Self { kernel: Kernel::NeuralNetwork, whole: false, pairs: 350, hold: true, correct: true }
+        Self { kernel: Kernel::NeuralNetwork, whole: false, pairs: 350, hold: true, correct: true, bones: true }
     }
 }

@@ -32,11 +32,16 @@ pub struct Space {
 pub fn spaces(subject: &Subject, frames: &[u32], whole: bool) -> Vec<Space> {
     let stride = frames.len().div_ceil(FRAMES).max(1);
     let shapes: Vec<Vec<Vec3>> = frames.par_iter().step_by(stride).map(|&frame| subject.own(frame)).collect();
+    spaces_of(subject, &shapes, whole)
+}
+
+/// The spaces of all parts of a subject, from shapes.
+pub fn spaces_of(subject: &Subject, shapes: &[Vec<Vec3>], whole: bool) -> Vec<Space> {
     let parts = if whole { 1 } else { subject.parts.count() };
     let of = |part: usize| {
         let belongs = |vertex: &u32| whole || subject.parts.weights(part)[*vertex as usize] > 0.0;
         let vertices = (0..subject.topology.vertex_count() as u32).filter(belongs).collect();
-        Space::learn(&shapes, vertices, subject.areas(), MISSING * f64::from(subject.size))
+        Space::learn(shapes, vertices, subject.areas(), MISSING * f64::from(subject.size))
     };
     (0..parts).into_par_iter().map(of).collect()
 }

@@ -1,5 +1,6 @@
 //! An actor as transfer sees it: where its body is in each frame, and its shape in the body's own frame.
 
+use crate::bones::Bones;
 use crate::front::toes;
 use actor::capture::Poses;
 use actor::feet::Feet;
@@ -10,6 +11,7 @@ use kernels::topology::Topology;
 use motion::body::{BodyFrame, body_frames, body_size};
 use parts::Parts;
 use std::f32::consts::TAU;
+use std::sync::OnceLock;
 
 /// A body whose toes point farther than this from where it goes, in radians, goes aside or backwards: it faces as they do. Less is
 /// how anybody stands.
@@ -31,6 +33,7 @@ pub struct Subject<'a> {
     pub size: f32,
     /// Where the body is in each frame.
     pub(crate) roots: Vec<Root>,
+    bones: OnceLock<Option<Bones>>,
 }
 
 /// Where a body is: it faces +Z of its own frame, and stands upright in it on average.
@@ -79,7 +82,7 @@ impl<'a> Subject<'a> {
             let facings: Vec<f32> = motion.facings.iter().map(|facing| facing + toes).collect();
             roots = faced(&bodies, &facings, timeline);
         }
-        Self { topology, timeline, poses, feet, parts, size, roots }
+        Self { topology, timeline, poses, feet, parts, size, roots, bones: OnceLock::new() }
     }
 
     /// The shape of a frame in the body's own frame.
@@ -87,6 +90,28 @@ impl<'a> Subject<'a> {
     pub fn own(&self, frame: u32) -> Vec<Vec3> {
         let body = self.roots[frame as usize].body();
         self.poses.frame(frame).iter().map(|&point| body.own(point)).collect()
+    }
+
+    /// The same actor, its body elsewhere.
+    pub(crate) fn with_roots(&self, roots: Vec<Root>) -> Self {
+        Self { parts: self.parts.clone(), roots, bones: self.bones.clone(), ..*self }
+    }
+
+    /// Its bones, looked for once; `None` where nothing like a human's skeleton is found.
+    pub(crate) fn bones(&self) -> Option<&Bones> {
+        self.bones.get_or_init(|| Bones::find(self.topology, self.poses)).as_ref()
+    }
+
+    /// The shape at a time between frames of one sequence.
+    pub(crate) fn own_at(&self, time: f64) -> Vec<Vec3> {
+        let before = (time.max(0.0) as u32).min(self.poses.len() as u32 - 1);
+        let share = (time - f64::from(before)) as f32;
+        let shape = self.own(before);
+        let goes_on = self.timeline.sequence_index(before + 1) == self.timeline.sequence_index(before);
+        if share < 1e-6 || !goes_on {
+            return shape;
+        }
+        shape.iter().zip(self.own(before + 1)).map(|(a, b)| a.lerp(b, share)).collect()
     }
 
     /// Where the body is at a time between frames.

@@ -101,13 +101,6 @@ impl Alternatives {
         &self.stretches
     }
 
-    /// The numbers of the stretches that begin in `frame`.
-    #[must_use]
-    pub fn beginning(&self, frame: u32) -> std::ops::Range<usize> {
-        let before = self.stretches.partition_point(|stretch| stretch.first < frame);
-        before..before + self.stretches[before..].partition_point(|stretch| stretch.first == frame)
-    }
-
     /// Adds to the recorded `pose` of `frame` what it is more in an alternative of a stretch, times `amount`. Outside of the stretch, and
     /// for numbers that do not exist, nothing is added.
     pub fn add(&self, (stretch, alternative): (usize, usize), frame: u32, amount: f32, pose: &mut [Vec3]) {
@@ -115,14 +108,13 @@ impl Alternatives {
         if let Some(share) = shares.get_mut(alternative) {
             *share = amount;
         }
-        self.add_mixed(stretch, &shares, frame, pose);
+        self.add_mixed(&[(stretch, shares)], frame, pose);
     }
 
-    /// The coefficients of the frame `between` frames after the first one between a stretch's ends, mixed and smoothed; beyond its ends
-    /// nothing differs.
-    fn smooth_row(&self, stretch: &Stretch, between: usize, shares: &[f32]) -> Vec<f32> {
+    /// Adds the coefficients of the frame `between` frames after the first one between a stretch's ends, mixed and smoothed; beyond its
+    /// ends nothing differs.
+    fn add_smooth_row(&self, stretch: &Stretch, between: usize, shares: &[f32], row: &mut [f32]) {
         let width = self.modes.len();
-        let mut row = vec![0.0; width];
         for (rows, share) in stretch.coefficients.iter().zip(shares) {
             for (near, weight) in [(between.checked_sub(1), 0.25), (Some(between), 0.5), (Some(between + 1), 0.25)] {
                 let rows = near.and_then(|near| rows.get(near * width..)).unwrap_or_default();
@@ -131,18 +123,24 @@ impl Alternatives {
                 }
             }
         }
-        row
     }
 
-    /// Adds to the recorded `pose` of `frame` what it is more in the alternatives of a stretch, of each its share. What each
-    /// differs by are samples of one process: mixed by shares whose squares add up to 1, they are another sample of it, as far as
-    /// differences are small.
-    pub fn add_mixed(&self, stretch: usize, shares: &[f32], frame: u32, pose: &mut [Vec3]) {
-        let Some(stretch) = self.stretches.get(stretch) else { return };
-        let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { return };
-        let Some(&heading) = stretch.headings.get(between) else { return };
+    /// Adds to the recorded `pose` of `frame` what it is more in the alternatives of stretches, given by number with shares of each of their
+    /// alternatives. What alternatives differ by are samples of one process: mixed by shares whose squares add up to 1, they are
+    /// another sample of it, as far as differences are small.
+    pub fn add_mixed(&self, mixed: &[(usize, Vec<f32>)], frame: u32, pose: &mut [Vec3]) {
+        let mut row = vec![0.0; self.modes.len()];
+        let mut heading = None;
+        for (stretch, shares) in mixed {
+            let Some(stretch) = self.stretches.get(*stretch) else { continue };
+            let Some(between) = frame.checked_sub(stretch.first + 1).map(|between| between as usize) else { continue };
+            // A frame has one heading, whatever stretch it lies in.
+            let Some(&own) = stretch.headings.get(between) else { continue };
+            heading = Some(own);
+            self.add_smooth_row(stretch, between, shares, &mut row);
+        }
+        let Some(heading) = heading else { return };
         let (sin, cos) = sin_cos(f32::from(heading) * HEADING_STEP);
-        let row = self.smooth_row(stretch, between, shares);
         let own: Vec<(f32, &[i8])> = row
             .iter()
             .zip(&self.modes)
@@ -190,10 +188,13 @@ mod tests {
         assert!(added(5, 0.5)[1].distance(Vec3::X * -1e-3) < 1e-8, "{:?}", added(5, 0.5));
         // Of what does not exist nothing is added.
         let mut mixed = [Vec3::ZERO; 2];
-        alternatives.add_mixed(0, &[0.5, 1.0], 3, &mut mixed);
+        alternatives.add_mixed(&[(0, vec![0.5, 1.0]), (9, vec![1.0])], 3, &mut mixed);
         alternatives.add((0, 7), 3, 1.0, &mut mixed);
         assert!(mixed[0].distance(Vec3::X * 5e-4) < 1e-8, "{mixed:?}");
-        assert_eq!((alternatives.beginning(2), alternatives.beginning(3)), (0..1, 1..1));
+        // Of several stretches the sum.
+        let mut twice = [Vec3::ZERO; 2];
+        alternatives.add_mixed(&[(0, vec![0.5]), (0, vec![1.0])], 3, &mut twice);
+        assert!(twice[0].distance(Vec3::X * 1.5e-3) < 1e-8, "{twice:?}");
     }
 
     #[test]

@@ -64,8 +64,8 @@ impl Source {
     /// Whether what is read of `frame` now is what was recorded, or was changed.
     #[must_use]
     pub fn origin(&self, frame: u32) -> Origin {
-        let varied = self.varied.as_ref().and_then(Varied::present);
-        let changed = varied.is_some() || self.edited.iter().any(|(edited, _)| *edited == frame);
+        let varied = self.varied.as_ref().is_some_and(|varied| varied.differs(frame));
+        let changed = varied || self.edited.iter().any(|(edited, _)| *edited == frame);
         if changed { Origin::Changed } else { Origin::Recorded }
     }
 }

@@ -321,6 +321,9 @@ pub struct TransferArguments {
     /// Do not correct lengths by the target's recorded poses.
     #[arg(long)]
     pub no_correct: bool,
+    /// Do not let bones carry the pose: maps alone make it, as in the thesis
+    #[arg(long)]
+    pub no_bones: bool,
     /// How inputs that are not bundles are read.
     #[command(flatten)]
     pub import: ImportArguments,

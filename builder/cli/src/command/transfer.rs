@@ -114,6 +114,7 @@ fn options(arguments: &TransferArguments) -> TransferOptions {
     options.pairs = arguments.pairs.into();
     options.hold = !arguments.no_hold;
     options.correct = !arguments.no_correct;
+    options.bones = !arguments.no_bones;
     options
 }
 
@@ -231,10 +232,11 @@ fn provenance(arguments: &TransferArguments, keys: KeyFile, done: &Transferred, 
 }
 
 fn told(provenance: &Provenance) -> String {
-    let TransferSummary { keys, pairs, learned, parts, ratio, agreement, .. } = &provenance.learned;
+    let TransferSummary { keys, pairs, learned, parts, ratio, agreement, bones, .. } = &provenance.learned;
+    let carried = if *bones { ", beside what bones carry" } else { "" };
     let agreement = agreement.map_or(String::new(), |agreement| format!("; pairs agree by {:.0} %", 100.0 * agreement));
     let mut lines = vec![format!(
-        "{keys} keys, {pairs} pairs of frames found between them, {learned} learned from in {parts} parts; a metre becomes {ratio:.3} m{agreement}"
+        "{keys} keys, {pairs} pairs of frames found between them, {learned} learned from in {parts} parts{carried}; a metre becomes {ratio:.3} m{agreement}"
     )];
     for one in &provenance.sequences {
         let slide = one.slide_mm.map_or("no feet held".into(), |slide| format!("soles slide {slide:.2} mm a frame"));

@@ -1,10 +1,11 @@
 //! How far the target is from the truth when it moves as the source does.
 
 use actor::timeline::Sequence;
-use glam::Vec3Swizzles;
+use glam::{DMat3, DVec3, Vec3, Vec3Swizzles};
 use job::Job;
 use kernels::align::align_heading;
 use kernels::random::{mix, signed};
+use kernels::rotation::best_rotation;
 use rayon::prelude::*;
 use transfer::{Key, Model, Pair, Subject, TransferError, TransferOptions, densify};
 
@@ -15,9 +16,9 @@ const EVERY: usize = 6;
 
 /// Two performers who do the same.
 pub struct Both<'a> {
-    /// Who moves so.
+    /// Who moves so: the truth.
     pub target: &'a Performed,
-    /// The same as transfer sees them.
+    /// The source, and the target as transfer sees it: it has only the takes that are learned from, which come first in the truth, too.
     pub subjects: [&'a Subject<'a>; 2],
 }
 
@@ -54,12 +55,10 @@ impl Both<'_> {
         Ok(1000.0 * (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt())
     }
 
-    /// The same of shapes in the body's own frame: without where the body is and how it leans.
+    /// The same of shapes, once they are turned and moved onto the truth in any way: without how the body leans.
     pub fn shape_error(&self, model: &Model, which: Which) -> Result<f64, TransferError> {
         let off = |&frame: &u32| -> Result<f64, TransferError> {
-            let (shape, truth) = (model.shape(f64::from(frame))?, self.subjects[1].own(frame));
-            let squares = shape.iter().zip(&truth).map(|(a, b)| f64::from(a.distance_squared(*b)));
-            Ok(squares.sum::<f64>() / truth.len() as f64)
+            Ok(fitted(&model.still(f64::from(frame))?, self.target.poses.frame(frame)))
         };
         let frames: Vec<u32> = self.frames(which).into_iter().step_by(EVERY).collect();
         let squares = frames.par_iter().map(off).collect::<Result<Vec<f64>, _>>()?;
@@ -77,10 +76,23 @@ impl Both<'_> {
     }
 }
 
+/// Mean square of how far a shape is from another one, once it is turned and moved onto it, in square metres.
+fn fitted(shape: &[Vec3], truth: &[Vec3]) -> f64 {
+    let count = truth.len().max(1) as f64;
+    let middle = |of: &[Vec3]| of.iter().map(|point| point.as_dvec3()).sum::<DVec3>() / count;
+    let (own, other) = (middle(shape), middle(truth));
+    let both = || shape.iter().zip(truth).map(|(a, b)| (a.as_dvec3() - own, b.as_dvec3() - other));
+    let turn = both().fold(DMat3::ZERO, |sum, (a, b)| sum + DMat3::from_cols(b * a.x, b * a.y, b * a.z));
+    let turn = best_rotation(&turn);
+    both().map(|(a, b)| (turn * a).distance_squared(b)).sum::<f64>() / count
+}
+
 /// What a sequence is there for.
 pub fn kind(sequence: &Sequence) -> Which {
     let is_learned = super::performed::LEARNED.iter().any(|name| sequence.labels.iter().any(|label| label == name));
-    match (is_learned, sequence.name.contains(" 1 ")) {
+    // Its seed is the second word: those of odd seeds are the takes that are learned from.
+    let seed = sequence.name.split(' ').nth(1).and_then(|seed| seed.parse::<u64>().ok());
+    match (is_learned, seed.is_some_and(|seed| seed % 2 == 1)) {
         (true, true) => Which::Seen,
         (true, false) => Which::Take,
         (false, _) => Which::Unseen,
@@ -166,7 +178,7 @@ pub fn way(both: &Both, models: [&Model; 2], sequence: &Sequence, job: &Job) -> 
     let own = [&held[0], &held[held.len() - 1]];
     // The truth laid onto the beginning.
     let begin = align_heading(truth[0], own[0], weights);
-    let centre = |pose: &[glam::Vec3]| kernels::align::centre_of_mass(pose, weights).xz();
+    let centre = |pose: &[Vec3]| kernels::align::centre_of_mass(pose, weights).xz();
     let goes = kernels::align::rotate(begin, centre(own[1]) - centre(own[0]));
     let wanted = centre(truth[1]) - centre(truth[0]);
     let end = align_heading(truth[1], own[1], weights) - begin;
@@ -174,8 +186,7 @@ pub fn way(both: &Both, models: [&Model; 2], sequence: &Sequence, job: &Job) -> 
     let length: f32 = (first..last)
         .map(|k| centre(both.target.poses.frame(k)).distance(centre(both.target.poses.frame(k + 1))))
         .sum();
-    let slide =
-        |model: &Model, poses: &[Vec<glam::Vec3>]| model.slide(&times, poses).map_or(0.0, |s| 1e3 * f64::from(s));
+    let slide = |model: &Model, poses: &[Vec<Vec3>]| model.slide(&times, poses).map_or(0.0, |s| 1e3 * f64::from(s));
     Ok(Way {
         name: sequence.name.clone(),
         length: f64::from(length),

@@ -1,17 +1,19 @@
 //! What alternatives look like as the bundle has them: not what was sampled, but what is played.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use ::motion::hold::mean;
 use actor::alternatives::Alternatives;
 use actor::capture::Capture;
 use actor::feet::Feet;
 use glam::Vec3;
-use kernels::random::mix;
-use synthesis::mixture;
+use synthesis::Varied;
 
-/// Mixtures of a stretch's alternatives that are looked at: players show nothing else.
+/// Times that a sequence is played: players show nothing else.
 const MIXED: u64 = 6;
 
-/// Measures of some stretches, their alternatives mixed as players mix them.
+/// Measures of a sequence's stretches, their alternatives mixed as players mix them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Played {
     /// Alternatives.
@@ -20,7 +22,7 @@ pub struct Played {
     pub acceleration: f64,
     /// Mean change of an edge's length, as a part of it.
     pub edges: f64,
-    /// The largest distance of a vertex at pinned ends from the recording, in metres.
+    /// The largest distance of a vertex from the recording where the first stretch begins and the last one ends, in metres.
     pub ends: f64,
     /// The largest step into or out of a stretch over the recording's mean step in it.
     pub seam: f64,
@@ -51,52 +53,58 @@ impl Mean {
     }
 }
 
-/// Measures the alternatives of the stretches in `frames`.
-pub fn played(capture: &Capture, feet: &Feet, all: &Alternatives, frames: std::ops::Range<u32>) -> Played {
+/// Measures the alternatives of the stretches in `frames`, a sequence that is played from its beginning to its end.
+pub fn played(capture: &Capture, feet: &Feet, all: &Arc<Alternatives>, frames: Range<u32>) -> Played {
     let mut found = Played::default();
     let [mut own, mut recorded, mut edges, mut apart, mut off] = std::array::from_fn::<Mean, 5, _>(|_| Mean::default());
     let mut slide = [Mean::default(), Mean::default()];
-    for (number, stretch) in all.stretches().iter().enumerate().filter(|(_, one)| frames.contains(&one.first)) {
-        let span: Vec<u32> = (stretch.first..=stretch.last).collect();
-        let was: Vec<Vec<Vec3>> = span.iter().map(|&frame| capture.poses.frame(frame).to_vec()).collect();
-        let shown = |draw: u64| -> Vec<Vec<Vec3>> {
-            let shares = mixture(mix(number as u64, draw), stretch.coefficients.len());
-            let pose = |&frame: &u32| {
-                let mut pose = capture.poses.frame(frame).to_vec();
-                all.add_mixed(number, &shares, frame, &mut pose);
-                pose
-            };
-            span.iter().map(pose).collect()
-        };
-        found.count += stretch.coefficients.len();
-        let every: Vec<Vec<Vec<Vec3>>> = (0..MIXED).map(shown).collect();
-        let step = (1..was.len()).map(|k| distance(&was[k - 1], &was[k])).sum::<f64>() / (was.len() - 1) as f64;
-        let ends = |poses: &[Vec<Vec3>]| {
-            let last = poses.len() - 1;
-            f64::max(distance(&poses[0], &poses[1]), distance(&poses[last - 1], &poses[last])) / step.max(1e-9)
-        };
-        found.recorded_seam = found.recorded_seam.max(ends(&was));
-        bends(&was).for_each(|bend| recorded.add(bend));
-        slides(feet, &span, &was).for_each(|moved| slide[1].add(moved));
-        for (k, poses) in every.iter().enumerate() {
-            let last = poses.len() - 1;
-            found.ends = found.ends.max(most(&poses[0], &was[0])).max(most(&poses[last], &was[last]));
-            found.seam = found.seam.max(ends(poses));
-            bends(poses).for_each(|bend| own.add(bend));
-            slides(feet, &span, poses).for_each(|moved| slide[0].add(moved));
-            for (pose, was) in poses.iter().zip(&was) {
-                off.add(distance(pose, was));
-                edges.add(changes(capture.topology.triangles(), pose, was));
-            }
-            for other in &every[..k] {
-                poses.iter().zip(other).for_each(|(a, b)| apart.add(distance(a, b)));
-            }
+    let within = || all.stretches().iter().filter(|one| frames.contains(&one.first));
+    found.count = within().map(|stretch| stretch.coefficients.len()).sum();
+    let (Some(first), Some(last)) = (within().map(|one| one.first).min(), within().map(|one| one.last).max()) else {
+        return found;
+    };
+    let span: Vec<u32> = (first..=last).collect();
+    let was: Vec<Vec<Vec3>> = span.iter().map(|&frame| capture.poses.frame(frame).to_vec()).collect();
+    let every: Vec<Vec<Vec<Vec3>>> = (0..MIXED).map(|draw| shown(all, &span, &was, draw)).collect();
+    let step = (1..was.len()).map(|k| distance(&was[k - 1], &was[k])).sum::<f64>() / (was.len() - 1) as f64;
+    // The largest step at the ends of stretches.
+    let seam = |poses: &[Vec<Vec3>]| {
+        let ends = within().flat_map(|one| [one.first - first, one.last - 1 - first]);
+        ends.map(|k| distance(&poses[k as usize], &poses[k as usize + 1])).fold(0.0, f64::max) / step.max(1e-9)
+    };
+    found.recorded_seam = seam(&was);
+    bends(&was).for_each(|bend| recorded.add(bend));
+    slides(feet, &span, &was).for_each(|moved| slide[1].add(moved));
+    for (k, poses) in every.iter().enumerate() {
+        let last = poses.len() - 1;
+        found.ends = found.ends.max(most(&poses[0], &was[0])).max(most(&poses[last], &was[last]));
+        found.seam = found.seam.max(seam(poses));
+        bends(poses).for_each(|bend| own.add(bend));
+        slides(feet, &span, poses).for_each(|moved| slide[0].add(moved));
+        for (pose, was) in poses.iter().zip(&was) {
+            off.add(distance(pose, was));
+            edges.add(changes(capture.topology.triangles(), pose, was));
+        }
+        for other in &every[..k] {
+            poses.iter().zip(other).for_each(|(a, b)| apart.add(distance(a, b)));
         }
     }
     found.acceleration = own.value() / recorded.value().max(1e-12);
     (found.edges, found.apart, found.off) = (edges.value(), apart.value(), off.value());
     found.slide = slide.map(|slide| slide.value());
     found
+}
+
+/// Frames as a player shows them, who draws by `draw`.
+fn shown(all: &Arc<Alternatives>, span: &[u32], was: &[Vec<Vec3>], draw: u64) -> Vec<Vec<Vec3>> {
+    let mut varied = Varied::new(Arc::clone(all), draw, 1.0);
+    let pose = |(&frame, was): (&u32, &Vec<Vec3>)| {
+        let mut pose = was.clone();
+        varied.enters(frame);
+        varied.add(frame, &mut pose);
+        pose
+    };
+    span.iter().zip(was).map(pose).collect()
 }
 
 /// Mean distance of vertices, in metres.
@@ -143,7 +151,9 @@ mod tests {
     use actor::capture::Poses;
     use actor::surface::Surface;
     use actor::timeline::{Sequence, Timeline};
+    use kernels::random::mix;
     use kernels::topology::Topology;
+    use synthesis::mixture;
 
     #[test]
     fn measures_are_those_of_hand() {
@@ -160,10 +170,10 @@ mod tests {
         let surface = Surface::default();
         let capture =
             Capture { name: "t".into(), topology, surface, timeline, poses, vertex_of_file_vertex: Vec::new() };
-        let found = played(&capture, &Feet::default(), &all, 0..4);
+        let found = played(&capture, &Feet::default(), &Arc::new(all), 0..4);
         assert_eq!((found.count, found.ends, found.edges), (1, 0.0, 0.0));
         // Up or down by some share of 0.75 cm in half of the frames; the step into it goes up or down by that much, and on by 1 cm.
-        let shares: Vec<f64> = (0..MIXED).map(|draw| f64::from(mixture(mix(0, draw), 1)[0])).collect();
+        let shares: Vec<f64> = (0..MIXED).map(|draw| f64::from(mixture(mix(mix(draw, 0), 0), 1)[0])).collect();
         let off = shares.iter().map(|share| share.abs()).sum::<f64>() / MIXED as f64;
         let most = shares.iter().map(|share| share.abs()).fold(0.0, f64::max);
         assert!((found.off - 0.005 * 0.75 * off).abs() < 1e-6 && found.apart > 0.0, "{found:?}");
