@@ -1,6 +1,7 @@
 //! How often the built-in performer's surface goes through itself where it is varied, beside the recording.
 //!
 //!     cargo run -p reprise-motion --example crossings -- 0.25 dance walk
+#![allow(clippy::print_stdout, reason = "an example that prints")]
 
 use std::collections::BTreeMap;
 

@@ -1,11 +1,12 @@
 //! Errors of transfer between figures of the built-in performer, motion by motion.
 //!
-//!     cargo run -p reprise-transfer --example halves -- SEED SOURCE TARGET
+//!     cargo run -p reprise-evaluate --example halves -- SEED SOURCE TARGET
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example that prints, and may panic")]
 
-#[path = "../../evaluate/src/transferred/measure.rs"]
+#[path = "../src/transferred/measure.rs"]
 #[allow(dead_code)]
 mod measure;
-#[path = "../../evaluate/src/transferred/performed.rs"]
+#[path = "../src/transferred/performed.rs"]
 #[allow(dead_code)]
 mod performed;
 
