@@ -35,7 +35,7 @@ pub struct Mended {
     pub doubled: usize,
     /// They have no area once vertices of one place are one.
     pub collapsed: usize,
-    /// They hang together with fewer than [`CRUMB`].
+    /// They hang together with fewer than 60.
     pub crumbs: usize,
 }
 
