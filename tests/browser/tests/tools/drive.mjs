@@ -68,14 +68,14 @@ export const tests = {
     await axe(player, 'a clip is performed');
     await playUntil(player, 'driveend');
     const [{ frame }] = await player.heard('driveend');
-    const { made, state, playing, size } = await player.run((element) => ({
-      made: element.testing.core.toolbox.kit.drives.slices.frames,
-      state: element.state,
-      playing: element.playing,
-      size: element.info.frames,
-    }));
+    const { made, state, playing, size } = await player.run((element) => {
+      // It is told while the last frame of the clip is shown, which wears the looks of another one.
+      for (let step = 0; step < 3; step += 1) element.testing.tick(1 / element.info.fps);
+      const { state, playing, info } = element;
+      return { made: element.testing.core.toolbox.kit.drives.slices.frames, state, playing, size: info.frames };
+    });
     assert.ok(made > frames - 10 && frame < size, JSON.stringify({ made, frames, frame }));
-    assert.ok(playing && state.mode !== 'paused' && state.frame >= frame, JSON.stringify({ frame, ...state }));
+    assert.ok(playing && state.mode !== 'paused' && state.frame >= frame, JSON.stringify({ home: frame, playing, state }));
 
     // From here any pose is reached as ever.
     const to = await player.run((element) => {
