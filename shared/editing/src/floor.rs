@@ -20,8 +20,11 @@ use crate::soles::{firm, sole};
 const SHALLOW: f32 = 1e-3;
 /// Times that the bones are bent on over what has come below the ground, or the surface is held there.
 pub(crate) const ROUNDS: usize = 4;
-/// Weight of what pushes upwards in the inverse kinematics, and how many such targets there are at most.
+/// Weight of what pushes upwards in the inverse kinematics, and of staying over the same place meanwhile: else a leg that is pushed up
+/// slides to whatever side is nearer, to another one in the next frame.
 const FIRM: f32 = 200.0;
+const ROUGH: f32 = 0.05;
+/// How many such targets there are at most.
 const MOST: usize = 64;
 /// Vertices so near to the lowest one are held together with it, as a share of the body's size.
 const LAYER: f32 = 0.006;
@@ -120,13 +123,14 @@ fn block(rig: &Rig, pose: &[Vec3], told: &[Vec3], floor: f32, reach: &mut Reach,
         for axis in [Vec3::NEG_Y, Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
             let along = |vertex: u32| moved(vertex).dot(axis);
             let outermost = under.iter().copied().reduce(|best, v| if along(v) > along(best) { v } else { best });
-            let Some(point) = outermost.map(|vertex| pose[vertex as usize]) else { continue };
+            let Some(vertex) = outermost else { continue };
+            let point = pose[vertex as usize];
             let is_known = |target: &Target| target.is_floor && target.parts[0].2 == point;
             if !targets.iter().any(is_known) && targets.iter().filter(|target| target.is_floor).count() < MOST {
                 targets.push(Target {
                     parts: vec![(bone, 1.0, point)],
-                    to: Vec3::Y * floor,
-                    weight: Vec3::Y * FIRM,
+                    to: moved(vertex).with_y(floor),
+                    weight: Vec3::new(ROUGH, FIRM, ROUGH),
                     is_floor: true,
                 });
             }
@@ -179,4 +183,49 @@ pub(crate) fn layer(moved: &[Vec3], floor: f32, held: &[u32]) -> Vec<u32> {
     }
     let most = (low + LAYER * size(moved)).min(floor);
     free().filter(|&vertex| moved[vertex as usize].y < most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Mat3;
+
+    use super::*;
+    use crate::reach::Role;
+    use crate::rig::Bone;
+    use crate::rigid::Rigid;
+    use crate::skin::Influences;
+
+    /// A pelvis, a thigh and a shin with its sole at height 0.
+    fn leg() -> Rig {
+        let joints = [Vec3::Y, Vec3::Y, Vec3::new(0.02, 0.5, 0.0)];
+        let bones = joints.iter().enumerate().map(|(index, &joint)| Bone {
+            name: format!("b{index}"),
+            parent: index.saturating_sub(1),
+            joint,
+            limb: u32::from(index > 0),
+            range: [Vec3::splat(-2.0), Vec3::splat(2.0)],
+            spread: Mat3::from_diagonal(Vec3::splat(0.1)),
+            gap: 0.0,
+        });
+        let sole = [[-0.05, -0.05], [-0.05, 0.05], [0.1, -0.05], [0.1, 0.05]].map(|[x, z]| Vec3::new(x, 0.0, z));
+        let rest: Vec<Vec3> = [Vec3::Y * 1.2, Vec3::Y * 0.8].into_iter().chain(sole).collect();
+        let core = vec![0, 1, 2, 2, 2, 2];
+        let influences = core.iter().map(|&bone| Influences { joints: [bone; 4], weights: [1.0, 0.0, 0.0, 0.0] });
+        Rig::new(bones.collect(), influences.collect(), core.clone(), rest).unwrap()
+    }
+
+    #[test]
+    fn a_leg_that_is_pushed_up_folds_and_does_not_slide_to_a_side() {
+        let rig = leg();
+        let still = Rigid { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
+        let mut reach = Reach::new(&rig, &[still; 3], vec![false, true, true], |_| Role::Idle, vec![false; 3]);
+        let (centre, mut bend, mut targets) = (Bend::none(3), Bend::none(3), Vec::new());
+        let (_, told) = above((&rig, rig.rest(), &[]), 0.1, (&mut reach, &mut targets, &centre, &mut bend), 40);
+        for (point, told) in rig.rest().iter().zip(&told).skip(2) {
+            assert!((point + told).y > 0.09, "{told}");
+        }
+        // The leg is as long as before: to slide takes its sole 0.5 m to a side.
+        let middle = told[2..].iter().sum::<Vec3>() / 4.0;
+        assert!(middle.with_y(0.0).length() < 0.2, "{middle}");
+    }
 }

@@ -69,7 +69,7 @@ pub struct Target {
     pub to: Vec3,
     /// Weight along each axis beside 1 for a handle.
     pub weight: Vec3,
-    /// Whether it asks for nothing where the mean is above `to`.
+    /// Whether it asks for no height where the mean is above `to`.
     pub is_floor: bool,
 }
 
@@ -230,7 +230,7 @@ impl Reach {
     /// How far a target's mean point is off.
     fn off(target: &Target, motions: &[Rigid]) -> Vec3 {
         let off = Self::place(target, motions) - target.to;
-        if target.is_floor && off.y >= 0.0 { Vec3::ZERO } else { off }
+        if target.is_floor && off.y >= 0.0 { off.with_y(0.0) } else { off }
     }
 
     /// First unknown of each bone that may turn; the root's shift, if it may, comes first.
@@ -303,11 +303,11 @@ impl Reach {
         }
         for target in targets {
             let off = Self::off(target, &motions);
-            if target.is_floor && off == Vec3::ZERO {
-                continue;
-            }
+            // What is above the floor may rise and sink.
+            let is_above = target.is_floor && off.y == 0.0;
+            let weight = if is_above { target.weight.with_y(0.0) } else { target.weight };
             let blocks = self.target_blocks(target, &motions, &first);
-            equations.add(&blocks, off, Mat3::from_diagonal(target.weight));
+            equations.add(&blocks, off, Mat3::from_diagonal(weight));
         }
         for (index, &unknown) in first.iter().enumerate() {
             if self.steady[index] {

@@ -10,6 +10,7 @@ mod joints;
 mod propagated;
 mod shape;
 mod skinned;
+mod steps;
 mod strip;
 mod surface;
 mod times;
