@@ -12,6 +12,7 @@ use actor::capture::Poses;
 use glam::Vec3;
 use kernels::topology::Topology;
 use learn::dense::{Cholesky, Matrix};
+use rayon::prelude::*;
 
 use crate::numbers::Numbers;
 use crate::smooth::{ramp, smoothed};
@@ -37,9 +38,11 @@ const LOOKED_AT: usize = 800;
 /// Two mixtures of alternatives are nearer to each other than this, root mean square over alternatives, in body sizes: 17 mm of 1.8 m, 20 mm of
 /// who is 2.1 m with raised arms. What would be as far as this is drawn nearer by a sixth, what would be half as far by a sixtieth.
 const APART: f64 = 0.0095;
-/// A mixture's acceleration over that of the recording, before it is stored: of what is more, storing leaves about half, for players smooth over three
-/// frames.
-const SHAKES: f64 = 1.16;
+/// A mixture's acceleration over that of the recording, before it is stored: rounding adds some of it.
+const SHAKES: f64 = 1.08;
+/// How firmly differences are kept from bending over time where they shake, in learned frames to the fourth power: the first that is enough, or
+/// the last. The last leaves what changes over some ten frames.
+const STEADY: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
 /// Halvings of the interval in which the share lies that shakes no more.
 const HALVINGS: usize = 12;
 
@@ -176,11 +179,16 @@ impl Looked {
     /// a body of `size` metres.
     pub fn hold_apart(&self, differences: &mut Differences, stretches: &[Range<usize>], size: f64) {
         for stretch in stretches {
-            let found = Spread::of(self, differences, stretch);
-            let far = found.apart / (APART * size).max(f64::MIN_POSITIVE);
-            // As it is while that is little, and never more than the mark.
-            let near = (1.0 + far.powi(4)).powf(-0.25);
-            let share = f64::min(near, found.steady());
+            let mut found = Spread::of(self, differences, stretch);
+            // What bends most for how far it goes is taken out first: drawing all of it nearer would cost much more of what is seen.
+            for firm in STEADY {
+                if found.shakes(found.near(size)) <= SHAKES {
+                    break;
+                }
+                differences.par_iter_mut().for_each(|one| straighten(&mut one[stretch.clone()], firm));
+                found = Spread::of(self, differences, stretch);
+            }
+            let share = f64::min(found.near(size), found.steady());
             differences.iter_mut().for_each(|one| scale_by(one[stretch.clone()].iter_mut(), share));
         }
     }
@@ -225,20 +233,47 @@ impl Spread {
         Self { apart, bends }
     }
 
+    /// The share of the differences that is near enough on a body of `size` metres: as it is while that is little, and never more than the mark.
+    fn near(&self, size: f64) -> f64 {
+        let far = self.apart / (APART * size).max(f64::MIN_POSITIVE);
+        (1.0 + far.powi(4)).powf(-0.25)
+    }
+
+    /// The acceleration with a share of the differences over that of the recording.
+    fn shakes(&self, share: f64) -> f64 {
+        let sum = |share: f64| self.bends.iter().map(|[was, own]| (was + share * share * own).sqrt()).sum::<f64>();
+        sum(share) / sum(0.0).max(f64::MIN_POSITIVE)
+    }
+
     /// The largest share, up to one, of the differences that shakes no more than the mark.
     fn steady(&self) -> f64 {
-        let sum = |share: f64| self.bends.iter().map(|[was, own]| (was + share * share * own).sqrt()).sum::<f64>();
-        let most = SHAKES * sum(0.0);
-        if sum(1.0) <= most {
+        if self.shakes(1.0) <= SHAKES {
             return 1.0;
         }
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            *(if sum(middle) <= most { &mut low } else { &mut high }) = middle;
+            *(if self.shakes(middle) <= SHAKES { &mut low } else { &mut high }) = middle;
         }
         low
     }
+}
+
+/// The rows x nearest to those d of a stretch that bend little over time: those with least (x - d)^2 + firm (second differences of x)^2, on the
+/// recording at both ends and beyond them.
+fn straighten(rows: &mut [Vec<f64>], firm: f64) {
+    let inner = rows.len().saturating_sub(2);
+    let width = rows.first().map_or(0, Vec::len);
+    // The product of second differences with themselves.
+    let bend = |row: usize, column: usize| match row.abs_diff(column) {
+        0 => 1.0 + 6.0 * firm,
+        1 => -4.0 * firm,
+        2 => firm,
+        _ => 0.0,
+    };
+    let Some(factor) = Cholesky::of(&Matrix::from_fn(inner, inner, bend)).filter(|_| inner > 0) else { return };
+    let found = factor.solve(&Matrix::from_fn(inner, width, |row, column| rows[row + 1][column]));
+    (0..inner).for_each(|row| rows[row + 1].copy_from_slice(found.row(row)));
 }
 
 /// The rows x nearest to the given ones d: those with least (x - d)^2 + firm x' A x, of which A is about the first numbers alone.
@@ -308,6 +343,31 @@ mod tests {
         assert_eq!(after, before);
         assert_eq!(lifted(0.0065, 0.0, 0.02), 0.0);
     }
+
+    #[test]
+    fn what_bends_goes_and_what_is_slow_stays() {
+        let wave = |waves: f64| -> Vec<Vec<f64>> {
+            // At rest at both ends.
+            let at = |k: usize| 0.5 - 0.5 * (std::f64::consts::TAU * waves * k as f64 / 59.0).cos();
+            (0..60).map(|k| vec![at(k)]).collect()
+        };
+        let left = |waves: f64, firm: f64| {
+            let mut rows = wave(waves);
+            straighten(&mut rows, firm);
+            assert!(rows[0][0] == 0.0 && rows[59][0].abs() < 1e-12, "ends are pinned");
+            let bends =
+                |rows: &[Vec<f64>]| rows.windows(3).map(|w| (w[0][0] + w[2][0] - 2.0 * w[1][0]).powi(2)).sum::<f64>();
+            (bends(&rows) / bends(&wave(waves))).sqrt()
+        };
+        assert!(left(1.0, 256.0) > 0.8 && left(10.0, 256.0) < 0.1, "{} {}", left(1.0, 256.0), left(10.0, 256.0));
+        // Every entry by hand: (1 + 6 firm) x = d for one free row.
+        let mut three = vec![vec![0.0], vec![7.0], vec![0.0]];
+        straighten(&mut three, 1.0);
+        assert!((three[1][0] - 1.0).abs() < 1e-12);
+        straighten(&mut three[..2], 1.0);
+        assert!((three[1][0] - 1.0).abs() < 1e-12, "nothing is free");
+    }
+
     #[test]
     fn what_shakes_is_drawn_nearer_until_it_does_not() {
         let spread = |square: f64| Spread { apart: 0.0, bends: vec![[1.0, square]; 5] };

@@ -18,6 +18,7 @@ mod dtw;
 mod error;
 mod frame_map;
 mod front;
+mod inputs;
 mod limbs;
 mod map;
 mod model;

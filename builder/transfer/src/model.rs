@@ -13,11 +13,12 @@ use crate::carried::Carried;
 use crate::correct::Examples;
 use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
+use crate::inputs::inputs;
 use crate::limbs::matching;
 use crate::map::Map;
 use crate::pair::{Pair, TransferOptions};
 use crate::rebuild::Rebuilder;
-use crate::space::{Space, between, numbers, spaces, spaces_of};
+use crate::space::{Space, numbers, numbers_at, spaces, spaces_of};
 use crate::stand::Stance;
 use crate::subject::Subject;
 use crate::upright::upright;
@@ -96,12 +97,19 @@ impl<'a> Model<'a> {
                 rests.par_iter().map(|rest| spaces.iter().map(|space| space.numbers(rest)).collect()).collect()
             }
         };
+        let told: Vec<Vec<Vec<f64>>> = if carried.is_some() {
+            chosen.par_iter().zip(&x).map(|(pair, x)| inputs(&source, &sources, pair.source, x)).collect()
+        } else {
+            x.clone()
+        };
         job.tell("learning to move", 1, 2)?;
         let floor = FLOOR * f64::from(target.size);
         let gain = f64::from(target.size / source.size.max(f32::MIN_POSITIVE));
         let regression = RegressionOptions { kernel: options.kernel, floor, gain, steps: STEPS };
-        let maps: Vec<Map> =
-            (0..sources.len()).into_par_iter().map(|part| map(&x, &y, part, &regression, carried.is_some())).collect();
+        let maps: Vec<Map> = (0..sources.len())
+            .into_par_iter()
+            .map(|part| map(&told, &y, part, &regression, carried.is_some()))
+            .collect();
         let carried = carried.map(|(carried, spaces, _)| (carried, spaces));
         let poses = chosen.iter().zip(&x).map(|(pair, x)| pose(&source, pair.source, x));
         let learned: Vec<(usize, Vec<f64>)> = indices.into_iter().zip(poses).collect();
@@ -207,8 +215,9 @@ impl<'a> Model<'a> {
         self.shape_of(time, &numbers_at(&self.source, &self.sources, time))
     }
 
-    fn shape_of(&self, time: f64, inputs: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
-        let predicted: Vec<Vec<f64>> = self.maps.iter().zip(inputs).map(|(map, input)| map.predict(input)).collect();
+    fn shape_of(&self, time: f64, own: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
+        let told = if self.has_bones() { &inputs(&self.source, &self.sources, time, own) } else { own };
+        let predicted: Vec<Vec<f64>> = self.maps.iter().zip(told).map(|(map, input)| map.predict(input)).collect();
         let spaces = self.carried.as_ref().map_or(&self.targets, |(_, spaces)| spaces);
         let shapes =
             spaces.iter().zip(&predicted).map(|(space, predicted)| (space.vertices.as_slice(), space.shape(predicted)));
@@ -233,15 +242,6 @@ fn pose(subject: &Subject, time: f64, parts: &[Vec<f64>]) -> Vec<f64> {
     let root = subject.root_at(time);
     let tilt = root.tilt * (LEVER * subject.size);
     parts.iter().flatten().copied().chain([root.centre.y, tilt.x, tilt.y, tilt.z].map(f64::from)).collect()
-}
-
-/// The numbers of a subject between two frames of one sequence.
-fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
-    let before = (time as u32).min(subject.poses.len() as u32 - 1);
-    let share = time - f64::from(before);
-    let first = numbers(subject, spaces, before);
-    let goes_on = subject.timeline.sequence_index(before + 1) == subject.timeline.sequence_index(before);
-    if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
 }
 
 fn map(x: &[Vec<Vec<f64>>], y: &[Vec<Vec<f64>>], part: usize, options: &RegressionOptions, is_rest: bool) -> Map {

@@ -114,6 +114,15 @@ pub fn numbers(subject: &Subject, spaces: &[Space], frame: u32) -> Vec<Vec<f64>>
     spaces.iter().map(|space| space.numbers(&shape)).collect()
 }
 
+/// The numbers of a subject between two frames of one sequence.
+pub fn numbers_at(subject: &Subject, spaces: &[Space], time: f64) -> Vec<Vec<f64>> {
+    let before = (time as u32).min(subject.poses.len() as u32 - 1);
+    let share = time - f64::from(before);
+    let first = numbers(subject, spaces, before);
+    let goes_on = subject.timeline.sequence_index(before + 1) == subject.timeline.sequence_index(before);
+    if share < 1e-6 || !goes_on { first } else { between(&first, &numbers(subject, spaces, before + 1), share) }
+}
+
 /// Numbers between two frames.
 pub fn between(before: &[Vec<f64>], after: &[Vec<f64>], share: f64) -> Vec<Vec<f64>> {
     let blend = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a + (b - a) * share).collect();

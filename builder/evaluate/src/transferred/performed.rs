@@ -41,7 +41,7 @@ pub struct Performed {
     pub poses: Poses,
     feet: Feet,
     motion: Motion,
-    parts: Parts,
+    pub parts: Parts,
     /// Where each frame is in the sequence as it is without a warp, in frames of that sequence.
     pub times: Vec<f64>,
 }
@@ -88,6 +88,12 @@ impl Performed {
     /// Root of the mean square of how far the vertices of `pose` lie from those of a frame, in metres, once it is turned about +Y
     /// and moved along the ground onto it: what is seen, but for where it is.
     pub fn off(&self, frame: u32, pose: &[Vec3]) -> f64 {
+        let offs = self.offs(frame, pose);
+        (offs.iter().sum::<f64>() / offs.len() as f64).sqrt()
+    }
+
+    /// The squares of how far the vertices of `pose` are off, likewise.
+    pub fn offs(&self, frame: u32, pose: &[Vec3]) -> Vec<f64> {
         let (weights, truth) = (self.topology.weights(), self.poses.frame(frame));
         let turn = align_heading(truth, pose, weights);
         let to = centre_of_mass(truth, weights).xz() - rotate(turn, centre_of_mass(pose, weights).xz());
@@ -95,7 +101,7 @@ impl Performed {
             let ground = rotate(turn, point.xz()) + to;
             f64::from(Vec3::new(ground.x, point.y, ground.y).distance_squared(*truth))
         };
-        (pose.iter().zip(truth).map(apart).sum::<f64>() / truth.len() as f64).sqrt()
+        pose.iter().zip(truth).map(apart).collect()
     }
 }
 
