@@ -289,5 +289,5 @@ impl Survey {
 /// What `source` says.
 pub fn template<S: Source>(source: &S, frame: usize) -> Result<Option<Template>, S::Error> {
     let (mut scan, _) = source.read(frame)?;
-    Ok(cleaned(&mut scan).and_then(|(cleaned, _)| Template::new(cleaned.manifold())))
+    Ok(cleaned(&mut scan).and_then(|(cleaned, _)| Template::of(&cleaned)))
 }

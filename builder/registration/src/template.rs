@@ -2,6 +2,7 @@
 
 use super::energy::System;
 use super::graph::Graph;
+use super::scan::Cleaned;
 use super::surface::Surface;
 
 /// Area of a person, square metres: what lengths of this crate mean.
@@ -29,6 +30,8 @@ pub struct Template {
     pub scale: f32,
     /// The coarse and the fine graph.
     pub levels: [Level; 2],
+    /// Triangles of its frame that are no part of it: edges of theirs had a triangle on each side already.
+    pub left_out: usize,
 }
 
 impl Template {
@@ -44,7 +47,15 @@ impl Template {
         };
         let [coarse, fine] = DISTANCES.map(level);
         let levels = [coarse?, fine?];
-        Some(Self { surface, scale, levels })
+        Some(Self { surface, scale, levels, left_out: 0 })
+    }
+
+    /// The template of a frame: what of its surface is manifold ([`Cleaned::manifold`]); `None` where that has no vertices.
+    #[must_use]
+    pub fn of(frame: &Cleaned) -> Option<Self> {
+        let surface = frame.manifold();
+        let left_out = frame.surface.mesh.triangles.len() - surface.mesh.triangles.len();
+        Some(Self { left_out, ..Self::new(surface)? })
     }
 }
 
@@ -52,4 +63,30 @@ impl Template {
 #[must_use]
 pub fn scale_of(surface: &Surface) -> f32 {
     (surface.area() / PERSON).sqrt().max(1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use geometry::polygonise::polygonise;
+    use glam::Vec3;
+
+    use super::*;
+    use crate::scan::Scan;
+
+    #[test]
+    fn triangles_that_are_no_part_of_a_template_are_counted() {
+        let ball = polygonise(Vec3::splat(-0.7), Vec3::splat(0.7), 0.1, |p| p.length() - 0.5);
+        let left_out = |fins: usize| {
+            let mut scan =
+                Scan { positions: ball.positions.clone(), triangles: ball.triangles.clone(), ..Scan::default() };
+            for &[a, b, _] in ball.triangles.iter().step_by(40).take(fins) {
+                scan.triangles.push([a, b, scan.positions.len() as u32]);
+                scan.positions.push(ball.positions[a as usize] * 1.2);
+            }
+            let template = Template::of(&scan.cleaned().unwrap()).unwrap();
+            template.surface.mesh.check_closed().unwrap();
+            template.left_out
+        };
+        assert_eq!([left_out(0), left_out(3)], [0, 3]);
+    }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use capture_io::export::WrittenSequence;
 use capture_io::import::{Scans, Warning};
 use registration::checks::Fit;
+use registration::cut::Group;
 use registration::register::{Lost, Registered, Survey};
 use registration::scan::Mended;
 
@@ -123,6 +124,21 @@ pub(crate) fn told_of_frames(scans: &Scans, survey: &Survey, root: usize, lost: 
         format!("it is left out, and its sequence cut there: {why}")
     });
     turned.into_iter().chain(littered).chain(mended).chain(apart).chain(lost).collect()
+}
+
+/// What the user should know of the templates of `groups`: of which of them triangles are no part of the mesh that is written.
+pub(crate) fn told_of_templates<'a>(scans: &Scans, groups: impl Iterator<Item = &'a Group>) -> Option<Warning> {
+    let left_out: BTreeMap<usize, usize> =
+        groups.map(|group| (group.root, group.template.left_out)).filter(|&(_, count)| count > 0).collect();
+    let frames: Vec<usize> = left_out.keys().copied().collect();
+    told(scans, "W_SCAN_MANIFOLD", &frames, |frame| {
+        let count = left_out.get(&frame).copied().unwrap_or_default();
+        format!(
+            "it is the template, and {count} of its triangles meet others at edges that have a triangle on each side already: they \
+             are no part of the mesh, which may have holes there; if these are seen, mend the frame, or name another template \
+             with --template-frame"
+        )
+    })
 }
 
 /// How many triangles are no part of a frame's surface, and why.

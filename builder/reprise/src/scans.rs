@@ -24,7 +24,7 @@ use super::scan_source::first_of;
 pub use super::scan_source::{OtherCaptures, RegisterError, ScanOptions};
 pub use super::scan_truth::{TruthError, TruthReport};
 pub(crate) use super::scan_warnings::{check_lost, lost_reports, told_of_frames};
-use super::scan_warnings::{colourless, parts, told_of_registered};
+use super::scan_warnings::{colourless, parts, told_of_registered, told_of_templates};
 use super::scan_writer::Writer;
 
 /// Registers the scan that `inputs` name, and writes it as the folder `out`. Frames that cannot be brought onto the one mesh, but onto
@@ -59,6 +59,7 @@ pub fn register(
     let writer = settled(writer, root, (&source, main), (options, out), job)?;
     let others = others(&source, &united.others, (options, out), job)?;
     warnings.extend(told_of_frames(&scans, &survey, main.root, &main.registered.lost));
+    warnings.extend(told_of_templates(&scans, std::iter::once(main).chain(&united.others)));
     warnings.extend(writer.is_colourless().then(colourless));
     warnings.extend(joined(&scans, main, root));
     warnings.extend(told_of_others(&scans, main.root, &others));

@@ -165,6 +165,29 @@ fn what_is_no_frame_of_the_body_is_named_and_left_out() {
 }
 
 #[test]
+fn triangles_that_are_no_part_of_the_template_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = scan(&folder.path().join("scan"), 2, 1.0);
+    let whole = registered(&inputs, &folder.path().join("whole"));
+    assert!(whole.warnings.iter().all(|warning| warning.code != "W_SCAN_MANIFOLD"), "{:?}", whole.warnings);
+    // Two fins on every frame, each at an edge of the body.
+    for k in 0..2 {
+        let mut mesh = body(-0.3 + 0.12 * k as f32, 0.052 + 0.001 * k as f32, 1.0);
+        for t in [40, 90] {
+            let [a, b, _] = mesh.triangles[t];
+            let tip = mesh.positions[a as usize] + Vec3::new(0.01, 0.02, 0.01);
+            mesh.positions.push(tip);
+            mesh.triangles.push([a, b, mesh.positions.len() as u32 - 1]);
+        }
+        write(&folder.path().join(format!("scan/frame_{k:03}.ply")), &mesh, 1.0);
+    }
+    let report = registered(&inputs, &folder.path().join("torn"));
+    let told = report.warnings.iter().find(|warning| warning.code == "W_SCAN_MANIFOLD").unwrap().to_string();
+    let root = format!("frame_{:03}.ply", report.template);
+    assert!(told.contains(&root) && told.contains("2 of its triangles") && told.contains("--template-frame"), "{told}");
+}
+
+#[test]
 fn what_fits_another_mesh_only_becomes_a_capture_of_its_own_beside() {
     let folder = tempfile::tempdir().unwrap();
     let inputs = two_takes(&folder.path().join("scan"));
