@@ -13,6 +13,9 @@ const STEP: f32 = 0.2;
 const FURTHEST: f32 = 0.5;
 /// The furthest that a body is turned, in radians.
 const FURTHEST_TURN: f32 = 0.6;
+/// What stands at least this firmly wherever it could step stays altogether: firmness falls with every millimetre that a foot
+/// moves, and feet of captured bodies always move a little. One that is carried in part slides the rest of the way.
+const FIRM: f32 = 0.5;
 /// What stands for less than this is no foot that could be held, in nodes.
 const LEAST: f32 = 1.0;
 
@@ -39,11 +42,12 @@ impl Stance {
         self.weights[side].iter().sum()
     }
 
-    /// How much it stands while it could best step, from 0 to 1: steps take `width` nodes.
+    /// How much it has to stay where it could best step, from 0 to 1: steps take `width` nodes.
     fn in_the_way(&self, width: usize) -> f32 {
         let firmest: Vec<f32> = self.weights[0].iter().zip(&self.weights[1]).map(|(a, b)| a.max(*b)).collect();
         let steps = firmest.windows(width.clamp(1, firmest.len().max(1)));
-        steps.map(|step| step.iter().sum::<f32>() / step.len() as f32).fold(1.0, f32::min)
+        let stands = steps.map(|step| step.iter().sum::<f32>() / step.len() as f32).fold(1.0, f32::min);
+        (stands / FIRM).min(1.0)
     }
 
     /// From where the destination has it to where the source has it.
@@ -75,4 +79,35 @@ pub(crate) fn carried(stances: &[Stance], fps: f32) -> Vec2 {
 /// How far the destination has to be turned about +Y, in radians, so that this part does not turn on the ground.
 pub(crate) fn turned(stances: &[Stance], fps: f32) -> f32 {
     held(stances, fps).map_or(0.0, |(held, hold)| hold * held.turned().clamp(-FURTHEST_TURN, FURTHEST_TURN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A foot that stands so firmly, in the destination 0.1 m away from where the source has it; half of its nodes may be in the
+    /// air.
+    fn foot(firmly: f32, lifts: bool) -> Stance {
+        let mut stance = Stance::default();
+        for node in 0..10 {
+            let weight = if lifts && node >= 5 { 0.0 } else { firmly };
+            (0..2).for_each(|side| stance.see(side, weight, Vec2::new(side as f32 * 0.1, 0.0), 0.0));
+        }
+        stance
+    }
+
+    #[test]
+    fn a_foot_that_cannot_step_stays_altogether_though_it_moves_a_little() {
+        for firmly in [0.5, 0.7, 1.0] {
+            let carried = carried(&[foot(firmly, false)], 25.0);
+            assert!((carried - Vec2::new(-0.1, 0.0)).length() < 1e-6, "{firmly}: {carried}");
+        }
+        let half = carried(&[foot(0.25, false)], 25.0);
+        assert!((half - Vec2::new(-0.05, 0.0)).length() < 1e-6, "{half}");
+    }
+
+    #[test]
+    fn a_foot_that_can_step_is_not_held() {
+        assert_eq!(carried(&[foot(1.0, true)], 25.0), Vec2::ZERO);
+    }
 }
