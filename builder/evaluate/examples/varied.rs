@@ -121,8 +121,7 @@ fn main() {
     let capture = match path.strip_prefix("woman:") {
         Some(times) => woman(fps, times.parse().unwrap()),
         None => {
-            let mut options = ImportOptions::default();
-            options.fps = Some(fps);
+            let options = ImportOptions { fps: Some(fps), ..Default::default() };
             import(std::slice::from_ref(path), &options, &job).unwrap().capture
         }
     };

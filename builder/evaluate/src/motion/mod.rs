@@ -8,7 +8,8 @@ mod played;
 mod series;
 
 use actor::capture::Capture;
-use actor::graph::EssentialGraph;
+use actor::graph::{EssentialGraph, Transition};
+use actor::timeline::Timeline;
 use actor::walk::{Leg, steps_of};
 use kernels::cholesky::elimination_order;
 use rayon::prelude::*;
@@ -33,7 +34,7 @@ const WALKS: u64 = 300;
 const SHOWN: usize = 100;
 /// Frames of a walk that are made at most.
 const MOST_FRAMES: usize = 2000;
-/// SearchGraph below this share of the capture's median are no motion that could freeze or leap.
+/// Ways below this share of the capture's median are no motion that could freeze or leap.
 const LEAST_WAY: f64 = 0.5;
 
 /// Makes the section.
@@ -61,7 +62,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let few: Vec<Begun> =
             walks.iter().take(SHOWN).map(|walk| walk.with_surroundings(&graph, subject.timeline())).collect();
         let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
-        frames.rows.push(own.compare(choice.word(), &shown));
+        frames.rows.push(own.compare(choice.word(), (&graph, subject.timeline()), &shown));
         if choice == subject.options.transition.choice {
             parts.rows = parts::rows(&subject.capture, &order, &graph, &few)?;
             let ground = Look::of(&subject.capture.poses, subject.capture.topology.weights()).ground;
@@ -108,6 +109,8 @@ pub(super) struct Own {
     ways: Vec<f64>,
     changes: Vec<f64>,
     slides: Vec<f64>,
+    /// Mean slide of all vertices that touch the ground, each counting once.
+    slide_by_vertex: f64,
     /// For each frame the slide in the step from it to the next one, where anything touches the ground in both.
     slide_from: Vec<Option<f64>>,
     stutters: [usize; 2],
@@ -144,7 +147,19 @@ impl Own {
         }
         let lowest = all(&|series| series.lowest.clone());
         let slide_from = sequences.iter().flat_map(|series| series.slide.iter().copied().chain([None])).collect();
-        Self { ways, changes, slides, slide_from, stutters, way, change, lowest, height: f64::from(look.height) }
+        let slide_by_vertex = by_vertex(sequences.iter().map(|series| (series, 0..series.slide.len())));
+        Self {
+            ways,
+            changes,
+            slides,
+            slide_by_vertex,
+            slide_from,
+            stutters,
+            way,
+            change,
+            lowest,
+            height: f64::from(look.height),
+        }
     }
 
     /// Mean slide of what touches the ground, in metres a frame.
@@ -170,11 +185,32 @@ impl Own {
     fn row(&self) -> Vec<Cell> {
         let mut row = self.cells("recorded", &self.ways, &self.changes, &self.slides, self.stutters);
         row.splice(4..4, [Cell::Empty, Cell::Empty, Cell::Empty]);
+        row.extend([Cell::Empty, Cell::Number(self.slide_by_vertex * 1e3, 2), Cell::Number(1.0, 2)]);
         row
     }
 
+    /// Mean slide of the recorded frames that the transitions of `shown` blend, in metres a frame: of each transition both sides,
+    /// as often as it slides itself.
+    fn slide_there(&self, (graph, timeline): (&EssentialGraph, &Timeline), shown: &[Shown]) -> f64 {
+        let side = |first: u32, count: usize| -> f64 {
+            self.slide_of((0..count as i64).filter_map(|step| timeline.offset(first, step)))
+        };
+        let of = |transition: &Transition| {
+            let (source, destination) = transition.warp.lengths();
+            let first = timeline.offset(transition.to, 1 - destination as i64);
+            let sides = [side(transition.from, source), first.map_or(f64::NAN, |first| side(first, destination))];
+            Moments::of(sides.into_iter().filter(|slide| slide.is_finite())).mean
+        };
+        let slides = |walk: &Shown| -> Vec<u32> {
+            let at = walk.transitions.iter().zip(&walk.series.slide);
+            at.filter_map(|(transition, slide)| slide.and(*transition)).collect()
+        };
+        let taken = shown.iter().flat_map(slides).filter_map(|index| graph.transitions().get(index as usize));
+        Moments::of(taken.map(of).filter(|slide| slide.is_finite())).mean
+    }
+
     /// A row of the steps within transitions, and at their seams.
-    pub(super) fn compare(&self, name: &str, shown: &[Shown]) -> Vec<Cell> {
+    pub(super) fn compare(&self, name: &str, of: (&EssentialGraph, &Timeline), shown: &[Shown]) -> Vec<Cell> {
         let (mut ways, mut changes, mut slides, mut stutters) = (Vec::new(), Vec::new(), Vec::new(), [0, 0]);
         let (mut seams, mut above) = (0, [0, 0]);
         for walk in shown {
@@ -203,6 +239,14 @@ impl Own {
         let mut row = self.cells(name, &ways, &changes, &slides, stutters);
         let share = |count: usize| percent(count as f64 / (seams as f64).max(1.0));
         row.splice(4..4, [Cell::Count(seams as u64), share(above[0]), share(above[1])]);
+        let there = Moments::of(slides.iter().copied()).mean / self.slide_there(of, shown);
+        let inside = |walk: &Shown, at: usize| walk.transitions.get(at).is_some_and(Option::is_some);
+        let by_vertex = by_vertex(shown.iter().map(|walk| {
+            let intervals = (0..walk.series.slide.len()).filter(move |&at| inside(walk, at));
+            (&walk.series, intervals)
+        }));
+        let number = |value: f64| if value.is_finite() { Cell::Number(value, 2) } else { Cell::Empty };
+        row.extend([there, by_vertex * 1e3, by_vertex / self.slide_by_vertex].map(number));
         row
     }
 
@@ -225,6 +269,19 @@ impl Own {
     }
 }
 
+/// Mean slide in metres of all vertices that touch the ground in some intervals of series, each counting once: a toe that just
+/// brushes the ground counts less than a sole that stands.
+fn by_vertex<'a>(series: impl Iterator<Item = (&'a Series, impl Iterator<Item = usize>)>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (series, intervals) in series {
+        for at in intervals {
+            sum += series.slide[at].unwrap_or(0.0) * f64::from(series.touching[at]);
+            count += f64::from(series.touching[at]);
+        }
+    }
+    sum / count
+}
+
 pub(super) fn percent(share: f64) -> Cell {
     Cell::Number(100.0 * share, 1)
 }
@@ -234,10 +291,11 @@ pub(super) fn frames_table(own: &Own) -> Table {
     Table::new(
         "motion_frames",
         format!(
-            "Steps within transitions of {SHOWN} cheapest walks, and recorded ones. SearchGraph and changes of way (accelerations) \
+            "Steps within transitions of {SHOWN} cheapest walks, and recorded ones. Ways and changes of way (accelerations) \
              are root mean squares over the vertices, held against the capture\u{2019}s own 99th percentiles: {:.2} mm and \
              {:.2} mm a frame (medians {:.2} and {:.2}). Slide: vertices within 1.1 % of the body\u{2019}s height of the \
-             ground in both frames.",
+             ground in both frames, of a foot that swings as well as of one that stands: the mean of the frames' means, against \
+             that of all recorded frames and of those that the transitions blend, and by vertex, the mean of all such vertices.",
             own.way[1] * 1e3,
             own.change[1] * 1e3,
             own.way[0] * 1e3,
@@ -255,6 +313,9 @@ pub(super) fn frames_table(own: &Own) -> Table {
             "leaps in 1000",
             "slide, mm",
             "slide, times recorded",
+            "slide, times recorded there",
+            "by vertex, mm",
+            "by vertex, times recorded",
         ],
     )
 }

@@ -247,7 +247,7 @@ impl Sparse {
         let mut frames: Vec<u32> = (enters..=leaves).collect();
         let mut taken = Vec::new();
         for (way, mut frame) in [(0, enters), (1, leaves)] {
-            // SearchGraph are trees that begin within what is joined: no longer than there are frames.
+            // Ways are trees that begin within what is joined: no longer than there are frames.
             for _ in 0..self.inside.len() {
                 frames.push(frame);
                 frame = match self.reach[way].via[frame as usize] {
