@@ -6,6 +6,7 @@ mod parts;
 mod pictures;
 mod played;
 mod series;
+mod standing;
 
 use actor::capture::Capture;
 use actor::graph::{EssentialGraph, Transition};
@@ -19,6 +20,7 @@ pub(super) use self::added::Added;
 use self::pictures::Strips;
 pub(super) use self::played::{Begun, Borrowed, Shown, show};
 pub(super) use self::series::{Look, Series};
+use self::standing::Slid;
 use super::EvaluateError;
 use super::document::{Cell, SectionReport, Table};
 use super::performance::Recordings;
@@ -62,7 +64,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
         let few: Vec<Begun> =
             walks.iter().take(SHOWN).map(|walk| walk.with_surroundings(&graph, subject.timeline())).collect();
         let shown = show(&subject.capture, &order, &graph, &few, MOST_FRAMES, &progress_of(job, "walks"))?;
-        frames.rows.push(own.compare(choice.word(), (&graph, subject.timeline()), &shown));
+        frames.rows.push(own.compare(choice.word(), (&subject.capture, &graph), &shown));
         if choice == subject.options.transition.choice {
             parts.rows = parts::rows(&subject.capture, &order, &graph, &few)?;
             let ground = Look::of(&subject.capture.poses, subject.capture.topology.weights()).ground;
@@ -109,8 +111,6 @@ pub(super) struct Own {
     ways: Vec<f64>,
     changes: Vec<f64>,
     slides: Vec<f64>,
-    /// Mean slide of all vertices that touch the ground, each counting once.
-    slide_by_vertex: f64,
     /// For each frame the slide in the step from it to the next one, where anything touches the ground in both.
     slide_from: Vec<Option<f64>>,
     stutters: [usize; 2],
@@ -147,19 +147,7 @@ impl Own {
         }
         let lowest = all(&|series| series.lowest.clone());
         let slide_from = sequences.iter().flat_map(|series| series.slide.iter().copied().chain([None])).collect();
-        let slide_by_vertex = by_vertex(sequences.iter().map(|series| (series, 0..series.slide.len())));
-        Self {
-            ways,
-            changes,
-            slides,
-            slide_by_vertex,
-            slide_from,
-            stutters,
-            way,
-            change,
-            lowest,
-            height: f64::from(look.height),
-        }
+        Self { ways, changes, slides, slide_from, stutters, way, change, lowest, height: f64::from(look.height) }
     }
 
     /// Mean slide of what touches the ground, in metres a frame.
@@ -185,7 +173,7 @@ impl Own {
     fn row(&self) -> Vec<Cell> {
         let mut row = self.cells("recorded", &self.ways, &self.changes, &self.slides, self.stutters);
         row.splice(4..4, [Cell::Empty, Cell::Empty, Cell::Empty]);
-        row.extend([Cell::Empty, Cell::Number(self.slide_by_vertex * 1e3, 2), Cell::Number(1.0, 2)]);
+        row.extend([Cell::Empty, Cell::Empty, Cell::Empty]);
         row
     }
 
@@ -210,7 +198,12 @@ impl Own {
     }
 
     /// A row of the steps within transitions, and at their seams.
-    pub(super) fn compare(&self, name: &str, of: (&EssentialGraph, &Timeline), shown: &[Shown]) -> Vec<Cell> {
+    pub(super) fn compare(
+        &self,
+        name: &str,
+        (capture, graph): (&Capture, &EssentialGraph),
+        shown: &[Shown],
+    ) -> Vec<Cell> {
         let (mut ways, mut changes, mut slides, mut stutters) = (Vec::new(), Vec::new(), Vec::new(), [0, 0]);
         let (mut seams, mut above) = (0, [0, 0]);
         for walk in shown {
@@ -239,14 +232,15 @@ impl Own {
         let mut row = self.cells(name, &ways, &changes, &slides, stutters);
         let share = |count: usize| percent(count as f64 / (seams as f64).max(1.0));
         row.splice(4..4, [Cell::Count(seams as u64), share(above[0]), share(above[1])]);
-        let there = Moments::of(slides.iter().copied()).mean / self.slide_there(of, shown);
+        let there = Moments::of(slides.iter().copied()).mean / self.slide_there((graph, &capture.timeline), shown);
         let inside = |walk: &Shown, at: usize| walk.transitions.get(at).is_some_and(Option::is_some);
-        let by_vertex = by_vertex(shown.iter().map(|walk| {
-            let intervals = (0..walk.series.slide.len()).filter(move |&at| inside(walk, at));
-            (&walk.series, intervals)
-        }));
+        let slid = |walk: &Shown| -> Vec<Slid> {
+            walk.slid.iter().enumerate().filter(|(at, _)| inside(walk, *at)).map(|(_, slid)| *slid).collect()
+        };
+        let standing = standing::mean(shown.iter().flat_map(slid));
+        let recorded = standing::recorded(capture, graph.feet(), &Look::of(&capture.poses, capture.topology.weights()));
         let number = |value: f64| if value.is_finite() { Cell::Number(value, 2) } else { Cell::Empty };
-        row.extend([there, by_vertex * 1e3, by_vertex / self.slide_by_vertex].map(number));
+        row.extend([there, standing * 1e3, standing / recorded].map(number));
         row
     }
 
@@ -269,19 +263,6 @@ impl Own {
     }
 }
 
-/// Mean slide in metres of all vertices that touch the ground in some intervals of series, each counting once: a toe that just
-/// brushes the ground counts less than a sole that stands.
-fn by_vertex<'a>(series: impl Iterator<Item = (&'a Series, impl Iterator<Item = usize>)>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (series, intervals) in series {
-        for at in intervals {
-            sum += series.slide[at].unwrap_or(0.0) * f64::from(series.touching[at]);
-            count += f64::from(series.touching[at]);
-        }
-    }
-    sum / count
-}
-
 pub(super) fn percent(share: f64) -> Cell {
     Cell::Number(100.0 * share, 1)
 }
@@ -295,7 +276,8 @@ pub(super) fn frames_table(own: &Own) -> Table {
              are root mean squares over the vertices, held against the capture\u{2019}s own 99th percentiles: {:.2} mm and \
              {:.2} mm a frame (medians {:.2} and {:.2}). Slide: vertices within 1.1 % of the body\u{2019}s height of the \
              ground in both frames, of a foot that swings as well as of one that stands: the mean of the frames' means, against \
-             that of all recorded frames and of those that the transitions blend, and by vertex, the mean of all such vertices.",
+             that of all recorded frames and of those that the transitions blend. Standing: the same vertices of the soles of feet \
+             that stand alone, each counting once.",
             own.way[1] * 1e3,
             own.change[1] * 1e3,
             own.way[0] * 1e3,
@@ -314,8 +296,8 @@ pub(super) fn frames_table(own: &Own) -> Table {
             "slide, mm",
             "slide, times recorded",
             "slide, times recorded there",
-            "by vertex, mm",
-            "by vertex, times recorded",
+            "standing feet, mm",
+            "standing, times recorded",
         ],
     )
 }

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use synthesis::Synthesiser;
 
 use super::series::{Look, Series};
+use super::standing::{Slid, slid, standing};
 use crate::EvaluateError;
 
 /// Recorded frames that a walk is shown with before its first and after its last, so that its outer seams are seen too.
@@ -50,6 +51,8 @@ pub struct Shown {
     pub series: Series,
     /// The transition that each interval belongs to; `None` for a recorded step.
     pub transitions: Vec<Option<u32>>,
+    /// How far feet slide that stand, in each interval.
+    pub slid: Vec<Slid>,
     /// Frames at which a transition begins or ends.
     pub seams: Vec<usize>,
 }
@@ -91,7 +94,9 @@ fn show_one(
     synthesiser: &mut Synthesiser,
 ) -> Result<Shown, EvaluateError> {
     let mut shown = Shown::default();
+    let mut stands = Vec::new();
     for leg in &begun.walk.legs {
+        stands.extend(standing(graph, &capture.timeline, leg));
         let (transition, steps) = match *leg {
             Leg::Recorded { steps, .. } | Leg::Back { steps, .. } => (None, steps),
             Leg::Synthetic(index) => (Some(index), graph.transitions().get(index as usize).map_or(0, steps_of)),
@@ -105,12 +110,17 @@ fn show_one(
     shown.transitions.truncate(most);
     synthesiser.begin_walk(graph, &capture.timeline, (begun.start, Placement::IDENTITY), &begun.walk)?;
     let mut pose = vec![glam::Vec3::ZERO; capture.topology.vertex_count()];
+    let mut before: Option<Vec<glam::Vec3>> = None;
     let mut source = Borrowed(&capture.poses);
     while shown.series.way.len() < shown.transitions.len() {
         if synthesiser.next_frame(graph, &capture.timeline, &mut source, &mut pose)?.is_none() {
             break;
         }
         shown.series.push(&pose, look);
+        if let (Some(before), Some(stands)) = (&before, stands.get(shown.slid.len())) {
+            shown.slid.push(slid(graph.feet(), stands, look, [before, &pose]));
+        }
+        before.get_or_insert_with(|| pose.clone()).clone_from(&pose);
     }
     Ok(shown)
 }

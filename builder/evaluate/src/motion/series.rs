@@ -37,6 +37,12 @@ impl<'a> Look<'a> {
         let height = (high - low).max(0.0);
         Self { weights, ground, height, touches: ground + TOUCHES * height }
     }
+
+    /// Whether a point touches the ground.
+    #[must_use]
+    pub fn touches(&self, point: Vec3) -> bool {
+        point.y < self.touches
+    }
 }
 
 /// Frames in a row. Interval t lies between frames t and t + 1; lengths are in metres.
@@ -50,8 +56,6 @@ pub struct Series {
     pub change: Vec<f64>,
     /// Mean way along the ground of the vertices that touch it on both sides of each interval, where any do.
     pub slide: Vec<Option<f64>>,
-    /// How many vertices that is.
-    pub touching: Vec<u32>,
     /// Height of the lowest vertex of each frame, from the ground.
     pub lowest: Vec<f64>,
     /// The last two frames, the later one last.
@@ -66,9 +70,7 @@ impl Series {
         if let Some(before) = self.last.last() {
             self.way.push(root_mean_square(before, pose));
             self.in_place.push(in_place(before, pose, look.weights));
-            let (slide, touching) = slide(before, pose, look.touches);
-            self.slide.push(slide);
-            self.touching.push(touching);
+            self.slide.push(slide(before, pose, look.touches));
         }
         if let [earlier, before] = self.last.as_slice() {
             let turns = earlier.iter().zip(before).zip(pose).map(|((&e, &b), &p)| (p - b) - (b - e));
@@ -115,14 +117,13 @@ fn in_place(before: &[Vec3], after: &[Vec3], weights: &[f32]) -> f64 {
     root_mean_square(before, &aligned)
 }
 
-/// The mean way along the ground of what touches it in both frames, if anything does, and how many vertices that is.
-fn slide(before: &[Vec3], after: &[Vec3], touches: f32) -> (Option<f64>, u32) {
+fn slide(before: &[Vec3], after: &[Vec3], touches: f32) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0_u32);
     for (b, a) in before.iter().zip(after).filter(|(b, a)| b.y < touches && a.y < touches) {
         sum += f64::from(b.xz().distance(a.xz()));
         count += 1;
     }
-    ((count > 0).then(|| sum / f64::from(count)), count)
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 #[cfg(test)]
@@ -152,7 +153,6 @@ mod tests {
         assert!(series.in_place.iter().all(|way| *way < 1e-6));
         // Only the first vertex is near the ground.
         assert_eq!(series.slide, [Some(1.0), Some(1.0), Some(0.5)]);
-        assert_eq!(series.touching, [1, 1, 1]);
     }
 
     #[test]

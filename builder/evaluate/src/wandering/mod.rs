@@ -70,7 +70,7 @@ pub(super) fn section(subject: &Subject, job: &Job) -> Result<SectionReport, Eva
     let order = elimination_order(&subject.capture.topology);
     let begun: Vec<Begun> = taken.iter().take(2).map(|taken| taken.begun.clone()).collect();
     let shown = show(&subject.capture, &order, &graph, &begun, most, &progress_of(job, "walks"))?;
-    frames.rows.push(own.compare("wandering", (&graph, timeline), &shown));
+    frames.rows.push(own.compare("wandering", (&subject.capture, &graph), &shown));
     section.tables.push(frames);
     Ok(section)
 }
