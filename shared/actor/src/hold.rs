@@ -13,8 +13,8 @@ const STEP: f32 = 0.2;
 const FURTHEST: f32 = 0.5;
 /// The furthest that a body is turned, in radians.
 const FURTHEST_TURN: f32 = 0.6;
-/// What stands at least this firmly wherever it could step stays altogether: firmness falls with every millimetre that a foot
-/// moves, and feet of captured bodies always move a little. One that is carried in part slides the rest of the way.
+/// What stands at least this firmly stands: firmness falls with every millimetre that a foot moves, and feet of captured bodies
+/// always move a little. A body that is carried in part slides its foot the rest of the way.
 const FIRM: f32 = 0.5;
 /// What stands for less than this is no foot that could be held, in nodes.
 const LEAST: f32 = 1.0;
@@ -42,12 +42,12 @@ impl Stance {
         self.weights[side].iter().sum()
     }
 
-    /// How much it has to stay where it could best step, from 0 to 1: steps take `width` nodes.
+    /// How much it stands while it could best step, from 0 to 1: steps take `width` nodes.
     fn in_the_way(&self, width: usize) -> f32 {
-        let firmest: Vec<f32> = self.weights[0].iter().zip(&self.weights[1]).map(|(a, b)| a.max(*b)).collect();
-        let steps = firmest.windows(width.clamp(1, firmest.len().max(1)));
-        let stands = steps.map(|step| step.iter().sum::<f32>() / step.len() as f32).fold(1.0, f32::min);
-        (stands / FIRM).min(1.0)
+        let stands = |(a, b): (&f32, &f32)| (a.max(*b) / FIRM).min(1.0);
+        let stands: Vec<f32> = self.weights[0].iter().zip(&self.weights[1]).map(stands).collect();
+        let steps = stands.windows(width.clamp(1, stands.len().max(1)));
+        steps.map(|step| step.iter().sum::<f32>() / step.len() as f32).fold(1.0, f32::min)
     }
 
     /// From where the destination has it to where the source has it.
@@ -107,7 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn a_foot_that_can_step_is_not_held() {
+    fn a_foot_that_can_step_is_held_as_much_as_it_stands_meanwhile() {
         assert_eq!(carried(&[foot(1.0, true)], 25.0), Vec2::ZERO);
+        // Steps take ten nodes, of which it stands in five.
+        let half = carried(&[foot(1.0, true)], 50.0);
+        assert!((half - Vec2::new(-0.05, 0.0)).length() < 1e-6, "{half}");
     }
 }
