@@ -29,6 +29,12 @@ const RAMP: usize = 30;
 /// Edges of a stretch change by this at most, on average, as a part of their lengths: mixtures of alternatives, and feet that stand, make up
 /// to two fifths more of it.
 const EDGES: f64 = 0.014;
+/// The worst of a frame's edges change by this much at most, on average, and so many of them are looked at: an arm that is drawn far too long
+/// hardly changes the mean over the body.
+const TORN: f64 = 0.25;
+const WORST: f64 = 0.02;
+/// Learned frames before and after a frame that is drawn nearer for that, over which others are drawn nearer as well.
+const EASED: usize = 6;
 /// How firmly edges are held, beside the numbers: the first that is enough.
 const FIRM: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
 /// Every so many learned frames are looked at for that.
@@ -124,14 +130,18 @@ impl Looked {
         sum / f64::max(count, 1.0)
     }
 
-    /// Takes out of the stretches of one variation what changes edges by more than the mark: first what does so most for what it moves, then
-    /// some of all.
+    /// Takes out of the stretches of one variation what changes edges by more than the marks: first what does so most for what it moves, then
+    /// some of all; then what is left of frames that would be torn somewhere.
     pub fn hold_edges(&self, one: &mut [Vec<f64>], stretches: &[Range<usize>]) {
         for stretch in stretches {
-            let found = self.change(one, stretch);
-            if found <= EDGES {
-                continue;
-            }
+            self.hold_mean(one, stretch);
+            self.hold_worst(one, stretch);
+        }
+    }
+
+    fn hold_mean(&self, one: &mut [Vec<f64>], stretch: &Range<usize>) {
+        let found = self.change(one, stretch);
+        if found > EDGES {
             let given = one[stretch.clone()].to_vec();
             let stiff = self.stiffness(stretch);
             let mut change = found;
@@ -149,11 +159,30 @@ impl Looked {
         }
     }
 
+    /// Draws frames nearer to the recording whose worst edges change by more than the mark, and those around them less and less.
+    fn hold_worst(&self, one: &mut [Vec<f64>], stretch: &Range<usize>) {
+        let share = |k: usize| {
+            let mut all = changes(&self.edges, &self.moved(k, &one[k]), &self.recorded[k]).collect::<Vec<f64>>();
+            all.sort_unstable_by(|a, b| b.total_cmp(a));
+            let worst = &all[..((WORST * all.len() as f64).ceil() as usize).min(all.len())];
+            (TORN * worst.len() as f64 / worst.iter().sum::<f64>().max(f64::MIN_POSITIVE)).min(1.0)
+        };
+        let shares: Vec<f64> = stretch.clone().map(share).collect();
+        if shares.iter().any(|share| *share < 1.0) {
+            one[stretch.clone()].iter_mut().zip(eased(&shares)).for_each(|(row, share)| {
+                row.iter_mut().for_each(|number| *number *= share);
+            });
+        }
+    }
+
     /// How much edges change in a stretch of a variation, on average, as a part of their lengths.
     fn change(&self, one: &[Vec<f64>], stretch: &Range<usize>) -> f64 {
         let looked = || stretch.clone().step_by(EVERY);
-        let sum = looked().map(|k| changes(&self.edges, &self.moved(k, &one[k]), &self.recorded[k])).sum::<f64>();
-        sum / looked().count().max(1) as f64
+        let mean = |k: usize| {
+            let sum = changes(&self.edges, &self.moved(k, &one[k]), &self.recorded[k]).sum::<f64>();
+            sum / self.edges.len().max(1) as f64
+        };
+        looked().map(mean).sum::<f64>() / looked().count().max(1) as f64
     }
 
     /// What numbers change edges by in a stretch, on average, over the mean of all numbers.
@@ -302,13 +331,20 @@ fn scale_by<'a>(rows: impl Iterator<Item = &'a mut Vec<f64>>, factor: f64) {
     rows.flatten().for_each(|number| *number *= factor);
 }
 
-/// Mean change of edges, as a part of their lengths.
-fn changes(edges: &[[usize; 2]], pose: &[Vec3], was: &[Vec3]) -> f64 {
-    let change = |&[a, b]: &[usize; 2]| {
+/// Change of edges, each as a part of its length.
+fn changes(edges: &[[usize; 2]], pose: &[Vec3], was: &[Vec3]) -> impl Iterator<Item = f64> {
+    edges.iter().map(|&[a, b]| {
         let length = |pose: &[Vec3]| pose[a].distance(pose[b]);
         f64::from((length(pose) / length(was).max(1e-6) - 1.0).abs())
-    };
-    edges.iter().map(change).sum::<f64>() / edges.len().max(1) as f64
+    })
+}
+
+/// Shares that change by steps, none larger than given: the least around each, then the mean of those around.
+fn eased(shares: &[f64]) -> Vec<f64> {
+    let around = |k: usize| k.saturating_sub(EASED)..(k + EASED + 1).min(shares.len());
+    let least = |k: usize| shares[around(k)].iter().copied().fold(1.0, f64::min);
+    let least: Vec<f64> = (0..shares.len()).map(least).collect();
+    (0..shares.len()).map(|k| least[around(k)].iter().sum::<f64>() / around(k).len() as f64).collect()
 }
 
 #[cfg(test)]
@@ -320,6 +356,16 @@ mod tests {
         let row = |k: usize| vec![most * (std::f64::consts::PI * k as f64 / 59.0).sin()];
         let one: Vec<Vec<f64>> = (0..60).map(row).collect();
         vec![one.clone(), one.into_iter().map(|row| vec![-row[0]]).collect()]
+    }
+
+    #[test]
+    fn frames_around_one_that_is_drawn_nearer_are_so_by_steps() {
+        let mut shares = vec![1.0; 60];
+        shares[30] = 0.2;
+        let eased = eased(&shares);
+        assert!(eased.iter().zip(&shares).all(|(eased, share)| eased <= share), "{eased:?}");
+        assert!(eased.windows(2).all(|two| (two[1] - two[0]).abs() < 0.1), "{eased:?}");
+        assert!((eased[30] - 0.2).abs() < 1e-12 && eased[10] == 1.0);
     }
 
     #[test]
