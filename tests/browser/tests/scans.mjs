@@ -94,7 +94,8 @@ export const tests = {
     // It leaves a scanned frame, and what it goes over into is as scanned too, or else the mesh.
     assert.ok(seen.share > 0.99 || Math.abs(seen.share - 1 + seen.lambda) < 0.1, JSON.stringify(seen));
     assert.equal(seen.shown, seen.share < 0.5 ? 'template' : 'carried');
-    assert.ok((await blue(player)) > 0.005);
+    // Where the mesh counts for more already, the scan's blue may have faded out of what counts as blue.
+    assert.ok(seen.share < 0.5 || (await blue(player)) > 0.005, JSON.stringify(seen));
     await player.picture('carried');
     await compare(player, 'template');
     await shows(player, 'template');
