@@ -27,6 +27,9 @@ const PASSED_OVER: u32 = 16;
 /// Cells that are remembered in a pass.
 const CELLS: usize = 1 << 17;
 
+/// Best walks of earlier passes that are kept.
+const KEPT: usize = 4;
+
 /// States that a patient search expands without finding a better walk before it ends, and as a multiple of those it took to
 /// find the best.
 const PATIENCE: u64 = 100_000;
@@ -63,6 +66,8 @@ pub struct Anytime {
     starts: Vec<State>,
     left_out: bool,
     best: Option<Found>,
+    /// The best walks of earlier passes, the last one first.
+    earlier: Vec<Found>,
     progress: Progress,
     expanded: u64,
     /// States expanded when the best walk was found, and whether the search ends when that is long ago.
@@ -123,6 +128,7 @@ impl Anytime {
             starts: task.starts(search_graph),
             left_out: false,
             best: None,
+            earlier: Vec::new(),
             progress: Progress::Running,
             expanded: 0,
             found_at: 0,
@@ -175,6 +181,12 @@ impl Anytime {
     #[must_use]
     pub fn best(&self) -> Option<&Found> {
         self.best.as_ref()
+    }
+
+    /// The best walks of earlier passes, which cost more than [`Self::best`]: each is a walk of its own, found another way.
+    pub fn earlier(&self) -> impl Iterator<Item = &Found> {
+        let best = self.best.as_ref().map_or(f64::INFINITY, |best| best.cost);
+        self.earlier.iter().filter(move |found| found.cost > best)
     }
 
     /// How far the search is.
@@ -232,7 +244,17 @@ impl Anytime {
             self.end(Progress::Ended);
         } else {
             self.pass += 1;
+            self.keep();
             self.begin_pass(task, search_graph);
+        }
+    }
+
+    /// Keeps the best walk of a pass that found a better one.
+    fn keep(&mut self) {
+        let Some(best) = &self.best else { return };
+        if self.earlier.first().is_none_or(|kept| kept.cost != best.cost) {
+            self.earlier.insert(0, best.clone());
+            self.earlier.truncate(KEPT);
         }
     }
 

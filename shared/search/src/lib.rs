@@ -30,6 +30,7 @@ mod members;
 mod meter;
 mod notes;
 mod path;
+mod path_work;
 mod place;
 mod plan;
 mod pool;

@@ -9,7 +9,7 @@ const PLACE_OFF: f64 = 0.1;
 const HEADING_OFF: f64 = 0.175;
 
 /// Metres that a bent walk is off its path that are worth a sentence.
-const LEFT: f64 = 0.06;
+pub(super) const LEFT: f64 = 0.06;
 
 pub(super) fn path_notes(report: &PathReport, is_bent: bool) -> Vec<String> {
     let mut notes = Vec::new();

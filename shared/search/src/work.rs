@@ -5,18 +5,19 @@ use glam::Vec3Swizzles;
 use super::answer::Goal;
 use super::anytime::{Anytime, Progress};
 use super::behaviour::{LoopSearch, walk_to_any, walk_to_behaviour};
-use super::bend::{Bend, Bending};
+use super::bend::Bend;
 use super::curve::Curve;
 use super::key_plan::KeyPlan;
 use super::notes::{keys_notes, path_notes, place_notes, substitute_note};
-use super::path::{Demand, PathReport, PathTask};
+use super::path::{Demand, PathTask};
+use super::path_work::{Bent, PathWork};
 use super::place::PlaceTask;
 use super::random::Optimiser;
 use super::request::{BehaviourRequest, PathRequest, PlaceRequest, RequestError, Target, WanderRequest};
 use super::scene::{Done, MOST_STEPS, Scene, Start};
 use super::search_graph::SearchGraph;
 use super::shortest::cheapest_walk;
-use super::task::{Found, State, Task};
+use super::task::{State, Task};
 use super::wander::Wander;
 use actor::walk::Walk;
 
@@ -108,8 +109,7 @@ impl Work {
     pub fn apply(&self, scene: &Scene, done: &mut Done, start: &mut Start, is_free: bool) {
         match self {
             Self::Path(work) => {
-                let Some(found) = work.search.best() else { return };
-                let (mut bend, report) = work.bent(scene.search_graph, found, is_free);
+                let Some(Bent { found, mut bend, report }) = work.bent(scene.search_graph, is_free) else { return };
                 if is_free {
                     let ground_pose = bend.begin().after(&found.start.ground_pose);
                     *start = Start { frame: found.start.frame, placement: ground_pose.into() };
@@ -146,65 +146,6 @@ impl Work {
                 let objectives = wander.optimiser().map_or([0.0; 3], Optimiser::objectives);
                 let goal = Goal::Wander { objectives, frames: wander.frames().len() as u32 };
                 done.push(scene, &walk.unwrap_or_default(), &Bend::default(), goal, notes);
-            }
-        }
-    }
-}
-
-/// A path that is to be followed: its search, and how the best walk so far is bent onto it.
-#[derive(Clone, Debug)]
-pub(super) struct PathWork {
-    task: PathTask,
-    search: Anytime,
-    notes: Vec<String>,
-    /// The cost of the walk that is being bent, and how far that is.
-    polish: Option<(f64, Polish)>,
-}
-
-/// How far the bending of a walk is.
-#[derive(Clone, Debug)]
-enum Polish {
-    Bending(Bending),
-    Bent(Bend, PathReport),
-}
-
-impl PathWork {
-    fn new(task: PathTask, search: Anytime, notes: Vec<String>) -> Self {
-        Self { task, search, notes, polish: None }
-    }
-
-    /// Bends the best walk so far until `is_over` says that it is enough for now; whether that is done.
-    fn polish(&mut self, search_graph: &SearchGraph, is_free: bool, is_over: &mut dyn FnMut() -> bool) -> bool {
-        let Some(found) = self.search.best() else { return true };
-        // Each better walk costs less.
-        let begun = self.polish.take().filter(|(cost, _)| *cost == found.cost).map(|(_, polish)| polish);
-        let begun = begun.or_else(|| self.task.bending(search_graph, found, is_free).map(Polish::Bending));
-        let polish = match begun {
-            Some(Polish::Bending(mut bending)) => loop {
-                if bending.advance(&self.task.curve) {
-                    let (bend, report) = self.task.bent(search_graph, found, Some(bending));
-                    break Polish::Bent(bend, report);
-                }
-                if is_over() {
-                    break Polish::Bending(bending);
-                }
-            },
-            Some(bent) => bent,
-            None => return true,
-        };
-        let is_done = matches!(polish, Polish::Bent(..));
-        self.polish = Some((found.cost, polish));
-        is_done
-    }
-
-    /// How `found`, the best walk so far, is bent.
-    fn bent(&self, search_graph: &SearchGraph, found: &Found, is_free: bool) -> (Bend, PathReport) {
-        match &self.polish {
-            Some((cost, Polish::Bent(bend, report))) if *cost == found.cost => (bend.clone(), report.clone()),
-            _ => {
-                let mut bending = self.task.bending(search_graph, found, is_free);
-                while bending.as_mut().is_some_and(|bending| !bending.advance(&self.task.curve)) {}
-                self.task.bent(search_graph, found, bending)
             }
         }
     }
