@@ -14,8 +14,8 @@ use actor::timeline::Timeline;
 const SHORTEST: f32 = 0.2;
 /// The longest step, in shortest ones.
 const LONGEST: usize = 3;
-/// The part of its step for which a foot that stands is only lifted, and only put down.
-const RAISED: f32 = 0.1;
+/// The part of its step for which a foot that stood is only lifted, and for which one that will stand is only put down.
+const RAISED: f32 = 0.3;
 /// What a step as short as can be costs, against one that slides all along, which costs 1.
 const HASTE: f32 = 0.15;
 /// What a step costs that is all the time on another side than the blend.
@@ -32,8 +32,9 @@ pub struct FootStep {
     pub begin: usize,
     /// Nodes that it takes.
     pub width: usize,
-    /// How much of it the foot stands on the side that it leaves or comes to, from 0 to 1: then it has to be lifted.
-    pub stands: f32,
+    /// How much of it the foot stands on the side that it leaves and on the one that it comes to, each from 0 to 1/2: then it has
+    /// to be lifted.
+    pub stands: [f32; 2],
     /// How much of it no other foot bears, from 0 to 1: what is lifted then is the whole body.
     pub alone: f32,
 }
@@ -49,8 +50,8 @@ impl FootStep {
     /// put down.
     #[must_use]
     pub fn weight(&self, node: usize) -> f32 {
-        let margin = RAISED * self.lifted();
-        ease(((self.progress(node) - margin) / (1.0 - 2.0 * margin)).clamp(0.0, 1.0))
+        let [leaving, coming] = self.stands.map(|stands| RAISED * (4.0 * stands).min(1.0));
+        ease(((self.progress(node) - leaving) / (1.0 - leaving - coming)).clamp(0.0, 1.0))
     }
 
     /// How much of it nothing else bears, from 0 to 1, where the others bear so much at each node.
@@ -62,7 +63,7 @@ impl FootStep {
     /// How far it is lifted in its middle, from 0 to 1: fully where it stands for half of its step.
     #[must_use]
     pub fn lifted(&self) -> f32 {
-        (2.0 * self.stands).min(1.0)
+        (2.0 * (self.stands[0] + self.stands[1])).min(1.0)
     }
 }
 
@@ -107,17 +108,18 @@ fn best(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], fps
         let width = (shortest * halves / 2).min(last);
         for begin in 0..=last - width {
             let mut step = FootStep { begin, width, ..FootStep::default() };
-            let (mut stands, mut apart) = (0.0, 0.0);
+            let (mut stands, mut apart) = ([0.0; 2], 0.0);
             for node in 0..last {
                 let (here, next) = (step.weight(node), step.weight(node + 1));
                 let middle = (here + next) / 2.0;
                 let firm = |side: usize| (sides[side][node] + sides[side][node + 1]) / 2.0;
-                stands += (next - here) * ((1.0 - middle) * firm(0) + middle * firm(1));
+                stands[0] += (next - here) * (1.0 - middle) * firm(0);
+                stands[1] += (next - here) * middle * firm(1);
                 let blend = ease((node as f32 + 0.5) / last as f32);
                 apart += (middle - blend) * (middle - blend) / last as f32;
             }
             let haste = HASTE * shortest as f32 / width.max(1) as f32;
-            let cost = stands * (1.0 + FALLS * step.unborne(&bears)) + haste + APART * apart;
+            let cost = (stands[0] + stands[1]) * (1.0 + FALLS * step.unborne(&bears)) + haste + APART * apart;
             if cost < least {
                 step.stands = stands;
                 (found, least) = (step, cost);
