@@ -127,6 +127,27 @@ impl Deformer {
         Ok(x.chunks_exact(3).map(Vec3::from_slice).collect())
     }
 
+    /// As [`Self::solve`] where all vertices have gone by `drawn` beside, and edges are to be as that leaves them.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn solve_over(
+        &mut self,
+        held: &Held,
+        pose: &[Vec3],
+        (turns, told): (&[Quat], &[Vec3]),
+        drawn: &[Vec3],
+        wanted: &[Vec3],
+    ) -> Result<Vec<Vec3>, CholeskyError> {
+        let left: Vec<Vec3> = held.held.iter().zip(wanted).map(|(&vertex, &wanted)| wanted - drawn[vertex as usize]).collect();
+        let mut moved = self.solve(held, pose, turns, told, &left)?;
+        moved.iter_mut().zip(drawn).for_each(|(moved, &drawn)| *moved += drawn);
+        for (&vertex, &wanted) in held.held.iter().zip(wanted) {
+            moved[vertex as usize] = wanted;
+        }
+        Ok(moved)
+    }
+
     /// As [`Self::solve`] for several fields at once in place of a pose, whose held vertices go to nothing: what is added to each.
     /// `changes` says, edge by edge, how the edges turn beside none.
     pub(crate) fn fields(
