@@ -196,6 +196,18 @@ impl Deformer {
         }
     }
 
+    /// How long edges of `pose` are once displaced beside before: that of which one edge in `one_in` is longer.
+    pub(crate) fn nearly_longest(&self, pose: &[Vec3], displacements: &[Vec3], one_in: usize) -> f32 {
+        let longer = |&[i, j]: &[u32; 2]| {
+            let (i, j) = (i as usize, j as usize);
+            let edge = pose[i] - pose[j];
+            (edge + (displacements[i] - displacements[j])).length() / edge.length().max(1e-6)
+        };
+        let mut all: Vec<f32> = self.edges().iter().map(longer).collect();
+        let at = all.len().saturating_sub(1 + all.len() / one_in.max(1));
+        if all.is_empty() { 1.0 } else { *all.select_nth_unstable_by(at, f32::total_cmp).1 }
+    }
+
     /// The rotation of each vertex that takes its edges in `pose` best to those of `pose` displaced by `displacements`: the
     /// local step of as-rigid-as-possible surfaces.
     #[must_use]

@@ -21,6 +21,7 @@ pub mod deform;
 mod dense;
 mod descent;
 pub mod document;
+mod drawn;
 pub mod edited;
 pub mod error;
 pub mod floor;

@@ -5,15 +5,13 @@ use glam::Vec3;
 use crate::carry::spread;
 use crate::error::EditError;
 use crate::floor::above;
-use crate::grab::{Bones, By, Editor, FIRST_STEPS, Grab, far};
+use crate::grab::{Bones, By, Editor, FIRST_STEPS, Grab, SHORT, far};
 use crate::reach::{Bend, Reach, Target};
 use crate::rigid::Rigid;
 use crate::stand::stand;
 
 /// Further than this share of its size the surface is not stretched beyond what the bones reach.
 const STRETCH: f32 = 0.03;
-/// What ends closer to where it is wanted than this, in metres, is there.
-const SHORT: f32 = 1e-6;
 /// The bones are not pulled further than so many sizes.
 const PULL: f32 = 1.2;
 
