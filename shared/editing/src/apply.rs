@@ -418,7 +418,7 @@ impl Edits {
             held.push((vertex, by_skin.lerp(wanted, exactly)));
         }
         let beyond: Vec<Vec3> = held.iter().map(|&(vertex, to)| to - told[vertex as usize]).collect();
-        let drawn = spread(&carried, &beyond, pose.len());
+        let drawn = spread(carried.iter().map(|one| one.near.as_slice()), &beyond, pose.len());
         for &(pin, firm) in pins {
             held.push((pin, told[pin as usize] * (1.0 - firm)));
         }
@@ -478,13 +478,14 @@ impl Edits {
     fn reshape(&mut self, active: &[Active], pose: &mut [Vec3]) -> Result<(), PreparedError> {
         let n = pose.len();
         let (mut sums, mut outside) = (vec![Vec3::ZERO; n], vec![0_usize; n]);
-        let mut rest = vec![Vec3::ZERO; n];
+        let (mut rest, mut drawn) = (vec![Vec3::ZERO; n], vec![Vec3::ZERO; n]);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         let mut pinned = Vec::new();
         for one in active {
             let Some(released) = self.edits[one.edit].2.as_ref().map(|keyed| &keyed.released) else { continue };
             sums.iter_mut().zip(&released.turns).for_each(|(sum, &r)| *sum += one.turn * (r * one.share));
             rest.iter_mut().zip(&released.rest).for_each(|(sum, &moved)| *sum += one.turn * (moved * one.share));
+            drawn.iter_mut().zip(&released.drawn).for_each(|(sum, &moved)| *sum += one.turn * (moved * one.share));
             released.outside.iter().for_each(|&vertex| outside[vertex as usize] += 1);
             let wanted = released.wanted.iter().map(|&wanted| one.turn * (wanted * one.share));
             held.extend(released.grip.handles.iter().copied().zip(wanted));
@@ -502,7 +503,8 @@ impl Edits {
         let by_modes: Vec<Vec3> = pose.iter().zip(&rest).map(|(&point, &moved)| point + moved).collect();
         let left: Vec<Vec3> =
             vertices.iter().zip(wanted).map(|(&vertex, wanted)| wanted - rest[vertex as usize]).collect();
-        let moved = self.editor.deformer.solve(&system, &by_modes, &turns, &told, &left).map_err(EditError::from)?;
+        let moved = self.editor.deformer.solve_over(&system, &by_modes, (&turns, &told), &drawn, &left);
+        let moved = moved.map_err(EditError::from)?;
         pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
     }

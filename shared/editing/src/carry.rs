@@ -25,10 +25,10 @@ pub(crate) struct Carried {
 }
 
 /// How far handles go `beyond` where their bones bring them, spread over what is near: one vertex alone would be drawn out to a point.
-pub(crate) fn spread(carried: &[Carried], beyond: &[Vec3], count: usize) -> Vec<Vec3> {
+pub(crate) fn spread<'a>(near: impl Iterator<Item = &'a [(u32, f32)]>, beyond: &[Vec3], count: usize) -> Vec<Vec3> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); count];
-    for (one, &beyond) in carried.iter().zip(beyond) {
-        for &(vertex, near) in &one.near {
+    for (near, &beyond) in near.zip(beyond) {
+        for &(vertex, near) in near {
             let (sum, all) = &mut sums[vertex as usize];
             (*sum, *all) = (*sum + beyond * near, *all + near);
         }
@@ -69,12 +69,7 @@ pub(crate) fn carry(
     let best = (1..joints.len()).fold(0, |best, k| if is_better(k, best) { k } else { best });
     let bone = joints[best] as usize;
     let share = weights[best];
-    let distances = deformer.distances(pose, &[vertex], radius);
-    let near = distances.iter().enumerate().filter(|(_, distance)| distance.is_finite()).map(|(other, distance)| {
-        let u = (distance / radius).clamp(0.0, 1.0);
-        (other as u32, 1.0 - u * u * (3.0 - 2.0 * u))
-    });
-    let near: Vec<(u32, f32)> = near.collect();
+    let near = deformer.near(pose, vertex, radius);
     let around = near.iter().map(|&(other, near)| (other, (1.0 - share) * near)).collect();
     Carried { vertex, bone, around, near }
 }

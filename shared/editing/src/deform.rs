@@ -139,7 +139,8 @@ impl Deformer {
         drawn: &[Vec3],
         wanted: &[Vec3],
     ) -> Result<Vec<Vec3>, CholeskyError> {
-        let left: Vec<Vec3> = held.held.iter().zip(wanted).map(|(&vertex, &wanted)| wanted - drawn[vertex as usize]).collect();
+        let left: Vec<Vec3> =
+            held.held.iter().zip(wanted).map(|(&vertex, &wanted)| wanted - drawn[vertex as usize]).collect();
         let mut moved = self.solve(held, pose, turns, told, &left)?;
         moved.iter_mut().zip(drawn).for_each(|(moved, &drawn)| *moved += drawn);
         for (&vertex, &wanted) in held.held.iter().zip(wanted) {
@@ -253,6 +254,17 @@ impl Deformer {
             }
         }
         distances
+    }
+
+    /// How near vertices of `pose` are to `vertex` along its edges: from 1 there to 0 at `radius` metres.
+    pub(crate) fn near(&self, pose: &[Vec3], vertex: u32, radius: f32) -> Vec<(u32, f32)> {
+        let distances = self.distances(pose, &[vertex], radius);
+        let near =
+            distances.iter().enumerate().filter(|(_, distance)| distance.is_finite()).map(|(other, distance)| {
+                let u = (distance / radius).clamp(0.0, 1.0);
+                (other as u32, 1.0 - u * u * (3.0 - 2.0 * u))
+            });
+        near.collect()
     }
 }
 

@@ -28,7 +28,7 @@ const BALANCE: f32 = 0.1;
 const STEPS: usize = 6;
 pub(crate) const FIRST_STEPS: usize = 40;
 /// How far a handle takes hold of its bone over the surface, as a share of the body's size.
-const HOLD: f32 = 0.14;
+pub(crate) const HOLD: f32 = 0.14;
 /// Further than this share no handle goes without a rig; of a region, than so many radii.
 const FARTHEST: f32 = 0.5;
 const FARTHEST_RADII: f32 = 1.5;
@@ -73,6 +73,8 @@ pub struct Grab {
     pub(crate) wanted: Vec<Vec3>,
     pub(crate) asked: Vec<Vec3>,
     pub(crate) drawn: Drawn,
+    /// What was spread over what is near the handles, by vertex; nothing where nothing was.
+    pub(crate) drawn_out: Vec<Vec3>,
     pub(crate) displacements: Vec<Vec3>,
     pub(crate) is_first: bool,
     /// Height of the ground, and below what nothing goes, in metres.
@@ -126,6 +128,8 @@ pub struct Released {
     pub(crate) turns: Vec<Vec3>,
     /// What modes moved the vertices by before they turned; nothing where there were none.
     pub(crate) rest: Vec<Vec3>,
+    /// What was spread over what is near the handles; nothing where nothing was.
+    pub(crate) drawn: Vec<Vec3>,
     pub(crate) outside: Vec<u32>,
     /// Height of the ground, in metres.
     pub(crate) ground: f32,
@@ -329,6 +333,7 @@ impl Editor {
                     while self.draw_in(grab) {
                         self.pull_surface(grab)?;
                     }
+                    self.soften(grab)?;
                     grab.shortfalls(to, &mut notes);
                 }
             }
@@ -361,14 +366,17 @@ impl Editor {
             self.still(grab)?;
             return Ok(false);
         }
+        let mut is_far = false;
         if !matches!(grab.by, By::Bones(_)) {
             let most = match grab.grip.scope {
                 Scope::Region { radius } => FARTHEST_RADII * radius,
                 _ => FARTHEST * grab.size,
             };
+            is_far = grab.wanted.iter().any(|wanted| wanted.length() > most);
             grab.wanted.iter_mut().for_each(|wanted| *wanted = wanted.clamp_length_max(most));
         }
         (grab.asked, grab.drawn) = (grab.wanted.clone(), Drawn::default());
+        grab.drawn.is_far = is_far;
         if let By::Modes { learned, .. } = &mut grab.by {
             learned.set_prior(self.prior);
         }
@@ -402,6 +410,7 @@ impl Editor {
     /// Back to the pose that was grabbed.
     fn still(&mut self, grab: &mut Grab) -> Result<(), EditError> {
         grab.displacements.fill(Vec3::ZERO);
+        grab.drawn_out.clear();
         grab.is_first = true;
         match &mut grab.by {
             By::Bones(bones) => {
@@ -433,6 +442,7 @@ impl Editor {
             bones: None,
             turns: Vec::new(),
             rest: Vec::new(),
+            drawn: grab.drawn_out.clone(),
             outside: Vec::new(),
             ground: grab.ground,
         };
@@ -473,6 +483,7 @@ impl Grab {
             wanted,
             asked,
             drawn,
+            drawn_out: Vec::new(),
             displacements,
             is_first,
             ground,

@@ -11,7 +11,7 @@ use crate::rigid::Rigid;
 use crate::stand::stand;
 
 /// Further than this share of its size the surface is not stretched beyond what the bones reach.
-const STRETCH: f32 = 0.03;
+pub(crate) const STRETCH: f32 = 0.03;
 /// The bones are not pulled further than so many sizes.
 const PULL: f32 = 1.2;
 
@@ -64,7 +64,7 @@ impl Editor {
                 notes.push(far(handle as u32, place.distance(to)));
             }
         }
-        let drawn = spread(carried, &beyond, told.len());
+        let drawn = spread(carried.iter().map(|one| one.near.as_slice()), &beyond, told.len());
         let still = grab.grip.pins.iter().map(|_| Vec3::ZERO);
         let partly = grab.grip.eased.iter().map(|&(vertex, firm)| told[vertex as usize] * (1.0 - firm));
         let wanted: Vec<Vec3> = grab.wanted.iter().copied().chain(still).chain(partly).collect();

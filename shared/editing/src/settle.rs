@@ -85,6 +85,7 @@ impl Settling {
         }
         if is_still {
             let anchor = grab.held.anchor();
+            editor.soften(grab)?;
             editor.lift(grab, anchor)?;
             if !matches!(grab.by, By::Bones(_)) {
                 let to = grab.allowed(to, &mut Vec::new());
