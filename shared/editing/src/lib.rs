@@ -40,6 +40,7 @@ pub mod soles;
 pub mod space;
 mod stand;
 pub mod stored;
+mod whole;
 
 pub use self::apply::{Edits, Recording};
 pub use self::deform::Deformer;
