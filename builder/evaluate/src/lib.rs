@@ -11,6 +11,7 @@
 
 mod acceleration;
 pub mod arap;
+mod blended;
 mod blending;
 mod body;
 pub mod clay;

@@ -11,6 +11,7 @@ use kernels::random::mix;
 use search::cheapest_walk;
 
 use crate::EvaluateError;
+use crate::blended;
 use crate::document::{Cell, SectionReport, Table};
 use crate::motion::{Begun, Own, Shown, show};
 use crate::statistics::percentile;
@@ -186,21 +187,10 @@ const HOP: usize = 2;
 /// that slides more, in metres a frame.
 fn slides_of_sides(timeline: &Timeline, own: &Own, graph: &EssentialGraph, shown: &[Shown]) -> BTreeMap<u32, f64> {
     let of = |index: u32| {
-        let nodes = nodes_of(timeline, graph, index);
-        [0, 1].map(|side| own.slide_of(nodes.iter().map(|node| node[side]))).into_iter().fold(0.0, f64::max)
+        let sides = blended::sides(timeline, &graph.transitions()[index as usize]);
+        sides.into_iter().map(|frames| own.slide_of(frames.into_iter())).fold(0.0, f64::max)
     };
     shown.iter().flat_map(|walk| walk.transitions.iter().flatten()).map(|&index| (index, of(index))).collect()
-}
-
-/// The recorded frames that each node of a transition blends.
-fn nodes_of(timeline: &Timeline, graph: &EssentialGraph, index: u32) -> Vec<[u32; 2]> {
-    let transition = &graph.transitions()[index as usize];
-    let length = transition.warp.lengths().1 as i64;
-    let frames = transition.warp.nodes().filter_map(|(n, m)| {
-        let source = timeline.offset(transition.from, n as i64)?;
-        Some([source, timeline.offset(transition.to, 1 - length + m as i64)?])
-    });
-    frames.collect()
 }
 
 /// How much of each fault a transition shows: means of slide, else the most of its frames, in metres.
@@ -221,7 +211,9 @@ fn worst_of_transitions(
             }
             if let Some(index) = walk.transitions[first] {
                 let value = match kind {
-                    HOP => hop(walk, first, &nodes_of(timeline, graph, index), &own.lowest),
+                    HOP => {
+                        hop(walk, first, &blended::nodes(timeline, &graph.transitions()[index as usize]), &own.lowest)
+                    }
                     _ => value_of(walk, first..at, kind),
                 };
                 found.extend(value.map(|value| (index, value)));

@@ -39,6 +39,12 @@ pub struct Likeness {
 }
 
 impl Kernel {
+    /// Whether maps by it are linear.
+    #[must_use]
+    pub fn is_linear(self) -> bool {
+        matches!(self, Self::Linear | Self::Affine)
+    }
+
     /// It with parameters.
     #[must_use]
     pub fn with(self, parameters: &Parameters) -> Likeness {

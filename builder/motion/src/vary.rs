@@ -28,6 +28,12 @@ const LEARNED: f32 = 25.0;
 const MODEL: usize = 150;
 /// Steps of its training: what is drawn with more of them is no better, for only differences of its frames count.
 const TRAINED: usize = 120;
+/// The amount that samples are drawn with: so near to the recording, where they are goes as they were drawn, and they tear and shake less than what is
+/// drawn farther off. They are lengthened to [`MOST`] and held within bounds there; another amount is a share of that, so that twice as much is
+/// twice as far in every sequence.
+const DRAWN: f64 = 0.06;
+/// The amount at which variations keep within bounds; larger ones go no farther than these.
+const MOST: f64 = 0.25;
 /// How far samples easily leave the recording, in mean steps, for each unit of the amount: one step at 0.12.
 const TETHER: f64 = 1.0 / 0.12;
 /// Deviations of what smooths samples, in learned frames: the first that does not shake, or the last.
@@ -47,7 +53,7 @@ const LENGTHS: Range<f64> = 0.6..1.6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct VaryOptions {
-    /// How much: noise of a step in mean steps, 0.06 to 0.25.
+    /// How much: about the noise of a step in mean steps, 0.06 to 0.25; variations are as far from the recording as this is large.
     pub amount: f64,
     /// Variations of each sequence.
     pub count: usize,
@@ -95,7 +101,9 @@ pub fn vary(
         let seed = mix(options.seed, u64::from(frames.start) << 20 | part as u64);
         let mut drawn = draw(&model, stretch, seed, options, job)?;
         let size = f64::from(body_size(poses, &numbers.frames));
-        drawn.reach(&numbers, topology, poses, (size, options.amount));
+        drawn.reach(&numbers, topology, poses, size);
+        let share = (options.amount / MOST).min(1.0);
+        drawn.differences.iter_mut().flatten().flatten().for_each(|number| *number *= share);
         varied.rejected += drawn.rejected;
         varied.stretches += drawn.stretches;
         varied.accepted += drawn.accepted;
@@ -117,13 +125,13 @@ struct Drawn {
 
 impl Drawn {
     /// Sees to it that variations go as far as is asked for, and no farther than edges allow and than is meant.
-    fn reach(&mut self, numbers: &Numbers, topology: &Topology, poses: &Poses, (size, amount): (f64, f64)) {
+    fn reach(&mut self, numbers: &Numbers, topology: &Topology, poses: &Poses, size: f64) {
         let looked = Looked::new(numbers, topology, poses);
         let layers = Layers::new(numbers, topology, poses, size);
         for (cut, stretches) in self.cuts.iter().enumerate() {
             let of_cut = || (cut..self.differences.len()).step_by(CUTS);
             let mut own: Differences = of_cut().map(|number| self.differences[number].clone()).collect();
-            lift(&mut own, stretches, least(amount, size), &|own| looked.distance(own));
+            lift(&mut own, stretches, least(size), &|own| looked.distance(own));
             own.par_iter_mut().for_each(|one| looked.hold_edges(one, stretches));
             layers.hold(&mut own, stretches);
             looked.hold_apart(&mut own, stretches, size);
@@ -134,7 +142,7 @@ impl Drawn {
     }
 }
 
-/// Draws `options.count` rows of differences.
+/// Draws `options.count` rows of differences, as far as the largest amount has them.
 fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Job<'_>) -> Result<Drawn, Stopped> {
     let count = model.places.rows();
     let samples = options.count.div_ceil(CUTS);
@@ -147,7 +155,7 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
         .map(|(number, (_, range))| {
             job.tell("drawing variations", number as u64, stretches.len() as u64)?;
             let seed = mix(seed, number as u64);
-            let options = StretchOptions { amount: options.amount, tether: TETHER * options.amount, samples, seed };
+            let options = StretchOptions { amount: DRAWN, tether: TETHER * DRAWN, samples, seed };
             Ok(sample_stretch(model, range.clone(), &options))
         })
         .collect();
@@ -168,7 +176,8 @@ fn draw(model: &Gpdm, stretch: usize, seed: u64, options: &VaryOptions, job: &Jo
                 continue;
             }
             for deviation in SMOOTH {
-                let stretch = decoded(model, &recorded, &softened(&recorded, sample, deviation));
+                let mut stretch = decoded(model, &recorded, &softened(&recorded, sample, deviation));
+                stretch.iter_mut().flatten().for_each(|number| *number *= MOST / DRAWN);
                 let shakes = shakes(model, range.start, &stretch) > SHAKES;
                 differences[range.clone()].clone_from_slice(&stretch);
                 if !shakes {
@@ -339,8 +348,22 @@ mod tests {
         };
         let (near, far, farther) = (apart(0.01), apart(1.0), apart(2.0));
         assert!(near < far && far < farther * 1.001, "it grows: {near} {far} {farther}");
-        // Two that differ by 17 mm of 1.8 m are 12 mm off.
-        assert!(farther < 1.05 * 0.0095 / std::f64::consts::SQRT_2 * size, "{farther} of {size}");
+        // Two that differ by 26 mm of 1.8 m are 18 mm off.
+        assert!(farther < 1.05 * 0.0145 / std::f64::consts::SQRT_2 * size, "{farther} of {size}");
+    }
+
+    #[test]
+    fn twice_the_amount_is_twice_as_far() {
+        let poses = rod(50);
+        let off = |amount: f64| {
+            let options = VaryOptions { count: 2, dimensions: 3, amount, ..VaryOptions::default() };
+            let varied = vary(&poses, &rod_topology(), (0..50, 25.0), &options, &Job::silent()).unwrap();
+            varied.diversity()
+        };
+        let [little, usual, most] = [0.0625, 0.125, 0.25].map(off);
+        assert!(little > 1e-4);
+        assert!((usual / little - 2.0).abs() < 1e-9 && (most / little - 4.0).abs() < 1e-9, "{little} {usual} {most}");
+        assert_eq!(off(0.5), most, "bounds hold the largest amount");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::carried::Carried;
 use crate::correct::Examples;
 use crate::displace::{Displacement, LEVER};
 use crate::error::TransferError;
-use crate::inputs::inputs;
+use crate::inputs::Inputs;
 use crate::limbs::matching;
 use crate::map::Map;
 use crate::pair::{Pair, TransferOptions};
@@ -34,6 +34,7 @@ pub struct Model<'a> {
     target: Subject<'a>,
     /// Of each part of the target: the source's numbers, what they mean, and the target's shape.
     sources: Vec<Space>,
+    inputs: Inputs,
     maps: Vec<Map>,
     targets: Vec<Space>,
     /// What the bones alone make of a pose, and of each part what shapes are beside that.
@@ -97,8 +98,9 @@ impl<'a> Model<'a> {
                 rests.par_iter().map(|rest| spaces.iter().map(|space| space.numbers(rest)).collect()).collect()
             }
         };
+        let inputs = Inputs::of(&source, order.as_deref());
         let told: Vec<Vec<Vec<f64>>> = if carried.is_some() {
-            chosen.par_iter().zip(&x).map(|(pair, x)| inputs(&source, &sources, pair.source, x)).collect()
+            chosen.par_iter().zip(&x).map(|(pair, x)| inputs.at(&source, &sources, pair.source, x)).collect()
         } else {
             x.clone()
         };
@@ -127,6 +129,7 @@ impl<'a> Model<'a> {
             source,
             target,
             sources,
+            inputs,
             maps,
             targets,
             carried,
@@ -216,7 +219,7 @@ impl<'a> Model<'a> {
     }
 
     fn shape_of(&self, time: f64, own: &[Vec<f64>]) -> Result<Vec<Vec3>, TransferError> {
-        let told = if self.has_bones() { &inputs(&self.source, &self.sources, time, own) } else { own };
+        let told = if self.has_bones() { &self.inputs.at(&self.source, &self.sources, time, own) } else { own };
         let predicted: Vec<Vec<f64>> = self.maps.iter().zip(told).map(|(map, input)| map.predict(input)).collect();
         let spaces = self.carried.as_ref().map_or(&self.targets, |(_, spaces)| spaces);
         let shapes =

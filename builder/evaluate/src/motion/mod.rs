@@ -22,6 +22,7 @@ pub(super) use self::played::{Begun, Borrowed, Shown, show};
 pub(super) use self::series::{Look, Series};
 use self::standing::Slid;
 use super::EvaluateError;
+use super::blended;
 use super::document::{Cell, SectionReport, Table};
 use super::performance::Recordings;
 use super::statistics::{Moments, percentile};
@@ -180,14 +181,9 @@ impl Own {
     /// Mean slide of the recorded frames that the transitions of `shown` blend, in metres a frame: of each transition both sides,
     /// as often as it slides itself.
     fn slide_there(&self, (graph, timeline): (&EssentialGraph, &Timeline), shown: &[Shown]) -> f64 {
-        let side = |first: u32, count: usize| -> f64 {
-            self.slide_of((0..count as i64).filter_map(|step| timeline.offset(first, step)))
-        };
         let of = |transition: &Transition| {
-            let (source, destination) = transition.warp.lengths();
-            let first = timeline.offset(transition.to, 1 - destination as i64);
-            let sides = [side(transition.from, source), first.map_or(f64::NAN, |first| side(first, destination))];
-            Moments::of(sides.into_iter().filter(|slide| slide.is_finite())).mean
+            let slides = blended::sides(timeline, transition).map(|frames| self.slide_of(frames.into_iter()));
+            Moments::of(slides.into_iter().filter(|slide| slide.is_finite())).mean
         };
         let slides = |walk: &Shown| -> Vec<u32> {
             let at = walk.transitions.iter().zip(&walk.series.slide);
