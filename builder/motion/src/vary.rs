@@ -28,12 +28,13 @@ const LEARNED: f32 = 25.0;
 const MODEL: usize = 150;
 /// Steps of its training: what is drawn with more of them is no better, for only differences of its frames count.
 const TRAINED: usize = 120;
-/// The amount that samples are drawn with: so near to the recording, where they are goes as they were drawn, and they tear and shake less than what is
-/// drawn farther off. They are lengthened to [`MOST`] and held within bounds there; another amount is a share of that, so that twice as much is
-/// twice as far in every sequence.
+/// The amount that samples are drawn with: so near to the recording, they tear and shake less than what is drawn farther off. They are
+/// lengthened to [`MOST`] and held within bounds there; another amount has a share of that, the same in every sequence.
 const DRAWN: f64 = 0.06;
 /// The amount at which variations keep within bounds; larger ones go no farther than these.
 const MOST: f64 = 0.25;
+/// They grow with this power of the amount: with the amount itself, who stands would hardly vary at half of [`MOST`].
+const GROWS: f64 = 2.0 / 3.0;
 /// How far samples easily leave the recording, in mean steps, for each unit of the amount: one step at 0.12.
 const TETHER: f64 = 1.0 / 0.12;
 /// Deviations of what smooths samples, in learned frames: the first that does not shake, or the last.
@@ -53,7 +54,7 @@ const LENGTHS: Range<f64> = 0.6..1.6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct VaryOptions {
-    /// How much: about the noise of a step in mean steps, 0.06 to 0.25; variations are as far from the recording as this is large.
+    /// How much: about the noise of a step in mean steps, 0.06 to 0.25; variations are as far from the recording as its power of 2/3 is large.
     pub amount: f64,
     /// Variations of each sequence.
     pub count: usize,
@@ -102,7 +103,7 @@ pub fn vary(
         let mut drawn = draw(&model, stretch, seed, options, job)?;
         let size = f64::from(body_size(poses, &numbers.frames));
         drawn.reach(&numbers, topology, poses, size);
-        let share = (options.amount / MOST).min(1.0);
+        let share = (options.amount / MOST).clamp(0.0, 1.0).powf(GROWS);
         drawn.differences.iter_mut().flatten().flatten().for_each(|number| *number *= share);
         varied.rejected += drawn.rejected;
         varied.stretches += drawn.stretches;
@@ -353,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn twice_the_amount_is_twice_as_far() {
+    fn the_amount_says_how_far() {
         let poses = rod(50);
         let off = |amount: f64| {
             let options = VaryOptions { count: 2, dimensions: 3, amount, ..VaryOptions::default() };
@@ -362,7 +363,11 @@ mod tests {
         };
         let [little, usual, most] = [0.0625, 0.125, 0.25].map(off);
         assert!(little > 1e-4);
-        assert!((usual / little - 2.0).abs() < 1e-9 && (most / little - 4.0).abs() < 1e-9, "{little} {usual} {most}");
+        let twice = 2.0_f64.powf(GROWS);
+        assert!(
+            (usual / little - twice).abs() < 1e-9 && (most / usual - twice).abs() < 1e-9,
+            "{little} {usual} {most}"
+        );
         assert_eq!(off(0.5), most, "bounds hold the largest amount");
     }
 

@@ -328,7 +328,7 @@ fn agreements(
             "Mark: two alternatives are 5 to 20 mm apart, and more by a larger amount",
             apart.iter().map(|apart| format!("{apart:.1}")).collect::<Vec<_>>().join(", ") + " mm",
             grows && apart.iter().all(|apart| (5.0..=20.0).contains(apart)),
-            "Means over sequences at the amounts 0.06, 0.12 and 0.25: in proportion to these, for bounds are kept at 0.25",
+            "Means over sequences at the amounts 0.06, 0.12 and 0.25: they grow with the power of 2/3 of these, for bounds are kept at 0.25",
         ),
         one(
             "Mark: alternatives take at most 1.5 MB an actor",
