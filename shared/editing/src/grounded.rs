@@ -43,8 +43,7 @@ impl Editor {
         let held: Vec<u32> = grab.held.vertices().iter().copied().chain(layer).collect();
         grab.held = self.deformer.hold(&grab.pose, &held, REST)?;
         if let (By::Modes { .. }, Some(space)) = (&grab.by, &self.space) {
-            let mut anew = self.by_modes(space, &grab.pose, grab.grip(), &grab.held);
-            anew.set_prior(grab.drawn.prior(self.prior));
+            let anew = self.by_modes(space, &grab.pose, grab.grip(), &grab.held);
             if let By::Modes { learned, .. } = &mut grab.by {
                 **learned = anew;
             }

@@ -21,7 +21,6 @@ pub mod deform;
 mod dense;
 mod descent;
 pub mod document;
-mod drawn;
 pub mod edited;
 pub mod error;
 pub mod floor;
@@ -40,7 +39,6 @@ pub mod soles;
 pub mod space;
 mod stand;
 pub mod stored;
-mod whole;
 
 pub use self::apply::{Edits, Recording};
 pub use self::deform::Deformer;
