@@ -12,8 +12,8 @@ use kernels::align::Placement;
 use crate::lean::{lean, share};
 use crate::steps::FootStep;
 
-/// A foot that goes far is lifted by this much of its own size: by 6 cm or so.
-const LIFT: f32 = 0.7;
+/// A foot that goes far is lifted by this much of its own size: by 5 cm or so.
+const LIFT: f32 = 0.6;
 /// One that goes as far as this much of its own size is lifted by half of that.
 const HALF: f32 = 0.35;
 /// One that bears the body goes so many times as far for that.

@@ -15,7 +15,7 @@ const SHORTEST: f32 = 0.2;
 /// The longest step, in shortest ones.
 const LONGEST: usize = 3;
 /// The part of its step for which a foot that stood is only lifted, and for which one that will stand is only put down.
-const RAISED: f32 = 0.25;
+const RAISED: f32 = 0.3;
 /// What a step as short as can be costs, against one that slides all along, which costs 1.
 const HASTE: f32 = 0.15;
 /// What a step costs that is all the time on another side than the blend.

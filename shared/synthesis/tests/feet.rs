@@ -43,7 +43,7 @@ fn a_foot_that_stands_on_both_sides_makes_a_step_in_the_middle() {
     let middle = step.begin as f32 + step.width as f32 / 2.0;
     assert!(step.stands.iter().all(|side| (side - 0.5).abs() < 1e-5) && step.lifted() == 1.0);
     // It is lifted before it goes, and is there before it is put down.
-    let raised = (step.width as f32 * 0.25) as usize;
+    let raised = (step.width as f32 * 0.3) as usize;
     assert_eq!((step.weight(step.begin + raised), step.weight(step.begin + step.width - raised)), (0.0, 1.0));
     assert!((middle - 20.0).abs() <= 1.0 && (5..=15).contains(&step.width), "{step:?}");
 }
