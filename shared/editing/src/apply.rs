@@ -6,7 +6,7 @@ use actor::timeline::Timeline;
 use glam::{Quat, Vec3};
 use kernels::align::align_heading;
 
-use crate::carry::handle_target;
+use crate::carry::{handle_target, spread};
 use crate::deform::once;
 use crate::document::{Edit, EditDocument, Method, Pins, Propagation};
 use crate::error::{EditError, PreparedError};
@@ -202,11 +202,10 @@ impl Edits {
             Pins::Contacts => {
                 for (foot, firm) in firm(recording.timeline, feet, frame, &recorded, ground).into_iter().enumerate() {
                     match firm {
+                        // Who grabs a foot takes it along: a sole that stayed would be torn off its toes.
+                        _ if is_grabbed(feet, foot, &handles) => {}
                         1.0 => pins.extend(sole(feet, foot)),
-                        // Who grabs a foot that is about to stand takes it along.
-                        firm if firm > 0.0 && !is_grabbed(feet, foot, &handles) => {
-                            eased.extend(sole(feet, foot).map(|vertex| (vertex, firm)));
-                        }
+                        firm if firm > 0.0 => eased.extend(sole(feet, foot).map(|vertex| (vertex, firm))),
                         _ => {}
                     }
                 }
@@ -418,6 +417,8 @@ impl Edits {
             let by_skin = told[vertex as usize] + beyond;
             held.push((vertex, by_skin.lerp(wanted, exactly)));
         }
+        let beyond: Vec<Vec3> = held.iter().map(|&(vertex, to)| to - told[vertex as usize]).collect();
+        let drawn = spread(carried.iter().map(|one| one.near.as_slice()), &beyond, pose.len());
         for &(pin, firm) in pins {
             held.push((pin, told[pin as usize] * (1.0 - firm)));
         }
@@ -425,7 +426,8 @@ impl Edits {
         once(&mut held, self.weights.len());
         let (vertices, wanted): (Vec<u32>, Vec<Vec3>) = held.into_iter().unzip();
         let system = self.editor.deformer.hold(pose, &vertices, FOLLOW).map_err(EditError::from)?;
-        let moved = self.editor.deformer.solve(&system, pose, &turns, &told, &wanted).map_err(EditError::from)?;
+        let moved = self.editor.deformer.solve_over(&system, pose, (&turns, &told), &drawn, &wanted);
+        let moved = moved.map_err(EditError::from)?;
         pose.iter_mut().zip(moved).for_each(|(point, moved)| *point += moved);
         Ok(())
     }
@@ -439,6 +441,7 @@ impl Edits {
         let asked: Vec<&Pins> = active.iter().map(|one| &self.document.edits[one.edit].pins).collect();
         if asked.iter().any(|pins| matches!(pins, Pins::Contacts)) {
             for (foot, firm) in firm(recording.timeline, feet, frame, pose, ground).into_iter().enumerate() {
+                let firm = firm * (1.0 - self.taken(feet, foot, active));
                 if firm > 0.0 {
                     pins.extend(sole(recording.feet, foot).map(|vertex| (vertex, firm)));
                 }
@@ -461,17 +464,28 @@ impl Edits {
         (0..).zip(firmest).filter(|(_, firm)| *firm > 0.0).collect()
     }
 
+    /// How much of a foot edits take along that let feet stand: the share of those that grab it.
+    fn taken(&self, feet: &Feet, foot: usize, active: &[Active]) -> f32 {
+        let grabs = |one: &&Active| {
+            let Edit { handles, pins, .. } = &self.document.edits[one.edit];
+            let handles: Vec<u32> = handles.iter().map(|handle| handle.vertex).collect();
+            *pins == Pins::Contacts && is_grabbed(feet, foot, &handles)
+        };
+        active.iter().filter(grabs).map(|one| one.share).fold(0.0, f32::max)
+    }
+
     /// Edits of the surface alone: the vertices' rotation vectors are added up, one solve.
     fn reshape(&mut self, active: &[Active], pose: &mut [Vec3]) -> Result<(), PreparedError> {
         let n = pose.len();
         let (mut sums, mut outside) = (vec![Vec3::ZERO; n], vec![0_usize; n]);
-        let mut rest = vec![Vec3::ZERO; n];
+        let (mut rest, mut drawn) = (vec![Vec3::ZERO; n], vec![Vec3::ZERO; n]);
         let mut held: Vec<(u32, Vec3)> = Vec::new();
         let mut pinned = Vec::new();
         for one in active {
             let Some(released) = self.edits[one.edit].2.as_ref().map(|keyed| &keyed.released) else { continue };
             sums.iter_mut().zip(&released.turns).for_each(|(sum, &r)| *sum += one.turn * (r * one.share));
             rest.iter_mut().zip(&released.rest).for_each(|(sum, &moved)| *sum += one.turn * (moved * one.share));
+            drawn.iter_mut().zip(&released.drawn).for_each(|(sum, &moved)| *sum += one.turn * (moved * one.share));
             released.outside.iter().for_each(|&vertex| outside[vertex as usize] += 1);
             let wanted = released.wanted.iter().map(|&wanted| one.turn * (wanted * one.share));
             held.extend(released.grip.handles.iter().copied().zip(wanted));
@@ -489,7 +503,8 @@ impl Edits {
         let by_modes: Vec<Vec3> = pose.iter().zip(&rest).map(|(&point, &moved)| point + moved).collect();
         let left: Vec<Vec3> =
             vertices.iter().zip(wanted).map(|(&vertex, wanted)| wanted - rest[vertex as usize]).collect();
-        let moved = self.editor.deformer.solve(&system, &by_modes, &turns, &told, &left).map_err(EditError::from)?;
+        let moved = self.editor.deformer.solve_over(&system, &by_modes, (&turns, &told), &drawn, &left);
+        let moved = moved.map_err(EditError::from)?;
         pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
     }

@@ -20,6 +20,20 @@ pub(crate) struct Carried {
     pub vertex: u32,
     pub bone: usize,
     pub around: Vec<(u32, f32)>,
+    /// How near the same are, from 1 at the vertex to 0 at the end of what it takes hold of.
+    pub near: Vec<(u32, f32)>,
+}
+
+/// How far handles go `beyond` where their bones bring them, spread over what is near: one vertex alone would be drawn out to a point.
+pub(crate) fn spread<'a>(near: impl Iterator<Item = &'a [(u32, f32)]>, beyond: &[Vec3], count: usize) -> Vec<Vec3> {
+    let mut sums = vec![(Vec3::ZERO, 0.0_f32); count];
+    for (near, &beyond) in near.zip(beyond) {
+        for &(vertex, near) in near {
+            let (sum, all) = &mut sums[vertex as usize];
+            (*sum, *all) = (*sum + beyond * near, *all + near);
+        }
+    }
+    sums.into_iter().map(|(sum, all)| sum / all.max(1.0)).collect()
 }
 
 /// How large a pose is: the longest side of its box.
@@ -55,12 +69,9 @@ pub(crate) fn carry(
     let best = (1..joints.len()).fold(0, |best, k| if is_better(k, best) { k } else { best });
     let bone = joints[best] as usize;
     let share = weights[best];
-    let distances = deformer.distances(pose, &[vertex], radius);
-    let around = distances.iter().enumerate().filter(|(_, distance)| distance.is_finite()).map(|(other, distance)| {
-        let u = (distance / radius).clamp(0.0, 1.0);
-        (other as u32, (1.0 - share) * (1.0 - u * u * (3.0 - 2.0 * u)))
-    });
-    Carried { vertex, bone, around: around.collect() }
+    let near = deformer.near(pose, vertex, radius);
+    let around = near.iter().map(|&(other, near)| (other, (1.0 - share) * near)).collect();
+    Carried { vertex, bone, around, near }
 }
 
 /// Which bones may turn.

@@ -127,6 +127,28 @@ impl Deformer {
         Ok(x.chunks_exact(3).map(Vec3::from_slice).collect())
     }
 
+    /// As [`Self::solve`] where all vertices have gone by `drawn` beside, and edges are to be as that leaves them.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn solve_over(
+        &mut self,
+        held: &Held,
+        pose: &[Vec3],
+        (turns, told): (&[Quat], &[Vec3]),
+        drawn: &[Vec3],
+        wanted: &[Vec3],
+    ) -> Result<Vec<Vec3>, CholeskyError> {
+        let left: Vec<Vec3> =
+            held.held.iter().zip(wanted).map(|(&vertex, &wanted)| wanted - drawn[vertex as usize]).collect();
+        let mut moved = self.solve(held, pose, turns, told, &left)?;
+        moved.iter_mut().zip(drawn).for_each(|(moved, &drawn)| *moved += drawn);
+        for (&vertex, &wanted) in held.held.iter().zip(wanted) {
+            moved[vertex as usize] = wanted;
+        }
+        Ok(moved)
+    }
+
     /// As [`Self::solve`] for several fields at once in place of a pose, whose held vertices go to nothing: what is added to each.
     /// `changes` says, edge by edge, how the edges turn beside none.
     pub(crate) fn fields(
@@ -175,6 +197,18 @@ impl Deformer {
         }
     }
 
+    /// How long edges of `pose` are once displaced beside before: that of which one edge in `one_in` is longer.
+    pub(crate) fn nearly_longest(&self, pose: &[Vec3], displacements: &[Vec3], one_in: usize) -> f32 {
+        let longer = |&[i, j]: &[u32; 2]| {
+            let (i, j) = (i as usize, j as usize);
+            let edge = pose[i] - pose[j];
+            (edge + (displacements[i] - displacements[j])).length() / edge.length().max(1e-6)
+        };
+        let mut all: Vec<f32> = self.edges().iter().map(longer).collect();
+        let at = all.len().saturating_sub(1 + all.len() / one_in.max(1));
+        if all.is_empty() { 1.0 } else { *all.select_nth_unstable_by(at, f32::total_cmp).1 }
+    }
+
     /// The rotation of each vertex that takes its edges in `pose` best to those of `pose` displaced by `displacements`: the
     /// local step of as-rigid-as-possible surfaces.
     #[must_use]
@@ -220,6 +254,17 @@ impl Deformer {
             }
         }
         distances
+    }
+
+    /// How near vertices of `pose` are to `vertex` along its edges: from 1 there to 0 at `radius` metres.
+    pub(crate) fn near(&self, pose: &[Vec3], vertex: u32, radius: f32) -> Vec<(u32, f32)> {
+        let distances = self.distances(pose, &[vertex], radius);
+        let near =
+            distances.iter().enumerate().filter(|(_, distance)| distance.is_finite()).map(|(other, distance)| {
+                let u = (distance / radius).clamp(0.0, 1.0);
+                (other as u32, 1.0 - u * u * (3.0 - 2.0 * u))
+            });
+        near.collect()
     }
 }
 

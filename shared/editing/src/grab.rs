@@ -11,6 +11,7 @@ use kernels::topology::Topology;
 use crate::carry::{Carried, carry, free, handle_target, pin_targets, size};
 use crate::deform::{Deformer, Held};
 use crate::document::{Method, Scope};
+use crate::drawn::Drawn;
 use crate::error::EditError;
 use crate::learned::{Learned, PRIOR};
 use crate::reach::{Bend, Reach, Role, Target};
@@ -27,13 +28,15 @@ const BALANCE: f32 = 0.1;
 const STEPS: usize = 6;
 pub(crate) const FIRST_STEPS: usize = 40;
 /// How far a handle takes hold of its bone over the surface, as a share of the body's size.
-const HOLD: f32 = 0.14;
+pub(crate) const HOLD: f32 = 0.14;
 /// Further than this share no handle goes without a rig; of a region, than so many radii.
 const FARTHEST: f32 = 0.5;
 const FARTHEST_RADII: f32 = 1.5;
 /// Local and global steps of as-rigid-as-possible surfaces in a drag.
 const ITERATIONS: usize = 4;
 const STILL: f32 = 1e-4;
+/// What ends closer to where it is wanted than this, in metres, is there.
+pub(crate) const SHORT: f32 = 1e-6;
 
 /// What is grabbed, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +68,13 @@ pub struct Grab {
     pub(crate) size: f32,
     pub(crate) held: Held,
     pub(crate) by: By,
-    /// Displacement of each handle: what was wanted, or the nearest sensible one.
+    /// Displacement of each handle: what was wanted, or the nearest sensible one; of a surface without bones, before it was looked whether that
+    /// is drawn out, and what is known of that.
     pub(crate) wanted: Vec<Vec3>,
+    pub(crate) asked: Vec<Vec3>,
+    pub(crate) drawn: Drawn,
+    /// What was spread over what is near the handles, by vertex; nothing where nothing was.
+    pub(crate) drawn_out: Vec<Vec3>,
     pub(crate) displacements: Vec<Vec3>,
     pub(crate) is_first: bool,
     /// Height of the ground, and below what nothing goes, in metres.
@@ -120,6 +128,8 @@ pub struct Released {
     pub(crate) turns: Vec<Vec3>,
     /// What modes moved the vertices by before they turned; nothing where there were none.
     pub(crate) rest: Vec<Vec3>,
+    /// What was spread over what is near the handles; nothing where nothing was.
+    pub(crate) drawn: Vec<Vec3>,
     pub(crate) outside: Vec<u32>,
     /// Height of the ground, in metres.
     pub(crate) ground: f32,
@@ -142,7 +152,7 @@ pub struct Editor {
     pub(crate) space: Option<Space>,
     weights: Vec<f32>,
     /// The prior's weight beside the modes of the space.
-    prior: f64,
+    pub(crate) prior: f64,
 }
 
 impl Editor {
@@ -314,17 +324,18 @@ impl Editor {
     pub fn drag(&mut self, grab: &mut Grab, to: &[Vec3]) -> Result<Dragged, EditError> {
         let mut notes = Vec::new();
         let to = &grab.allowed(to, &mut notes);
-        if self.aim(grab, to, &mut notes)? {
+        if self.aim(grab, to)? {
             let anchor = grab.held.anchor();
             match &grab.by {
                 By::Bones(_) => self.pull_bones(grab, to, STEPS, &mut notes)?,
-                By::Surface { .. } => {
-                    let mut left = ITERATIONS;
-                    while left > 0 && !self.relax(grab, left == 1)? {
-                        left -= 1;
+                _ => {
+                    self.pull_surface(grab)?;
+                    while self.draw_in(grab) {
+                        self.pull_surface(grab)?;
                     }
+                    self.soften(grab)?;
+                    grab.shortfalls(to, &mut notes);
                 }
-                By::Modes { .. } => self.pull_modes(grab)?,
             }
             self.lift(grab, anchor)?;
             grab.is_first = false;
@@ -332,8 +343,20 @@ impl Editor {
         Ok(Dragged { pose: grab.moved(), notes })
     }
 
+    /// A drag of what has no bones.
+    fn pull_surface(&mut self, grab: &mut Grab) -> Result<(), EditError> {
+        if matches!(grab.by, By::Modes { .. }) {
+            return self.pull_modes(grab);
+        }
+        let mut left = ITERATIONS;
+        while left > 0 && !self.relax(grab, left == 1)? {
+            left -= 1;
+        }
+        Ok(())
+    }
+
     /// Where the handles are wanted, or the nearest sensible place; whether anything moves.
-    pub(crate) fn aim(&mut self, grab: &mut Grab, to: &[Vec3], notes: &mut Vec<String>) -> Result<bool, EditError> {
+    pub(crate) fn aim(&mut self, grab: &mut Grab, to: &[Vec3]) -> Result<bool, EditError> {
         if to.len() != grab.grip.handles.len() || !to.iter().all(|to| to.is_finite()) {
             return Err(EditError::Edit { edit: 0, reason: "each handle needs one place, of three finite numbers" });
         }
@@ -343,18 +366,19 @@ impl Editor {
             self.still(grab)?;
             return Ok(false);
         }
+        let mut is_far = false;
         if !matches!(grab.by, By::Bones(_)) {
             let most = match grab.grip.scope {
                 Scope::Region { radius } => FARTHEST_RADII * radius,
                 _ => FARTHEST * grab.size,
             };
-            for (wanted, &handle) in grab.wanted.iter_mut().zip(&grab.grip.handles) {
-                let length = wanted.length();
-                if length > most {
-                    *wanted *= most / length;
-                    notes.push(far(handle, length - most));
-                }
-            }
+            is_far = grab.wanted.iter().any(|wanted| wanted.length() > most);
+            grab.wanted.iter_mut().for_each(|wanted| *wanted = wanted.clamp_length_max(most));
+        }
+        (grab.asked, grab.drawn) = (grab.wanted.clone(), Drawn::default());
+        grab.drawn.is_far = is_far;
+        if let By::Modes { learned, .. } = &mut grab.by {
+            learned.set_prior(self.prior);
         }
         Ok(true)
     }
@@ -386,6 +410,7 @@ impl Editor {
     /// Back to the pose that was grabbed.
     fn still(&mut self, grab: &mut Grab) -> Result<(), EditError> {
         grab.displacements.fill(Vec3::ZERO);
+        grab.drawn_out.clear();
         grab.is_first = true;
         match &mut grab.by {
             By::Bones(bones) => {
@@ -417,6 +442,7 @@ impl Editor {
             bones: None,
             turns: Vec::new(),
             rest: Vec::new(),
+            drawn: grab.drawn_out.clone(),
             outside: Vec::new(),
             ground: grab.ground,
         };
@@ -447,13 +473,40 @@ impl Grab {
         let (wanted, displacements) = (vec![Vec3::ZERO; grip.handles.len()], vec![Vec3::ZERO; pose.len()]);
         let (ground, floor) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
         let (pose, is_first, stopped) = (pose.to_vec(), true, Vec::new());
-        Self { pose, grip, size, held, by, wanted, displacements, is_first, ground, floor, stopped, rounds: 0 }
+        let (asked, drawn, rounds) = (Vec::new(), Drawn::default(), 0);
+        Self {
+            pose,
+            grip,
+            size,
+            held,
+            by,
+            wanted,
+            asked,
+            drawn,
+            drawn_out: Vec::new(),
+            displacements,
+            is_first,
+            ground,
+            floor,
+            stopped,
+            rounds,
+        }
     }
 
     /// What was grabbed.
     #[must_use]
     pub fn grip(&self) -> &Grip {
         &self.grip
+    }
+
+    /// Notes how far handles stop short of `to`.
+    pub(crate) fn shortfalls(&self, to: &[Vec3], notes: &mut Vec<String>) {
+        for ((&handle, &to), &wanted) in self.grip.handles.iter().zip(to).zip(&self.wanted) {
+            let short = (to - self.pose[handle as usize]).distance(wanted);
+            if short > SHORT {
+                notes.push(far(handle, short));
+            }
+        }
     }
 
     /// Displacements of all that is held: what is no handle stays, or goes to the ground.

@@ -43,7 +43,8 @@ impl Editor {
         let held: Vec<u32> = grab.held.vertices().iter().copied().chain(layer).collect();
         grab.held = self.deformer.hold(&grab.pose, &held, REST)?;
         if let (By::Modes { .. }, Some(space)) = (&grab.by, &self.space) {
-            let anew = self.by_modes(space, &grab.pose, grab.grip(), &grab.held);
+            let mut anew = self.by_modes(space, &grab.pose, grab.grip(), &grab.held);
+            anew.set_prior(grab.drawn.prior(self.prior));
             if let By::Modes { learned, .. } = &mut grab.by {
                 **learned = anew;
             }

@@ -77,6 +77,17 @@ impl Learned {
         &self.rest
     }
 
+    /// Weighs the prior otherwise from now on, in square metres.
+    pub(crate) fn set_prior(&mut self, prior: f64) {
+        let count = self.modes.len();
+        // A system that is there has it on its diagonal.
+        let there = if self.normal.is_empty() { 0 } else { self.levers.len() };
+        for (k, variance) in self.variances.iter().enumerate().take(there) {
+            self.normal[k * count + k] += (prior - self.prior) / variance;
+        }
+        self.prior = prior;
+    }
+
     /// Nothing is turned.
     pub(crate) fn begin(&mut self) {
         self.turns.fill(Quat::IDENTITY);

@@ -21,6 +21,7 @@ pub mod deform;
 mod dense;
 mod descent;
 pub mod document;
+mod drawn;
 pub mod edited;
 pub mod error;
 pub mod floor;
@@ -39,6 +40,7 @@ pub mod soles;
 pub mod space;
 mod stand;
 pub mod stored;
+mod whole;
 
 pub use self::apply::{Edits, Recording};
 pub use self::deform::Deformer;

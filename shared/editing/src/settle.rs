@@ -54,7 +54,7 @@ impl Settling {
         let is_still = match stage {
             Stage::Begin => {
                 let to = &grab.allowed(to, notes);
-                if !editor.aim(grab, to, notes)? {
+                if !editor.aim(grab, to)? {
                     return Ok(true);
                 }
                 match &grab.by {
@@ -79,13 +79,18 @@ impl Settling {
                 }
             }
         };
-        if is_still && editor.hold_above(grab)? {
+        if is_still && (editor.draw_in(grab) || editor.hold_above(grab)?) {
             *stage = Stage::of(grab);
             return Ok(false);
         }
         if is_still {
             let anchor = grab.held.anchor();
+            editor.soften(grab)?;
             editor.lift(grab, anchor)?;
+            if !matches!(grab.by, By::Bones(_)) {
+                let to = grab.allowed(to, &mut Vec::new());
+                grab.shortfalls(&to, notes);
+            }
         }
         grab.is_first &= !is_still;
         Ok(is_still)

@@ -416,3 +416,47 @@ fn a_drag_goes_on_from_the_last_and_back_to_nothing() {
     assert!(editor.drag(&mut grab, &[]).is_err());
     assert!(editor.drag(&mut grab, &[Vec3::NAN]).is_err());
 }
+
+/// The longest edge of `after` beside `before`.
+fn longest(before: &[Vec3], after: &[Vec3]) -> f32 {
+    let topology = topology();
+    let edges = topology.triangles().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let longer = edges.map(|[a, b]| {
+        let length = |pose: &[Vec3]| pose[a as usize].distance(pose[b as usize]);
+        length(after) / length(before)
+    });
+    longer.fold(0.0, f32::max)
+}
+
+#[test]
+fn a_foot_that_is_grabbed_is_not_torn_off_its_sole() {
+    let poses = poses(0.02);
+    for method in ["rig", "arap"] {
+        let wanted = edit(&poses, 0, Vec3::new(0.2, 0.15, 0.0), &format!(r#","method":"{method}""#));
+        let (made, notes) = edited(&poses, document(&[wanted]), Some(rig()));
+        assert!(notes.is_empty(), "{notes:?}");
+        let mut before = Vec3::ZERO;
+        for (frame, made) in made.iter().enumerate() {
+            let recorded = poses.frame(frame as u32);
+            assert!(longest(recorded, made) < 1.5, "{method} {frame}: {}", longest(recorded, made));
+            // Nothing jumps where the frames around have it stand.
+            let moved = made[0] - recorded[0];
+            assert!(moved.distance(before) < 0.06, "{method} {frame}: {before} {moved}");
+            before = moved;
+        }
+    }
+}
+
+#[test]
+fn a_surface_whose_handle_is_out_of_reach_stays_whole() {
+    let poses = poses(0.0);
+    let recorded = poses.frame(KEY);
+    for (method, most) in [("rig", 1.5), ("learned", 1.5), ("arap", 1.9)] {
+        let by = Vec3::new(0.3, 1.5, 0.0);
+        let (made, notes) =
+            edited(&poses, document(&[edit(&poses, TOP, by, &format!(r#","method":"{method}""#))]), Some(rig()));
+        let made = &made[KEY as usize];
+        assert!(longest(recorded, made) < most, "{method}: {}", longest(recorded, made));
+        assert!(notes.iter().any(|note| note.contains("short of where it is to go")), "{notes:?}");
+    }
+}
