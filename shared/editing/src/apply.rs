@@ -464,12 +464,13 @@ impl Edits {
         (0..).zip(firmest).filter(|(_, firm)| *firm > 0.0).collect()
     }
 
-    /// How much of a foot edits take along that let feet stand: the share of those that grab it.
+    /// How much of a foot that stands edits take along: the share of those that grab it where it stands. One that is grabbed in the
+    /// air stands all the same where it comes down.
     fn taken(&self, feet: &Feet, foot: usize, active: &[Active]) -> f32 {
         let grabs = |one: &&Active| {
             let Edit { handles, pins, .. } = &self.document.edits[one.edit];
             let handles: Vec<u32> = handles.iter().map(|handle| handle.vertex).collect();
-            *pins == Pins::Contacts && is_grabbed(feet, foot, &handles)
+            *pins == Pins::Contacts && feet.stands(self.edits[one.edit].0, foot) && is_grabbed(feet, foot, &handles)
         };
         active.iter().filter(grabs).map(|one| one.share).fold(0.0, f32::max)
     }
