@@ -55,6 +55,9 @@ struct Keyed {
     is_settled: bool,
 }
 
+/// From this share on an edit is nearly whole.
+const NEARLY: f32 = 0.9;
+
 /// An edit as it is in a frame.
 struct Active {
     edit: usize,
@@ -349,7 +352,7 @@ impl Edits {
     /// The vertices that are where they are to be, whatever is lifted.
     fn held(&self, pins: &[(u32, f32)], active: &[Active]) -> Vec<u32> {
         let mut held: Vec<u32> = pins.iter().filter(|(_, firm)| *firm == 1.0).map(|(pin, _)| *pin).collect();
-        for one in active.iter().filter(|one| one.share > 0.9) {
+        for one in active.iter().filter(|one| one.share > NEARLY) {
             held.extend(self.document.edits[one.edit].handles.iter().map(|handle| handle.vertex));
         }
         held
@@ -389,8 +392,7 @@ impl Edits {
                     target.to += wanted;
                     goals.push(target);
                 }
-                // At its own frame a handle is where it is wanted, whatever other edits do.
-                let exactly = if anew { 1.0 } else { ((one.share - 0.9) * 10.0).clamp(0.0, 1.0) };
+                let exactly = if anew { 1.0 } else { exactly(one, active) };
                 handles.push((own.vertex, exactly, wanted, beyond));
                 limbs.push(rig.bones()[own.bone].limb);
             }
@@ -509,4 +511,13 @@ impl Edits {
         pose.iter_mut().zip(&by_modes).zip(moved).for_each(|((point, &before), moved)| *point = before + moved);
         Ok(())
     }
+}
+
+/// How exactly a handle of `one` is where it is wanted in a frame, from 0 to 1, among the edits that are active there. At its own frame it is, whatever
+/// other edits do, and beside it all the more, the more they do. Without others the bones take it along: the same way from another
+/// recorded place would draw a swinging arm out.
+fn exactly(one: &Active, active: &[Active]) -> f32 {
+    let others = active.iter().filter(|other| other.edit != one.edit).map(|other| other.share).fold(0.0, f32::max);
+    let near = ((one.share - NEARLY) / (1.0 - NEARLY)).clamp(0.0, 1.0);
+    if near == 1.0 { 1.0 } else { near * (others / (1.0 - NEARLY)).min(1.0) }
 }
