@@ -20,6 +20,7 @@ use super::survey::{RegisterOptions, Source, Survey, cleaned};
 use super::template::Template;
 use super::track::Target;
 use super::tracked::{Emit, Found, Tracked};
+use super::twists::Twists;
 use super::ways::{Known, Way};
 
 /// Headings that a far frame is tried with, radians from the one by which it is most alike: a leg that is raised turns that.
@@ -32,6 +33,11 @@ const TURNED: usize = 4;
 /// So often what is round is turned, as a whole and by its shares.
 const MOST_TURNS: usize = 4;
 const MOST_SLIPS: usize = 4;
+/// What is strained less ([`Fit::strain`]) is settled.
+const SETTLED: f64 = 0.03;
+/// So many times as much as colours strain counts, where sides of what is round are turned each by itself, and so often that is done.
+const STRAINS: [f32; 2] = [1.0, 4.0];
+const MOST_TWISTS: usize = 3;
 /// Edges of frames of one group that are so many times longer than in the other are no edges of one mesh.
 const MOST_FOLLOWED_STRETCH: f64 = 2.0;
 /// Changes whenever tracking finds something else in the same input.
@@ -69,6 +75,7 @@ pub(crate) struct Registrar<'a, S: Source> {
     neighbours: Vec<Vec<u32>>,
     /// What of it may be found turned.
     round: Option<Round>,
+    twists: Option<Twists>,
     detail: Detail,
     options: &'a RegisterOptions,
     pub job: &'a Job<'a>,
@@ -102,7 +109,8 @@ where
         let detail = Detail::new(&template.surface, template.scale)?;
         let neighbours = template.surface.mesh.neighbours();
         let round = Round::new(template, &neighbours);
-        Ok(Self { source, survey, template, neighbours, round, detail, options, job, emit })
+        let twists = round.as_ref().and_then(|round| Twists::new(round, &template.surface, template.scale));
+        Ok(Self { source, survey, template, neighbours, round, twists, detail, options, job, emit })
     }
 
     /// A frame, ready to be tracked to; `None` where it has no surface.
@@ -203,7 +211,7 @@ where
             Way::Root => None,
             Way::Near(parent) => {
                 let start = self.start(k, *parent, 0.0, state, target)?;
-                Some(self.tried(*parent, (&start, &start), target, Manner::Near))
+                Some(self.settled(self.tried(*parent, (&start, &start), target, Manner::Near), target))
             }
             Way::Far(parents) => self.found_far(k, parents, state, target),
         }
@@ -239,7 +247,8 @@ where
             found.into_iter().partition(|tried| tried.fit.far_fault(&self.options.limits, template.scale).is_none());
         // What a parent was found turned by is held against by all that are tracked from it: others may know better.
         let found = self.best_of_parents(if good.is_empty() { bad } else { good }, TURNED);
-        let turned = found.into_par_iter().map(|tried| self.unturned(tried, target)).collect::<Vec<_>>();
+        let turned = |tried: Tried| self.settled(self.unturned(tried, target), target);
+        let turned = found.into_par_iter().map(turned).collect::<Vec<_>>();
         Some(self.unslipped(self.best(turned, 1).pop()?, target))
     }
 
@@ -248,6 +257,34 @@ where
         let again = self.tried(tried.parent, (&tried.pose, &tried.pose), target, Manner::Refine);
         let stretch = again.fit.stretch.max(tried.fit.stretch);
         Tried { start: tried.start.clone(), fit: Fit { stretch, ..again.fit }, ..again }
+    }
+
+    /// `found`, or what is better of it where the template has something round: held against the template itself, for the parent's pose has
+    /// twists of its own, which would be kept; and then with each side of what is round turned by itself, as often as that helps.
+    fn settled(&self, found: Tried, target: &Target) -> Tried {
+        let Some(twists) = self.twists.as_ref().filter(|_| found.fit.strain > SETTLED) else { return found };
+        let (surface, scale) = (&self.template.surface, self.template.scale);
+        let is_better = |tried: &Tried, than: &Tried| tried.fit.badness(scale) < than.fit.badness(scale);
+        let plain = self.settle(&found, &found.pose, target);
+        let mut found = if is_better(&plain, &found) { plain } else { found };
+        for _ in 0..MOST_TWISTS {
+            let turned = twists.turned(surface, &surface.posed(found.pose.clone()), target, &STRAINS);
+            let tried = turned.par_iter().map(|pose| self.settle(&found, pose, target)).collect();
+            match self.best(tried, 1).pop() {
+                Some(better) if is_better(&better, &found) => found = better,
+                _ => break,
+            }
+        }
+        found
+    }
+
+    /// What is found from the pose `near` by colours, held against the template itself; it is to take the place of `found`.
+    fn settle(&self, found: &Tried, near: &[Vec3], target: &Target) -> Tried {
+        let surface = &self.template.surface;
+        let coloured = self.tracked((&surface.mesh.positions, near), target, Manner::Coloured);
+        let pose = self.tracked((&coloured, &coloured), target, Manner::Refine);
+        let fit = fit(self.template, &surface.posed(pose.clone()), &found.start, &target.surface);
+        Tried { parent: found.parent, start: found.start.clone(), pose, fit }
     }
 
     /// `found`, or what is better of it with the template's round part turned as a whole, as often as that helps.

@@ -5,7 +5,7 @@
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-use super::surface::{Closest, Surface};
+use super::surface::{Closest, Surface, SurfacePoint};
 use super::template::Template;
 
 /// Turns that are tried of a pose that was found, radians: a pattern's period may be any, and tracking goes on from beside it.
@@ -47,7 +47,8 @@ impl Axis {
     }
 
     /// How far `place` is from it.
-    fn distance(self, place: Vec3) -> f32 {
+    #[must_use]
+    pub fn distance(self, place: Vec3) -> f32 {
         (place - self.point).cross(self.along).length()
     }
 }
@@ -96,12 +97,24 @@ impl Round {
     pub fn turned(&self, surface: &Surface, posed: &Surface, turn: f32) -> Vec<Vec3> {
         let place = |v: usize| {
             let own = posed.mesh.positions[v];
-            let (place, normal) =
-                self.axis.turn(turn * self.shares[v], (surface.mesh.positions[v], surface.normals[v]));
-            let found = if self.shares[v] > 0.0 { self.closest.find(surface, place, normal) } else { None };
+            let found = if self.shares[v] > 0.0 { self.under(surface, v, turn * self.shares[v]) } else { None };
             found.map_or(own, |found| posed.interpolated(&posed.mesh.positions, found.triangle, found.weights))
         };
         (0..self.shares.len()).into_par_iter().map(place).collect()
+    }
+
+    /// The point of `surface`, the template's, that vertex `v` comes to lie on when it is turned by `turn` radians.
+    #[must_use]
+    pub fn under(&self, surface: &Surface, v: usize, turn: f32) -> Option<SurfacePoint> {
+        let (place, normal) = self.axis.turn(turn, (surface.mesh.positions[v], surface.normals[v]));
+        self.closest.find(surface, place, normal)
+    }
+
+    /// Where `place` lies about the axis as seen from above, from +Z to +X, from 0 to a whole turn in radians.
+    #[must_use]
+    pub fn bearing(&self, place: Vec3) -> f32 {
+        let off = place - self.axis.point;
+        off.x.atan2(off.z).rem_euclid(std::f32::consts::TAU)
     }
 }
 
