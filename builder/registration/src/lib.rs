@@ -15,6 +15,7 @@
 pub mod candidates;
 mod carried;
 pub mod checks;
+pub mod colouring;
 pub mod cut;
 pub mod cycle;
 pub mod descriptor;

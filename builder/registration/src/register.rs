@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicU64;
 
 use job::Job;
 
+use super::colouring::Colourings;
 use super::detail::DetailError;
 use super::registrar::{Registrar, State};
 pub use super::survey::{Lost, RegisterOptions, Source, Survey, cleaned, survey, template, windowed};
@@ -35,12 +36,13 @@ where
     let registrar = Registrar::new((source, survey), template, options, job, emit)?;
     let ways = Ways::new(survey, (tree.root, &tree.parents), |frame| source.sequence(frame));
     let mut state: Vec<State> = (0..count).map(|_| State::default()).collect();
+    let mut colourings = Colourings::new(template);
     let mut known = vec![Known::default(); count];
     let done = AtomicU64::new(0);
     job.tell("registering", 0, count as u64)?;
     let mut open = vec![(tree.root, Way::Root)];
     while !open.is_empty() {
-        registrar.work(&open, &mut state, &known, &done)?;
+        registrar.work(&open, (&mut state, &mut colourings), &known, &done)?;
         for (k, way) in &open {
             known[*k].tracked = state[*k].pose.is_some();
             known[*k].strain = state[*k].tracked.as_ref().map_or(0.0, |tracked| tracked.fit.strain);
@@ -60,5 +62,5 @@ where
         }
     }
     lost.sort_by_key(|&(frame, _)| frame);
-    Ok(Registered { tracked, lost, poses })
+    Ok(Registered { tracked, lost, poses, recoloured: colourings.changed() })
 }

@@ -1,5 +1,6 @@
 //! One frame: the template is tracked onto it from frames that are known.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{Quat, Vec3};
@@ -8,6 +9,7 @@ use job::work::Key;
 use rayon::prelude::*;
 
 use super::checks::{Fault, Fit, fit};
+use super::colouring::{Colourings, Worn, are_others, shown};
 use super::detail::{Detail, DetailError};
 use super::far::Manner;
 use super::groups::Anchors;
@@ -70,16 +72,22 @@ type Start = (usize, bool, Vec<Vec3>);
 pub(crate) struct Registrar<'a, S: Source> {
     source: &'a S,
     survey: &'a Survey,
-    template: &'a Template,
-    /// Of the template's vertices.
+    /// In the colours that it is looked for with.
+    template: Arc<Template>,
+    shape: Arc<Shape>,
+    options: &'a RegisterOptions,
+    pub job: &'a Job<'a>,
+    emit: Emit<'a, S>,
+}
+
+/// What the template is like in all colours.
+struct Shape {
+    /// Of its vertices.
     neighbours: Vec<Vec<u32>>,
     /// What of it may be found turned.
     round: Option<Round>,
     twists: Option<Twists>,
     detail: Detail,
-    options: &'a RegisterOptions,
-    pub job: &'a Job<'a>,
-    emit: Emit<'a, S>,
 }
 
 enum Outcome {
@@ -92,6 +100,16 @@ struct Good {
     pose: Vec<Vec3>,
     anchors: Option<[Anchors; 2]>,
     tracked: Tracked,
+    /// What it was found with, and the colours that it shows, where that was its shape alone.
+    worn: Worn,
+    colours: Option<Vec<Vec3>>,
+}
+
+/// What was found, with what, and the colours that the frame shows where that was its shape alone.
+struct Dressed {
+    tried: Option<Tried>,
+    worn: Worn,
+    colours: Option<Vec<Vec3>>,
 }
 
 impl<'a, S: Source> Registrar<'a, S>
@@ -101,7 +119,7 @@ where
     /// Of `template`, on frames of `survey`.
     pub fn new(
         (source, survey): (&'a S, &'a Survey),
-        template: &'a Template,
+        template: &Template,
         options: &'a RegisterOptions,
         job: &'a Job<'a>,
         emit: Emit<'a, S>,
@@ -110,7 +128,15 @@ where
         let neighbours = template.surface.mesh.neighbours();
         let round = Round::new(template, &neighbours);
         let twists = round.as_ref().and_then(|round| Twists::new(round, &template.surface, template.scale));
-        Ok(Self { source, survey, template, neighbours, round, twists, detail, options, job, emit })
+        let template = Arc::new(template.coloured(template.surface.colours.clone()));
+        let shape = Arc::new(Shape { neighbours, round, twists, detail });
+        Ok(Self { source, survey, template, shape, options, job, emit })
+    }
+
+    /// The same, that looks for the template in other colours.
+    fn wearing(&self, template: Arc<Template>) -> Self {
+        let Self { source, survey, options, job, emit, .. } = *self;
+        Self { source, survey, template, shape: Arc::clone(&self.shape), options, job, emit }
     }
 
     /// A frame, ready to be tracked to; `None` where it has no surface.
@@ -123,12 +149,12 @@ where
     pub fn work(
         &self,
         open: &[(usize, Way)],
-        state: &mut [State],
+        (state, colourings): (&mut [State], &mut Colourings),
         known: &[Known],
         done: &AtomicU64,
     ) -> Result<(), S::Error> {
         let total = self.survey.frames.len() as u64;
-        let before: &[State] = state;
+        let before: (&[State], &Colourings) = (state, colourings);
         let one = |(k, way): &(usize, Way)| -> Result<Outcome, S::Error> {
             let found = self.frame(*k, way, before, known[*k].tried.len())?;
             if matches!(found, Outcome::Good(..)) {
@@ -140,10 +166,11 @@ where
         };
         let found: Vec<Result<Outcome, S::Error>> = open.par_iter().map(one).collect();
         for ((k, _), found) in open.iter().zip(found) {
-            let state = &mut state[*k];
+            let (frame, state) = (self.survey.frames[*k], &mut state[*k]);
             match found? {
                 Outcome::Good(good) => {
-                    let Good { pose, anchors, tracked } = *good;
+                    let Good { pose, anchors, tracked, worn, colours } = *good;
+                    colourings.decide((self.source.sequence(frame), frame), worn, colours);
                     (state.pose, state.anchors, state.tracked) = (Some(pose), anchors, Some(tracked));
                 }
                 // The first failure, along the tree, is the one to tell of.
@@ -155,10 +182,16 @@ where
         Ok(())
     }
 
-    fn frame(&self, k: usize, way: &Way, state: &[State], tried: usize) -> Result<Outcome, S::Error> {
+    fn frame(
+        &self,
+        k: usize,
+        way: &Way,
+        (state, colourings): (&[State], &Colourings),
+        tried: usize,
+    ) -> Result<Outcome, S::Error> {
         let frame = self.survey.frames[k];
         let (mut scan, extra) = self.source.read(frame)?;
-        let (template, nothing) = (self.template, Fit { uncovered: 1.0, ..Fit::default() });
+        let (template, nothing) = (&*self.template, Fit { uncovered: 1.0, ..Fit::default() });
         let Some((cleaned, _)) = cleaned(&mut scan) else { return Ok(Outcome::Bad(Fault::Uncovered, nothing)) };
         let Cleaned { surface, uvs, kept, .. } = cleaned;
         let target = Target::new(surface, template.scale);
@@ -167,7 +200,9 @@ where
             _ => None,
         };
         let is_followed = followed.is_some();
-        let found = if is_followed { None } else { self.found(k, way, state, &target) };
+        let own = Dressed { tried: None, worn: Worn::Known(0), colours: None };
+        let Dressed { tried: found, worn, colours } =
+            if is_followed { own } else { self.dressed(k, way, (state, colourings), &target) };
         let (parent, pose, detailed, fit) = match (followed, found) {
             (Some((pose, detailed, fit)), _) => (way.parents().first().copied(), pose, Some(detailed), fit),
             (None, Some(tried)) => (Some(tried.parent), tried.pose, None, tried.fit),
@@ -185,7 +220,7 @@ where
         let detailed = match detailed {
             Some(detailed) => detailed,
             None if self.options.detail > 0.0 => {
-                self.detail.add(&template.surface, &pose, &target, self.options.detail)?
+                self.shape.detail.add(&template.surface, &pose, &target, self.options.detail)?
             }
             None => pose.clone(),
         };
@@ -202,7 +237,36 @@ where
         let tries = tried + way.parents().len().max(1);
         let tracked = Tracked { frame, parent, fit, tries, followed: is_followed, through: None };
         (self.emit)(Found { template, tracked: &tracked, pose: &detailed, target: &target, uvs: &uvs, extra })?;
-        Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked })))
+        Ok(Outcome::Good(Box::new(Good { pose, anchors, tracked, worn, colours })))
+    }
+
+    /// What is found with the colours of the frame's sequence; where these are not known, with those of all that are known that it shows; or by
+    /// its shape alone, where it shows none of them.
+    fn dressed(&self, k: usize, way: &Way, (state, colourings): (&[State], &Colourings), target: &Target) -> Dressed {
+        let templates = colourings.templates();
+        let wearing = |number: usize| self.wearing(Arc::clone(&templates[number]));
+        let known = |number: usize, tried: Option<Tried>| Dressed { tried, worn: Worn::Known(number), colours: None };
+        if let Some(number) = colourings.of(self.source.sequence(self.survey.frames[k])) {
+            return known(number, wearing(number).found(k, way, state, target));
+        }
+        let are_others =
+            |tried: &Tried, number: usize| are_others(tried.fit.colour, &templates[number].surface, &target.surface);
+        let mut found: Vec<Option<Tried>> = Vec::new();
+        for number in 0..templates.len() {
+            let tried = wearing(number).found(k, way, state, target);
+            if tried.as_ref().is_none_or(|tried| !are_others(tried, number)) {
+                return known(number, tried);
+            }
+            found.push(tried);
+        }
+        let bare = self.wearing(Arc::new(self.template.coloured(None)));
+        match bare.found(k, way, state, target) {
+            Some(tried) => {
+                let colours = shown(&self.template.surface.posed(tried.pose.clone()), &target.surface);
+                Dressed { tried: Some(tried), worn: Worn::Shape, colours }
+            }
+            None => known(0, found.swap_remove(0)),
+        }
     }
 
     /// The parent, the pose that is found from it and how it fits.
@@ -226,12 +290,12 @@ where
     /// The same of a pose that is known.
     pub fn start_of(&self, (parent, pose): (usize, &[Vec3]), k: usize, turn: f32, target: &Target) -> Vec<Vec3> {
         let turn = turn + self.survey.dissimilarity.turn(parent, k);
-        moved(self.template, pose, &target.surface, turn)
+        moved(&self.template, pose, &target.surface, turn)
     }
 
     /// The best pose from far `parents`: of what comes near it from all of them and several headings the best is refined.
     pub fn found_far(&self, k: usize, parents: &[usize], state: &[State], target: &Target) -> Option<Tried> {
-        let template = self.template;
+        let template = &self.template;
         let starts = parents.iter().flat_map(|&parent| TURNS.map(|turn| (parent, turn)));
         let starts: Vec<Start> = starts
             .filter_map(|(parent, turn)| Some((parent, turn == 0.0, self.start(k, parent, turn, state, target)?)))
@@ -262,7 +326,7 @@ where
     /// `found`, or what is better of it where the template has something round: held against the template itself, for the parent's pose has
     /// twists of its own, which would be kept; and then with each side of what is round turned by itself, as often as that helps.
     fn settled(&self, found: Tried, target: &Target) -> Tried {
-        let Some(twists) = self.twists.as_ref().filter(|_| found.fit.strain > SETTLED) else { return found };
+        let Some(twists) = self.shape.twists.as_ref().filter(|_| found.fit.strain > SETTLED) else { return found };
         let (surface, scale) = (&self.template.surface, self.template.scale);
         let is_better = |tried: &Tried, than: &Tried| tried.fit.badness(scale) < than.fit.badness(scale);
         let plain = self.settle(&found, &found.pose, target);
@@ -283,13 +347,13 @@ where
         let surface = &self.template.surface;
         let coloured = self.tracked((&surface.mesh.positions, near), target, Manner::Coloured);
         let pose = self.tracked((&coloured, &coloured), target, Manner::Refine);
-        let fit = fit(self.template, &surface.posed(pose.clone()), &found.start, &target.surface);
+        let fit = fit(&self.template, &surface.posed(pose.clone()), &found.start, &target.surface);
         Tried { parent: found.parent, start: found.start.clone(), pose, fit }
     }
 
     /// `found`, or what is better of it with the template's round part turned as a whole, as often as that helps.
     fn unturned(&self, found: Tried, target: &Target) -> Tried {
-        let Some(round) = &self.round else { return found };
+        let Some(round) = &self.shape.round else { return found };
         let surface = &self.template.surface;
         self.turned(found, MOST_TURNS, target, |found| {
             let posed = surface.posed(found.pose.clone());
@@ -299,10 +363,10 @@ where
 
     /// `found`, or what is better of it with all that is round turned by its share of roundness, as often as that helps.
     fn unslipped(&self, found: Tried, target: &Target) -> Tried {
-        let (template, axis) = (self.template, target.surface.centroid());
+        let (template, axis) = (&self.template, target.surface.centroid());
         self.turned(found, MOST_SLIPS, target, |found| {
             let posed = template.surface.posed(found.pose.clone());
-            let shares = roundness(&posed, target, &self.neighbours, (axis, template.scale));
+            let shares = roundness(&posed, target, &self.shape.neighbours, (axis, template.scale));
             SLIPS.map(|turn| slipped(&found.pose, &shares, axis, turn)).to_vec()
         })
     }
@@ -367,7 +431,7 @@ where
 
     /// The start of `tried`, turned as parts of the body were.
     fn headed(&self, tried: &Tried, target: &Target) -> Vec<Start> {
-        let (template, axis) = (self.template, target.surface.centroid());
+        let (template, axis) = (&self.template, target.surface.centroid());
         let turns = headings((&tried.start, &tried.pose), &template.surface.areas, axis, template.scale);
         let start = |turn: f32| {
             let turn = Quat::from_rotation_y(turn);
@@ -388,15 +452,16 @@ where
     pub fn tried(&self, parent: usize, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Tried {
         let pose = self.tracked((start, near), target, manner);
         let posed = self.template.surface.posed(pose.clone());
-        let fit = fit(self.template, &posed, start, &target.surface);
+        let fit = fit(&self.template, &posed, start, &target.surface);
         Tried { parent, start: start.to_vec(), pose, fit }
     }
 
     /// The template's poses on a frame of the parent's group, where it is the same mesh indeed: without detail, and with it.
     fn followed(&self, parent: &State, scan: &Scan, target: &Target) -> Option<(Vec<Vec3>, Vec<Vec3>, Fit)> {
         let (from, [plain, detailed]) = (parent.pose.as_ref()?, parent.anchors.as_ref()?);
-        let (pose, detailed) = (plain.follow(scan, &self.neighbours)?, detailed.follow(scan, &self.neighbours)?);
-        let template = self.template;
+        let (pose, detailed) =
+            (plain.follow(scan, &self.shape.neighbours)?, detailed.follow(scan, &self.shape.neighbours)?);
+        let template = &self.template;
         let fit = fit(template, &template.surface.posed(pose.clone()), from, &target.surface);
         let sound = fit.fault(&self.options.limits, template.scale).is_none() && fit.stretch < MOST_FOLLOWED_STRETCH;
         sound.then_some((pose, detailed, fit))
@@ -411,7 +476,7 @@ where
 
     /// The pose tracked from `near` and held against `start`, or what the work folder holds of it.
     fn tracked(&self, (start, near): (&[Vec3], &[Vec3]), target: &Target, manner: Manner) -> Vec<Vec3> {
-        let find = || manner.track(self.template, (start, near), target, &self.options.track);
+        let find = || manner.track(&self.template, (start, near), target, &self.options.track);
         let Some(work) = self.job.work() else { return find() };
         let bytes = |surface: &Surface| -> Vec<u8> {
             let mesh = &surface.mesh;

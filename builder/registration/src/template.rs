@@ -1,5 +1,9 @@
 //! The template: the mesh that is moved through all frames, and the deformation graphs that move it.
 
+use std::sync::Arc;
+
+use glam::Vec3;
+
 use super::energy::System;
 use super::graph::Graph;
 use super::scan::Cleaned;
@@ -29,7 +33,7 @@ pub struct Template {
     /// Metres of this body that are one of a person.
     pub scale: f32,
     /// The coarse and the fine graph.
-    pub levels: [Level; 2],
+    pub levels: Arc<[Level; 2]>,
     /// Triangles of its frame that are no part of it: edges of theirs had a triangle on each side already.
     pub left_out: usize,
 }
@@ -46,7 +50,7 @@ impl Template {
             Some(Level { graph, system })
         };
         let [coarse, fine] = DISTANCES.map(level);
-        let levels = [coarse?, fine?];
+        let levels = Arc::new([coarse?, fine?]);
         Some(Self { surface, scale, levels, left_out: 0 })
     }
 
@@ -56,6 +60,14 @@ impl Template {
         let surface = frame.manifold();
         let left_out = frame.surface.mesh.triangles.len() - surface.mesh.triangles.len();
         Some(Self { left_out, ..Self::new(surface)? })
+    }
+
+    /// The same template with other colours of its vertices, or none; it shares the graphs.
+    #[must_use]
+    pub fn coloured(&self, colours: Option<Vec<Vec3>>) -> Self {
+        let mut surface = self.surface.clone();
+        surface.colours = colours;
+        Self { surface, levels: Arc::clone(&self.levels), ..*self }
     }
 }
 

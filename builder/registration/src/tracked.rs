@@ -55,4 +55,6 @@ pub struct Registered {
     pub lost: Vec<(usize, Lost)>,
     /// The template's pose on each frame of `tracked`, without detail.
     pub poses: BTreeMap<usize, Vec<Vec3>>,
+    /// The first frames of sequences whose colours have nothing to do with the template's: these were found by their shape alone.
+    pub recoloured: Vec<usize>,
 }

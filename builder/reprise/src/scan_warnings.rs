@@ -183,7 +183,13 @@ pub(crate) fn told_of_registered(scans: &Scans, registered: &Registered, alone: 
             100.0 * fit.strain
         )
     });
-    alone.into_iter().chain(doubtful).collect()
+    let recoloured = told(scans, "W_SCAN_COLOURS", &registered.recoloured, |_| {
+        "its colours have nothing to do with the template's, as of other clothes or another light: it was found by its shape alone, and the \
+         rest of its sequence by the colours that it shows; look whether hands and feet are where they should be, for what slid along \
+         the body there is off in the whole sequence"
+            .into()
+    });
+    alone.into_iter().chain(recoloured).chain(doubtful).collect()
 }
 
 /// How many frames were tracked from those of `doubtful`, which are in order, from their children and so on.
