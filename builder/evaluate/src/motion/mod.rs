@@ -174,7 +174,7 @@ impl Own {
     fn row(&self) -> Vec<Cell> {
         let mut row = self.cells("recorded", &self.ways, &self.changes, &self.slides, self.stutters);
         row.splice(4..4, [Cell::Empty, Cell::Empty, Cell::Empty]);
-        row.extend([Cell::Empty, Cell::Empty, Cell::Empty]);
+        row.extend([Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty]);
         row
     }
 
@@ -229,14 +229,20 @@ impl Own {
         let share = |count: usize| percent(count as f64 / (seams as f64).max(1.0));
         row.splice(4..4, [Cell::Count(seams as u64), share(above[0]), share(above[1])]);
         let there = Moments::of(slides.iter().copied()).mean / self.slide_there((graph, &capture.timeline), shown);
-        let inside = |walk: &Shown, at: usize| walk.transitions.get(at).is_some_and(Option::is_some);
-        let slid = |walk: &Shown| -> Vec<Slid> {
-            walk.slid.iter().enumerate().filter(|(at, _)| inside(walk, *at)).map(|(_, slid)| *slid).collect()
+        // A transition's index, and what slid in one of its steps.
+        let slid = |walk: &Shown| -> Vec<(u32, Slid)> {
+            let at = walk.transitions.iter().zip(&walk.slid);
+            at.filter_map(|(transition, slid)| Some(((*transition)?, *slid))).collect()
         };
-        let standing = standing::mean(shown.iter().flat_map(slid));
+        let slid: Vec<(u32, Slid)> = shown.iter().flat_map(slid).collect();
+        let standing = standing::mean(slid.iter().map(|slid| slid.1));
         let recorded = standing::recorded(capture, graph.feet(), &Look::of(&capture.poses, capture.topology.weights()));
+        let of_transitions =
+            slid.iter().filter_map(|&(index, slid)| Some((graph.transitions().get(index as usize)?, slid)));
+        let recorded_there = standing::there(&recorded, &capture.timeline, of_transitions);
+        let recorded = standing::mean(recorded.into_iter());
         let number = |value: f64| if value.is_finite() { Cell::Number(value, 2) } else { Cell::Empty };
-        row.extend([there, standing * 1e3, standing / recorded].map(number));
+        row.extend([there, standing * 1e3, standing / recorded, standing / recorded_there].map(number));
         row
     }
 
@@ -294,6 +300,7 @@ pub(super) fn frames_table(own: &Own) -> Table {
             "slide, times recorded there",
             "standing feet, mm",
             "standing, times recorded",
+            "standing, times recorded there",
         ],
     )
 }

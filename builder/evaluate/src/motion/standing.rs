@@ -9,6 +9,7 @@ use glam::{Vec3, Vec3Swizzles};
 use synthesis::steps::foot_steps;
 
 use super::series::Look;
+use crate::blended;
 
 /// The way along the ground, summed up over vertices, and how many these are.
 pub type Slid = (f64, u32);
@@ -34,15 +35,30 @@ pub fn mean(slid: impl Iterator<Item = Slid>) -> f64 {
     sum / count as f64
 }
 
-/// The mean over all recorded frames, in metres a frame.
-pub fn recorded(capture: &Capture, feet: &Feet, look: &Look) -> f64 {
+/// How far feet slide that stand, from each recorded frame to the one recorded after it.
+pub fn recorded(capture: &Capture, feet: &Feet, look: &Look) -> Vec<Slid> {
     let (poses, timeline) = (&capture.poses, &capture.timeline);
     let step = |frame: u32| {
         let next = timeline.next(frame).filter(|next| *next == frame + 1)?;
         let stands = in_both(feet, frame, next);
         Some(slid(feet, &stands, look, [poses.frame(frame), poses.frame(next)]))
     };
-    mean((0..timeline.frame_count()).filter_map(step))
+    (0..timeline.frame_count()).map(|frame| step(frame).unwrap_or_default()).collect()
+}
+
+/// The mean of what the sides of transitions slide as recorded, each transition counting as much as it slid itself, in metres a frame; `recorded` as
+/// [`recorded`] has it.
+pub fn there<'a>(recorded: &[Slid], timeline: &Timeline, slid: impl Iterator<Item = (&'a Transition, Slid)>) -> f64 {
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (transition, (_, count)) in slid {
+        let of = blended::sides(timeline, transition).into_iter().flatten();
+        let own = mean(of.filter_map(|frame| recorded.get(frame as usize)).copied());
+        if own.is_finite() {
+            sum += own * f64::from(count);
+            weight += f64::from(count);
+        }
+    }
+    sum / weight
 }
 
 /// For each step of a leg, which feet stand in it.
