@@ -13,11 +13,11 @@ use crate::lean::{lean, share};
 use crate::steps::FootStep;
 
 /// A foot that goes far is lifted by this much of its own size: by 5 cm or so.
-const LIFT: f32 = 0.6;
+const LIFT: f32 = 0.57;
 /// One that goes as far as this much of its own size is lifted by half of that.
-const HALF: f32 = 0.35;
+const HALF: f32 = 0.14;
 /// One that bears the body goes so many times as far for that.
-const BEARS: f32 = 3.0;
+const BEARS: f32 = 10.0;
 
 /// Where the sides of a blend are.
 pub(crate) struct Sides<'a> {

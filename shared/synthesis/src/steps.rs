@@ -22,8 +22,6 @@ const HASTE: f32 = 0.15;
 const APART: f32 = 0.5;
 /// What a step costs while nothing else bears.
 const FALLS: f32 = 0.3;
-/// How often the steps of all feet are chosen.
-const ROUNDS: usize = 2;
 
 /// The step of one foot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,51 +76,74 @@ pub fn foot_steps(feet: &Feet, timeline: &Timeline, transition: &Transition) -> 
 /// The same where it is known how firmly each foot stands at each node of the source and of the destination.
 #[must_use]
 pub fn steps_of_standing(standing: &[[Vec<f32>; 2]], fps: f32) -> Vec<Option<FootStep>> {
-    let mut steps: Vec<Option<FootStep>> = vec![None; standing.len()];
-    // The first ones are chosen before those of the others are known; so all are chosen once more.
-    for _ in 0..ROUNDS {
-        for foot in 0..standing.len() {
-            if standing[foot].iter().flatten().any(|&stands| stands > 0.0) {
-                steps[foot] = Some(best(foot, standing, &steps, fps));
+    let last = standing.first().map_or(0, |sides| sides[0].len().saturating_sub(1));
+    let shortest = ((SHORTEST * fps).round() as usize).clamp(1, last.max(1));
+    let feet: Vec<usize> =
+        (0..standing.len()).filter(|&foot| standing[foot].iter().flatten().any(|&stands| stands > 0.0)).collect();
+    let mut steps = chosen(standing, &feet, None, shortest);
+    if feet.len() > 1 {
+        // Feet that go at the same time may be the best that each can do beside the other, though one after the other is better: so
+        // what comes of it is looked at, too, where the first goes as early as it can, and as late.
+        let mut least = all_cost(standing, &steps, shortest);
+        for begin in [0, last.saturating_sub(shortest)] {
+            let first = FootStep { begin, width: shortest, ..FootStep::default() };
+            let other = chosen(standing, &feet, Some(first), shortest);
+            let cost = all_cost(standing, &other, shortest);
+            if cost < least {
+                (steps, least) = (other, cost);
             }
         }
     }
     let alone = |(foot, step): (usize, &Option<FootStep>)| {
         let step = (*step)?;
-        let last = standing[foot][0].len().saturating_sub(1);
-        let bears: Vec<f32> = (0..=last).map(|node| bearing(foot, standing, &steps, node)).collect();
-        Some(FootStep { alone: step.unborne(&bears), ..step })
+        Some(FootStep { alone: step.unborne(&all_bearing(foot, standing, &steps)), ..step })
     };
     steps.iter().enumerate().map(alone).collect()
 }
 
-/// The step of `foot` beside those of the other feet, as far as they are chosen.
-fn best(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], fps: f32) -> FootStep {
+/// The steps of `feet`, each the best beside those of the others; `first` is where that of the first of them begins to be looked for.
+fn chosen(
+    standing: &[[Vec<f32>; 2]],
+    feet: &[usize],
+    first: Option<FootStep>,
+    shortest: usize,
+) -> Vec<Option<FootStep>> {
+    let mut steps: Vec<Option<FootStep>> = vec![None; standing.len()];
+    let mut open = feet;
+    if let (Some((&foot, others)), Some(step)) = (feet.split_first(), first) {
+        let (_, stands) = cost(&step, &standing[foot], &[], shortest);
+        steps[foot] = Some(FootStep { stands, ..step });
+        open = others;
+    }
+    // The first ones are chosen before those of the others are known; so all are chosen once more.
+    for &foot in open.iter().chain(feet) {
+        steps[foot] = Some(best(foot, standing, &steps, shortest));
+    }
+    steps
+}
+
+/// What the steps of all feet cost.
+fn all_cost(standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], shortest: usize) -> f32 {
+    let cost = |(foot, step): (usize, &Option<FootStep>)| {
+        step.map_or(0.0, |step| cost(&step, &standing[foot], &all_bearing(foot, standing, steps), shortest).0)
+    };
+    steps.iter().enumerate().map(cost).sum()
+}
+
+/// The step of `foot` beside those of the other feet, as far as they are chosen; `shortest` is the shortest one's width.
+fn best(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], shortest: usize) -> FootStep {
     let sides = &standing[foot];
     let last = sides[0].len().saturating_sub(1);
-    let shortest = ((SHORTEST * fps).round() as usize).clamp(1, last.max(1));
-    let bears: Vec<f32> = (0..=last).map(|node| bearing(foot, standing, steps, node)).collect();
+    let bears = all_bearing(foot, standing, steps);
     let (mut found, mut least) = (FootStep { width: last, ..FootStep::default() }, f32::INFINITY);
     // Halves of the shortest step from one width to the next.
     for halves in 2..=2 * LONGEST {
         let width = (shortest * halves / 2).min(last);
         for begin in 0..=last - width {
-            let mut step = FootStep { begin, width, ..FootStep::default() };
-            let (mut stands, mut apart) = ([0.0; 2], 0.0);
-            for node in 0..last {
-                let (here, next) = (step.weight(node), step.weight(node + 1));
-                let middle = (here + next) / 2.0;
-                let firm = |side: usize| (sides[side][node] + sides[side][node + 1]) / 2.0;
-                stands[0] += (next - here) * (1.0 - middle) * firm(0);
-                stands[1] += (next - here) * middle * firm(1);
-                let blend = ease((node as f32 + 0.5) / last as f32);
-                apart += (middle - blend) * (middle - blend) / last as f32;
-            }
-            let haste = HASTE * shortest as f32 / width.max(1) as f32;
-            let cost = (stands[0] + stands[1]) * (1.0 + FALLS * step.unborne(&bears)) + haste + APART * apart;
+            let step = FootStep { begin, width, ..FootStep::default() };
+            let (cost, stands) = cost(&step, sides, &bears, shortest);
             if cost < least {
-                step.stands = stands;
-                (found, least) = (step, cost);
+                (found, least) = (FootStep { stands, ..step }, cost);
             }
         }
         if width == last {
@@ -130,6 +151,32 @@ fn best(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>], fps
         }
     }
     found
+}
+
+/// What a step costs of a foot that stands so on both `sides`, and [`FootStep::stands`]. The step's own is not looked at: it would not be the same
+/// step otherwise.
+fn cost(step: &FootStep, sides: &[Vec<f32>; 2], bears: &[f32], shortest: usize) -> (f32, [f32; 2]) {
+    let step = FootStep { stands: [0.0; 2], ..*step };
+    let last = sides[0].len().saturating_sub(1);
+    let (mut stands, mut apart) = ([0.0; 2], 0.0);
+    for node in 0..last {
+        let (here, next) = (step.weight(node), step.weight(node + 1));
+        let middle = (here + next) / 2.0;
+        let firm = |side: usize| (sides[side][node] + sides[side][node + 1]) / 2.0;
+        stands[0] += (next - here) * (1.0 - middle) * firm(0);
+        stands[1] += (next - here) * middle * firm(1);
+        let blend = ease((node as f32 + 0.5) / last as f32);
+        apart += (middle - blend) * (middle - blend) / last as f32;
+    }
+    let haste = HASTE * shortest as f32 / step.width.max(1) as f32;
+    // It goes only once it is lifted.
+    let unborne = FootStep { stands, ..step }.unborne(bears);
+    ((stands[0] + stands[1]) * (1.0 + FALLS * unborne) + haste + APART * apart, stands)
+}
+
+/// How firmly the firmest of the other feet stands from each node to the next one.
+fn all_bearing(foot: usize, standing: &[[Vec<f32>; 2]], steps: &[Option<FootStep>]) -> Vec<f32> {
+    (0..standing[foot][0].len()).map(|node| bearing(foot, standing, steps, node)).collect()
 }
 
 /// How firmly the firmest of the other feet stands from a node to the next one; all bear as long as none is chosen.

@@ -61,6 +61,15 @@ fn two_feet_do_not_go_at_once_where_there_is_time() {
 }
 
 #[test]
+fn two_feet_go_one_after_the_other_in_little_time_too() {
+    // Each of them alone would rather take all of the time.
+    let foot = || [firm(|_| true, 15), firm(|_| true, 15)];
+    for step in steps_of_standing(&[foot(), foot()], 50.0).into_iter().flatten() {
+        assert!(step.alone < 0.01 && step.width == 10, "{step:?}");
+    }
+}
+
+#[test]
 fn a_foot_knows_whether_another_one_bears() {
     let (stands, hangs) = (|| firm(|_| true, 21), || firm(|_| false, 21));
     let beside = |other: [Vec<f32>; 2]| steps_of_standing(&[[stands(), stands()], other], FPS)[0].unwrap().alone;
